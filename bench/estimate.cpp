@@ -12,7 +12,7 @@ std::vector<BenchRow> run_estimate_bench(const BenchOptions& options) {
   using Time = std::chrono::steady_clock;
   const auto count = [&] { return options.allocations == nullptr ? 0 : options.allocations(); };
   std::vector<BenchRow> rows;
-  int believed = 0;
+  int estimated = 0;
   for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
     test::SyntheticFlight flight({.seed = 1, .latency_min = 0.08, .latency_max = 0.08});
     const auto filter = make_pose_filter({.filter = kind}, flight.o.mount);
@@ -27,7 +27,7 @@ std::vector<BenchRow> run_estimate_bench(const BenchOptions& options) {
       allocations = std::max(allocations, count() - before);
       us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
     };
-    believed = 0;
+    estimated = 0;
     for (int k = 0; k < options.updates; ++k) {
       const MotionSample motion = flight.advance(arrived);
       timed(samples, [&] { filter->advance(motion); });
@@ -36,7 +36,7 @@ std::vector<BenchRow> run_estimate_bench(const BenchOptions& options) {
       for (const Measurement& z : arrived) {
         std::vector<double> start;
         timed(known ? sightings : start, [&] { fit = filter->take(z); });
-        believed += fit.verdict == FitVerdict::accepted ? 1 : 0;
+        estimated += fit.verdict == FitVerdict::accepted ? 1 : 0;
       }
     }
     const std::string name(filter_kinds[static_cast<std::size_t>(kind)]);
@@ -46,7 +46,7 @@ std::vector<BenchRow> run_estimate_bench(const BenchOptions& options) {
       rows.back().allocations = allocations;
     }
   }
-  if (options.progress) options.progress(believed);
+  if (options.progress) options.progress(estimated);
   return rows;
 }
 

@@ -23,7 +23,7 @@ std::vector<BenchRow> run_event_bench(const BenchOptions& options) {
                      .ramp = 0.3};
   };
   const Script script{{turn("start", "there", BodyId{0}), turn("there", "start", BodyId{1})}};
-  TeamSwitcher team_switcher(Roster(world), script, newton_riccati_of(bench_horizon));
+  TeamSwitcher team_switcher(ActiveTeam(world), script, newton_riccati_of(bench_horizon));
   Plant plant(world, event_start(world, leaders));
   std::vector<double> u(static_cast<std::size_t>(world.nu()));
   std::vector<double> all, after, changes;

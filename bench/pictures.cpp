@@ -107,7 +107,7 @@ class Stage {
   Team team_;
   CameraOptions options_;
   std::unique_ptr<DetectionSource> rendered_, drawn_;
-  RandomStream chance_{7, Chance::run, 0};
+  RandomStream chance_{7, StreamId::run, 0};
   std::vector<ExposedBody> bodies_ = std::vector<ExposedBody>(2);
   std::array<Detection, 1> found_;
 };

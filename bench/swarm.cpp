@@ -33,7 +33,7 @@ std::vector<double> slowest_second(const std::vector<double>& us) {
 bool is_swarm_case(std::string_view name) { return team_size(name, "swarm").has_value(); }
 
 std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options,
-                                      const std::shared_ptr<Crew>& crew) {
+                                      const std::shared_ptr<ThreadPool>& pool) {
   if (!is_swarm_case(name)) throw std::invalid_argument(fmt::format("{} is no swarm", name));
   using Clock = std::chrono::steady_clock;
   const int robots = *team_size(name, "swarm");
@@ -41,8 +41,8 @@ std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions&
   const int crossing = robots <= few ? 2600 : 6000;  // updates
   const int crossings = (options.updates + crossing - 1) / crossing;
   const Swap swap = Swap::of(robots);
-  NewtonRiccati solver(swap.team, bench_horizon, {.crew = crew});
-  GuardOptions guarded{.barrier = BarrierMode::report, .period = bench_horizon.dt, .crew = crew};
+  NewtonRiccati solver(swap.team, bench_horizon, {.pool = pool});
+  GuardOptions guarded{.barrier = BarrierMode::report, .period = bench_horizon.dt, .pool = pool};
   guarded.bodies.assign(at(robots), {.d_hard = Swap::d_hard});
   std::vector<double> stamps(at(robots)), added(at(swap.team.nu())), u(added.size());
   std::vector<double> all, both;
@@ -63,7 +63,7 @@ std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions&
         throw std::runtime_error(fmt::format("{}: {} near pairs found no room", name, s.neighbours.left_out));
       std::fill(stamps.begin(), stamps.end(), t);
       std::copy(s.u.begin(), s.u.end(), u.begin());
-      const ValidStates& estimate = guard.believe(t, x, stamps);
+      const ValidStates& estimate = guard.accept_measurement(t, x, stamps);
       const Clock::time_point begin = Clock::now();
       guard.keep_distances(t, estimate, added, u);
       const double guarding = std::chrono::duration<double>(Clock::now() - begin).count();

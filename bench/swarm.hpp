@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/bench.hpp"
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 
 namespace sightline {
 
@@ -20,6 +20,6 @@ bool is_swarm_case(std::string_view name);
 /// @param options  .progress is told once, how many pairs came near at one time
 /// @param crew     shares updates and barriers
 std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options = {},
-                                      const std::shared_ptr<Crew>& crew = {});
+                                      const std::shared_ptr<ThreadPool>& pool = {});
 
 }  // namespace sightline

@@ -1,6 +1,6 @@
 #include "cli/arguments.hpp"
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -29,7 +29,7 @@ void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nul
   CLI::Option* port = command.add_option("--port", serve.port, "Port of the page; 0: a free one [8765]")
                           ->check(CLI::Range(0, 65535));
   CLI::Option* address = command.add_option(
-      "--listen", serve.address, "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
+      "--bind", serve.address, "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
   CLI::Option* origins =
       command
           .add_option(
@@ -52,7 +52,7 @@ void add_threads(CLI::App& command, int& threads) {
       .add_option(
           "--threads", threads,
           "Threads that share the updates, barriers and simulation of a large team, or many parts [1]")
-      ->check(CLI::Range(1, Crew::most));
+      ->check(CLI::Range(1, ThreadPool::most));
 }
 
 }  // namespace
@@ -111,6 +111,10 @@ Arguments::Arguments()
   add_scenario(*check_command, check.scenario);
   check_command->add_flag("--print", check.expanded,
                           "Print the scenario with its templates and ranges expanded");
+  check_command
+      ->add_flag("--fix", check.fix, "First rewrite the file: keys and words that have another name now")
+      ->excludes("--print")
+      ->excludes("--set");
 
   report_command = app.add_subcommand("report", "Make report.html again from a run's files");
   report_command->add_option("DIR", folder, "Folder of a run")->required();
@@ -180,7 +184,7 @@ Arguments::Arguments()
   campaign_command->add_option("-o,--output", campaign.output, "Folder for the results [out/NAME/campaign]");
   campaign_command->add_option("--only", campaign.only, "Fly this run alone, with log and report")
       ->check(CLI::Range(0, runs_max - 1));
-  campaign_command->add_option("--beside", campaign.beside,
+  campaign_command->add_option("--compare-with", campaign.compare_with,
                                "Another scenario of the same robots, flown with the same draws");
   CLI::Option* shard =
       campaign_command
@@ -196,7 +200,7 @@ Arguments::Arguments()
       ->excludes(shard)
       ->excludes(resume)
       ->excludes("--only")
-      ->excludes("--beside")
+      ->excludes("--compare-with")
       ->excludes("--set")
       ->excludes("--runs")
       ->excludes("--seed")

@@ -25,11 +25,11 @@ namespace sightline::cli {
 int bench(const BenchCommand& command, char** /*argv*/) {
   std::vector<BenchCase> cases;
   SolverChoice solver;
-  std::shared_ptr<Crew> crew;
+  std::shared_ptr<ThreadPool> pool;
   try {
     solver = solver_named(command.solver);
-    crew = std::make_shared<Crew>(command.threads);
-    share_updates(solver, crew);
+    pool = std::make_shared<ThreadPool>(command.threads);
+    share_updates(solver, pool);
     for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names()) {
       const bool is_alone = is_barrier_case(name) || name == event_case_name || name == estimate_case_name;
       if (is_alone && command.threads > 1)
@@ -47,17 +47,17 @@ int bench(const BenchCommand& command, char** /*argv*/) {
 
   if (command.threads == 1) pin_to_core();
   std::vector<BenchRow> rows;
-  const auto telling = [&](std::string_view what) {
+  const auto reporting = [&](std::string_view what) {
     return BenchOptions{.updates = command.updates,
                         .allocations = allocations,
                         .progress = [what](int count) { tell("{} {}\n", count, what); }};
   };
   if (command.name && is_barrier_case(*command.name))
-    rows.push_back(run_barrier_bench(*command.name, telling("of 500 conflicts")));
+    rows.push_back(run_barrier_bench(*command.name, reporting("of 500 conflicts")));
   if (command.name && is_swarm_case(*command.name))
-    rows = run_swarm_bench(*command.name, telling("pairs at most"), crew);
-  if (command.name == event_case_name) rows = run_event_bench(telling("changes"));
-  if (command.name == estimate_case_name) rows = run_estimate_bench(telling("sightings believed"));
+    rows = run_swarm_bench(*command.name, reporting("pairs at most"), pool);
+  if (command.name == event_case_name) rows = run_event_bench(reporting("changes"));
+  if (command.name == estimate_case_name) rows = run_estimate_bench(reporting("sightings believed"));
   for (const BenchCase& what : cases) {
     tell("{}: ", what.name);
     rows.push_back(run_bench(what, solver,

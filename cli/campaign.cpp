@@ -23,6 +23,7 @@
 #include "sightline/campaign/result_file.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/record/text_file.hpp"
+#include "sightline/scenario/renamed.hpp"
 #include "sightline/studies/evasion_page.hpp"
 
 namespace sightline::cli {
@@ -44,12 +45,12 @@ struct Input {
   fs::path folder_of(std::size_t i) const { return i == 0 ? folder : folder / scenarios[i].name; }
 };
 
-Input read(const CampaignCommand& command, const Parts& parts) {
+Input read(const CampaignCommand& command, const Registry& registry) {
   Input input;
   if (command.scenario.file.empty())
     throw std::invalid_argument(
         "SCENARIO is missing, expected a scenario file (TOML), or --merge and the folders of shards");
-  const Scenario& scenario = input.scenarios.emplace_back(command.scenario.read(parts));
+  const Scenario& scenario = input.scenarios.emplace_back(command.scenario.read(registry));
   input.plan = campaign_plan(scenario);
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   input.options = {.runs = command.runs,
@@ -60,8 +61,8 @@ Input read(const CampaignCommand& command, const Parts& parts) {
   const fs::path alone = command.only ? own / fmt::format("run_{}", *command.only) : own / "campaign";
   input.folder = command.output.empty() ? alone : command.output;
   input.resumes = command.resume;
-  if (!command.beside.empty())
-    input.scenarios.push_back(read_scenario(command.beside, parts, command.scenario.set));
+  if (!command.compare_with.empty())
+    input.scenarios.push_back(read_scenario(command.compare_with, registry, command.scenario.set));
   for (const Scenario& one : input.scenarios) check_campaign(one, input.plan);
   return input;
 }
@@ -118,7 +119,7 @@ std::string again(const CampaignCommand& command, const Input& input) {
   std::string words = fmt::format("sightline campaign {} --seed {}",
                                   shell_word(command.scenario.file.native()), input.options.seed);
   for (const std::string& assignment : command.scenario.set) words += " --set " + shell_word(assignment);
-  if (!command.beside.empty()) words += " --beside " + shell_word(command.beside.native());
+  if (!command.compare_with.empty()) words += " --compare-with " + shell_word(command.compare_with.native());
   return words;
 }
 
@@ -161,7 +162,7 @@ int fly_one(const Input& input, int index) {
   int code = 0;
   for (std::size_t i = 0; i < input.scenarios.size(); ++i) {
     const Variants variants(input.scenarios[i], input.plan);
-    const RunResult result = Pilot(variants, input.plan).fly(run);
+    const RunResult result = RunWorker(variants, input.plan).fly(run);
     Scenario scenario = variants.of(run, folders.front().path());
     write_text(folders.front().path() / (scenario.name + ".toml"), scenario.text);
     print("{}", words_of(run, result, input.plan));
@@ -208,7 +209,7 @@ std::map<fs::path, std::string> scenario_files(const CampaignWords& about, const
 }
 
 /// One table and page of the folders of all shards, those of scenarios beside too.
-int merge(const CampaignCommand& command, const Parts& parts) {
+int merge(const CampaignCommand& command, const Registry& registry) {
   const std::vector<fs::path>& from = command.merge;
   const auto tables_in = [&](const fs::path& inside) {
     std::vector<fs::path> tables;
@@ -253,9 +254,10 @@ int merge(const CampaignCommand& command, const Parts& parts) {
     if (const CampaignWords words = campaign_words(table.file); words.recovered < words.runs) code = 1;
   try {
     // The scenario that draws; the table has the files of its own alone.
-    const Scenario scenario = about.plan.empty()
-                                  ? parse_scenario(about.text, scenario_file, parts, {.files = about.files})
-                                  : parse_scenario(about.plan, scenario_file, parts);
+    const Scenario scenario =
+        about.plan.empty() ? parse_scenario(with_present_names(about.text, scenario_file.native()).text,
+                                            scenario_file, registry, {.files = about.files})
+                           : parse_scenario(about.plan, scenario_file, registry);
     const std::string words =
         fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));
@@ -269,7 +271,7 @@ int merge(const CampaignCommand& command, const Parts& parts) {
 }
 
 /// All shards by Slurm, then one table and page of them.
-int campaign_by_slurm(const CampaignCommand& command, const Input& input, const Parts& parts) {
+int campaign_by_slurm(const CampaignCommand& command, const Input& input, const Registry& registry) {
   const std::string script =
       slurm_script(command, input.options.seed, input.scenarios.front().name, input.folder);
   if (command.slurm.dry_run) {
@@ -283,17 +285,17 @@ int campaign_by_slurm(const CampaignCommand& command, const Input& input, const 
   CampaignCommand of_shards = command;
   of_shards.output = input.folder;
   for (int i = 1; i <= shards; ++i) of_shards.merge.push_back(shard_folder(input.folder, i));
-  return merge(of_shards, parts);
+  return merge(of_shards, registry);
 }
 
 }  // namespace
 
-int campaign(const CampaignCommand& command, const Parts& parts) {
+int campaign(const CampaignCommand& command, const Registry& registry) {
   Input input;
   try {
-    if (!command.merge.empty()) return merge(command, parts);
-    input = read(command, parts);
-    if (command.slurm.submit) return campaign_by_slurm(command, input, parts);
+    if (!command.merge.empty()) return merge(command, registry);
+    input = read(command, registry);
+    if (command.slurm.submit) return campaign_by_slurm(command, input, registry);
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));
     return 2;

@@ -5,15 +5,29 @@
 #include "sightline/analysis/preflight.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/version.hpp"
+#include "sightline/record/text_file.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/renamed.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline::cli {
+namespace {
 
-int check(const CheckCommand& command, const Parts& parts) {
+/// Rewrites a file whose keys or words have another name now, and says which.
+void fix(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  const RenamedText renamed = with_present_names(text, file.native());
+  for (const std::string& change : renamed.changes) say(change);
+  if (renamed.text != text) write_text(file, renamed.text);
+}
+
+}  // namespace
+
+int check(const CheckCommand& command, const Registry& registry) {
   try {
-    const Scenario read = command.scenario.read(parts);
+    if (command.fix) fix(command.scenario.file);
+    const Scenario read = command.scenario.read(registry);
     const Controls controls(read);
     const Preflight known = preflight(read);
     for (const std::string& refusal : known.refusals) tell("{}\n", refusal);
@@ -27,7 +41,7 @@ int check(const CheckCommand& command, const Parts& parts) {
     print("ok\n{}", summary(read));
     for (const std::string& remark : known.remarks) print("smooth      {}\n", remark);
     for (const std::string& warning : known.warnings) print("warning     {}\n", warning);
-    if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
+    if (const std::string reported = controls.kernels().sentence(); !reported.empty()) say(reported);
     return 0;
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));

@@ -4,10 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cli/arguments.hpp"
@@ -19,6 +21,10 @@
 namespace sightline {
 namespace {
 
+/// Options that have another name since version 0.2.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> renamed_options = {
+    {{"--beside", "--compare-with"}, {"--listen", "--bind"}}};
+
 /// The names of all commands, as they are told.
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -26,7 +32,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-int execute(int argc, char** argv, const Parts& parts) {
+int execute(int argc, char** argv, const Registry& registry) {
   using namespace cli;
 
   Arguments words;
@@ -41,6 +47,14 @@ int execute(int argc, char** argv, const Parts& parts) {
                           near ? fmt::format(", the nearest is {}", *near) : std::string()));
     return 2;
   }
+  for (int i = 2; i < argc; ++i) {
+    const std::string_view option(argv[i]), name = option.substr(0, option.find('='));
+    for (const auto& [old, present] : renamed_options) {
+      if (name != old) continue;
+      say(fmt::format("{}, expected {}, its name since 0.2", old, present));
+      return 2;
+    }
+  }
   try {
     words.app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -50,19 +64,19 @@ int execute(int argc, char** argv, const Parts& parts) {
     write_message(err.str());
     return code == 0 ? 0 : 2;
   }
-  if (words.run_command->parsed()) return run(words.run, parts);
-  if (words.fly_command->parsed()) return fly_fleet(words.fly, parts);
-  if (words.vehicles_command->parsed()) return vehicles(words.vehicles, parts);
-  if (words.doctor_command->parsed()) return doctor(words.doctor, parts);
-  if (words.check_command->parsed()) return check(words.check, parts);
+  if (words.run_command->parsed()) return run(words.run, registry);
+  if (words.fly_command->parsed()) return fly_fleet(words.fly, registry);
+  if (words.vehicles_command->parsed()) return vehicles(words.vehicles, registry);
+  if (words.doctor_command->parsed()) return doctor(words.doctor, registry);
+  if (words.check_command->parsed()) return check(words.check, registry);
   if (words.report_command->parsed()) return report(words.folder);
-  if (words.view_command->parsed()) return view(words.view, parts);
-  if (words.replay_command->parsed()) return replay(words.replay, parts);
-  if (words.identify_command->parsed()) return identify(words.identify, parts);
-  if (words.potential_command->parsed()) return potential(words.potential, parts);
-  if (words.explain_command->parsed()) return explain(words.explain, parts);
-  if (words.campaign_command->parsed()) return campaign(words.campaign, parts);
-  if (words.parts_command->parsed()) return list_parts(words.parts_as_json, parts);
+  if (words.view_command->parsed()) return view(words.view, registry);
+  if (words.replay_command->parsed()) return replay(words.replay, registry);
+  if (words.identify_command->parsed()) return identify(words.identify, registry);
+  if (words.potential_command->parsed()) return potential(words.potential, registry);
+  if (words.explain_command->parsed()) return explain(words.explain, registry);
+  if (words.campaign_command->parsed()) return campaign(words.campaign, registry);
+  if (words.parts_command->parsed()) return list_parts(words.parts_as_json, registry);
   if (words.version_command->parsed()) return show_version();
   if (words.bench_command->parsed()) return bench(words.bench, argv);
   return 2;
@@ -70,13 +84,13 @@ int execute(int argc, char** argv, const Parts& parts) {
 
 }  // namespace
 
-int command_line(int argc, char** argv, const Parts& parts) {
+int command_line(int argc, char** argv, const Registry& registry) {
   using namespace cli;
   open_streams();
   report_failures_to([](std::string_view line) noexcept { write_message(line); });
   int code = 1;
   try {
-    code = execute(argc, argv, parts);
+    code = execute(argc, argv, registry);
   } catch (const std::exception& e) {
     tell("sightline: {}\n", sentence_of(e));
   }

@@ -25,7 +25,7 @@ struct NamedScenario {
   std::vector<std::string> set;  ///< "KEY=VALUE", read over what the file says
 
   /// @throws std::invalid_argument as read_scenario()
-  Scenario read(const Parts& parts) const { return read_scenario(file, parts, set); }
+  Scenario read(const Registry& registry) const { return read_scenario(file, registry, set); }
 };
 
 /// Where a page is served, unless told otherwise.
@@ -41,6 +41,7 @@ struct ShowOptions {
 struct CheckCommand {
   NamedScenario scenario;
   bool expanded = false;  ///< print it, as TOML
+  bool fix = false;       ///< rewrite the file with present names
 };
 
 struct ExplainCommand {
@@ -137,9 +138,9 @@ struct SlurmOptions {
 };
 
 struct CampaignCommand {
-  NamedScenario scenario;        ///< its `set` is of the one beside, too
-  std::filesystem::path output;  ///< empty: out/NAME/campaign
-  std::filesystem::path beside;  ///< another scenario that flies the same draws; empty: none
+  NamedScenario scenario;              ///< its `set` is of the one beside, too
+  std::filesystem::path output;        ///< empty: out/NAME/campaign
+  std::filesystem::path compare_with;  ///< another scenario that flies the same draws; empty: none
   int runs = 200;
   std::optional<std::uint64_t> seed;         ///< none: the scenario's
   int threads = 0;                           ///< 0: as many as there are cores
@@ -151,7 +152,7 @@ struct CampaignCommand {
 };
 
 /// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
-int run(const RunOptions& options, const Parts& parts);
+int run(const RunOptions& options, const Registry& registry);
 
 struct PartitionChoice;
 /// Robots on links, in place of a simulated world.
@@ -168,45 +169,45 @@ int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const ShowOpti
 void tell_without_page();
 /// Flies a fleet over the program's bridge: takes off, flies the task, lands; Ctrl-C lands, a second one leaves the robots to their
 /// autopilots. Files as run().
-int fly_fleet(const FlyCommand& command, const Parts& parts);
+int fly_fleet(const FlyCommand& command, const Registry& registry);
 /// Excites a robot of a fleet over its link, alone: takes off, moves within the walls, lands; Ctrl-C lands it.
 /// @throws std::invalid_argument where it does not take off, or not to the end
 FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
-                             const Parts& parts);
+                             const Registry& registry);
 /// Stands in for the robots of a fleet.
-int vehicles(const VehiclesCommand& command, const Parts& parts);
+int vehicles(const VehiclesCommand& command, const Registry& registry);
 /// Looks at the robots of a fleet before a flight, and at this machine; sends nothing that a robot could obey. 1 where something is
 /// red.
-int doctor(const DoctorCommand& command, const Parts& parts);
+int doctor(const DoctorCommand& command, const Registry& registry);
 /// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
 /// not recovered.
-int campaign(const CampaignCommand& command, const Parts& parts);
+int campaign(const CampaignCommand& command, const Registry& registry);
 /// Reads a scenario and says what it describes, or what is wrong with it; or prints it expanded, as TOML.
-int check(const CheckCommand& command, const Parts& parts);
+int check(const CheckCommand& command, const Registry& registry);
 /// Makes report.html again from what a run left.
 int report(const std::filesystem::path& folder);
 /// Flies a scenario in real time, or takes the log of a run, and serves a page that shows it, until Ctrl-C. Writes no files but those of a
 /// flight that is tuned.
-int view(const ViewCommand& command, const Parts& parts);
+int view(const ViewCommand& command, const Registry& registry);
 /// The same of a flight that those who look on may change, and begin anew with another seed: each leaves its log.
 /// @param announce  called with the address of the page
-int view_tuned(const ViewCommand& command, const Parts& parts,
+int view_tuned(const ViewCommand& command, const Registry& registry,
                const std::function<void(const std::string&)>& announce);
 /// When the page is closed, if nobody ends it before.
 std::chrono::steady_clock::time_point end_of(const ViewCommand& command);
 /// What became of those who looked on.
-void tell_counts(const ServeCounts& counts);
+void report_counts(const ServeCounts& counts);
 /// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
 /// With another solver or other values, says how far the commands are from the recorded ones.
-int replay(const ReplayCommand& command, const Parts& parts);
+int replay(const ReplayCommand& command, const Registry& registry);
 /// Fits models of a multirotor to a flight that excites it, or to the log of a run: identify.json and identify.html.
-int identify(const IdentifyCommand& command, const Parts& parts);
+int identify(const IdentifyCommand& command, const Registry& registry);
 /// Draws and judges the potentials of a scenario: index.html and verdict.json.
-int potential(const PotentialOptions& options, const Parts& parts);
+int potential(const PotentialOptions& options, const Registry& registry);
 /// Says which limits of a scenario can hold together and what each is worth.
-int explain(const ExplainCommand& command, const Parts& parts);
+int explain(const ExplainCommand& command, const Registry& registry);
 /// Says which parts a scenario may call by name, with their parameters: tables of Markdown, or JSON.
-int list_parts(bool json, const Parts& parts);
+int list_parts(bool json, const Registry& registry);
 int show_version();
 /// Of the library, and of the compiler that built it.
 std::string version_text();

@@ -118,12 +118,12 @@ int watch_poses(FleetDoctor& fleet, const DoctorCommand& command) {
 
 }  // namespace
 
-int doctor(const DoctorCommand& command, const Parts& parts) {
+int doctor(const DoctorCommand& command, const Registry& registry) {
   Scenario scenario;
   std::unique_ptr<FleetDoctor> fleet;
   try {
-    scenario = read_fleet(command.fleet, parts);
-    fleet = parts.bridge->examine(scenario);
+    scenario = read_fleet(command.fleet, registry);
+    fleet = registry.bridge->examine(scenario);
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));
     return 2;

@@ -6,9 +6,9 @@
 
 namespace sightline::cli {
 
-int explain(const ExplainCommand& command, const Parts& parts) {
+int explain(const ExplainCommand& command, const Registry& registry) {
   try {
-    const Scenario read = command.scenario.read(parts);
+    const Scenario read = command.scenario.read(registry);
     print("{}", explain_text(read));
     return 0;
   } catch (const ScenarioError& error) {

@@ -16,14 +16,14 @@ constexpr int largest_number = 1'000'000;  // of a robot
 
 }  // namespace
 
-std::optional<FaultTyping::Asked> FaultTyping::take(char key) {
+std::optional<FaultTyping::Requested> FaultTyping::take(char key) {
   help_ = key == '?' || key == 'h';
   const bool digit = std::isdigit(static_cast<unsigned char>(key)) != 0;
   if (digit) number_ = std::min(largest_number, (typing_ ? 10 * number_ : 0) + (key - '0'));
   typing_ = digit;
   for (std::size_t i = 0; i < link_faults.size(); ++i) {
     if (link_faults[i].key == key && number_ > 0)
-      return Asked{static_cast<std::size_t>(number_ - 1), static_cast<LinkFaultKind>(i)};
+      return Requested{static_cast<std::size_t>(number_ - 1), static_cast<LinkFaultKind>(i)};
   }
   return std::nullopt;
 }
@@ -65,7 +65,7 @@ void FaultKeys::read(const Take& take, const Help& help) const {
     if (::poll(&waiting, 1, key_wait) <= 0) continue;
     char key = 0;
     if (::read(STDIN_FILENO, &key, 1) != 1) break;
-    if (const auto asked = typing.take(key)) take(*asked);
+    if (const auto requested = typing.take(key)) take(*requested);
     if (typing.asks_for_help()) help();
   }
   (void)::tcsetattr(STDIN_FILENO, TCSANOW, &before);

@@ -16,13 +16,13 @@ namespace sightline::cli {
 /// What keys ask for, one after another.
 class FaultTyping {
  public:
-  struct Asked {
+  struct Requested {
     std::size_t robot;  ///< from 0
     LinkFaultKind kind;
   };
   /// The next key; a digit begins or continues the number of a robot, which stays until the next number.
   /// @return a fault that is to begin or to end
-  std::optional<Asked> take(char key);
+  std::optional<Requested> take(char key);
   /// Whether the last key asked for help: ? or h.
   bool asks_for_help() const { return help_; }
 
@@ -37,7 +37,7 @@ std::string fault_keys_help();
 /// Reads keys of a terminal, as they are typed, until its end; where stdin is no terminal it does nothing.
 class FaultKeys {
  public:
-  using Take = std::function<void(FaultTyping::Asked)>;
+  using Take = std::function<void(FaultTyping::Requested)>;
   using Help = std::function<void()>;
   /// Calls `take` and `help` by a thread of its own.
   FaultKeys(Take take, Help help);

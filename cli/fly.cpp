@@ -15,7 +15,7 @@
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/solver/distributed/partition.hpp"
 
 namespace sightline::cli {
@@ -26,7 +26,7 @@ Interrupts interrupt_count{0};
 std::atomic<bool> interrupted{false};
 
 /// Other parts, which exchange messages as the scenario says.
-std::string partition_assignment(const FlyCommand& command, const Parts& parts) {
+std::string partition_assignment(const FlyCommand& command, const Registry& parts) {
   const Scenario scenario = read_fleet(command.fleet, parts);
   const ExchangeOptions exchange = scenario.partition ? scenario.partition->exchange : ExchangeOptions{};
   std::string words = "partition={";
@@ -89,7 +89,7 @@ void listen_to_interrupts() {
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 
-Scenario read_fleet(const NamedScenario& fleet, const Parts& parts) {
+Scenario read_fleet(const NamedScenario& fleet, const Registry& parts) {
   Scenario scenario = fleet.read(parts);
   if (!scenario.fleet)
     throw std::invalid_argument(
@@ -101,7 +101,7 @@ Scenario read_fleet(const NamedScenario& fleet, const Parts& parts) {
   return scenario;
 }
 
-int fly_fleet(const FlyCommand& command, const Parts& parts) {
+int fly_fleet(const FlyCommand& command, const Registry& parts) {
   std::unique_ptr<LinkedWorld> world;
   std::optional<RunFolder> folder;
   Scenario scenario;
@@ -125,8 +125,8 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     refuse_without_part(scenario, command);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
-    scenario.crew = std::make_shared<Crew>(command.threads);
-    share_updates(scenario.solver, scenario.crew);
+    scenario.pool = std::make_shared<ThreadPool>(command.threads);
+    share_updates(scenario.solver, scenario.pool);
     check_solvers(scenario);
     std::filesystem::path output = std::filesystem::path("out") / scenario.name;
     if (scenario.partition) output /= scenario.partition->part;
@@ -135,7 +135,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
     const auto& localized = scenario.localization.robots;
     if (!localized.empty() && world->measured_max().motions == 0)
       throw std::invalid_argument(
-          fmt::format("{}: agent.{}.localized_by = view, expected \"global\": its link tells no motion",
+          fmt::format("{}: agent.{}.localization = vision, expected \"global\": its link tells no motion",
                       command.fleet.file.native(), scenario.team.name(localized.front().robot)));
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));
@@ -157,7 +157,7 @@ int fly_fleet(const FlyCommand& command, const Parts& parts) {
 }
 
 FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
-                             const Parts& parts) {
+                             const Registry& parts) {
   if (parts.bridge == nullptr)
     throw std::invalid_argument(
         "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
@@ -168,7 +168,7 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
                                     [&](const Link& link) { return link.robot == BodyId(robot); });
   if (reached != fleet.fleet->links.end() && reached->poses.estimated())
     throw std::invalid_argument(fmt::format(
-        "agent.{}.localized_by = view, expected \"global\": what it does is measured by its poses",
+        "agent.{}.localization = vision, expected \"global\": what it does is measured by its poses",
         fleet.team.name(BodyId(robot))));
   Scenario alone = fleet;
   std::erase_if(alone.fleet->links, [&](const Link& link) { return link.robot != BodyId(robot); });
@@ -194,20 +194,24 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
   return motion;
 }
 
-int vehicles(const VehiclesCommand& command, const Parts& parts) {
+int vehicles(const VehiclesCommand& command, const Registry& parts) {
   try {
     const Scenario scenario = read_fleet(command.fleet, parts);
-    const std::unique_ptr<StandIns> stand_ins = parts.bridge->stand_in(scenario);
+    const std::unique_ptr<VehicleSimulators> vehicle_simulators = parts.bridge->vehicle_simulator(scenario);
     listen_to_interrupts();
     say(fmt::format("{} vehicles stand in, until Ctrl-C", scenario.fleet->links.size()));
     {
       const auto help = [] { tell("{}", fault_keys_help()); };
-      const FaultKeys keys([&](FaultTyping::Asked asked) { say(stand_ins->toggle(asked.robot, asked.kind)); },
-                           help);
+      const FaultKeys keys(
+          [&](FaultTyping::Requested requested) {
+            say(vehicle_simulators->toggle(requested.robot, requested.kind));
+          },
+          help);
       if (FaultKeys::on_a_terminal()) help();
-      stand_ins->run(command.seconds, interrupts(), [](std::string_view sentence) { say(sentence); });
+      vehicle_simulators->run(command.seconds, interrupts(),
+                              [](std::string_view sentence) { say(sentence); });
     }
-    for (const std::string& line : stand_ins->counts()) print("{}\n", line);
+    for (const std::string& line : vehicle_simulators->counts()) print("{}\n", line);
     return 0;
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));

@@ -39,18 +39,18 @@ auto in(const fs::path& place, Make&& make) {
 }
 
 /// What the log of a run has of the robot.
-FlownMotion flown(const IdentifyCommand& command, const Parts& parts) {
+FlownMotion flown(const IdentifyCommand& command, const Registry& registry) {
   const fs::path log = log_of(command.of.file);
   const FlownAs flight = flown_as(log);
   const Scenario scenario =
-      parse_scenario(flight.text, log, parts, {.files = flight.files, .set = command.of.set});
+      parse_scenario(flight.text, log, registry, {.files = flight.files, .set = command.of.set});
   const RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt);
   return in(command.of.file, [&] { return motion_of(recorded, scenario.horizon.dt, command.agent); });
 }
 
 }  // namespace
 
-int identify(const IdentifyCommand& command, const Parts& parts) {
+int identify(const IdentifyCommand& command, const Registry& registry) {
   std::error_code ignored;  // of what cannot be looked at, the reading says why
   const bool of_log = fs::is_directory(command.of.file, ignored);
   std::optional<FolderLock> lock;
@@ -62,11 +62,11 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
   };
   try {
     if (of_log) {
-      motion = flown(command, parts);
+      motion = flown(command, registry);
       lock_in(command.of.file);
       found = in(command.of.file, [&] { return sightline::identify(motion); });
     } else {
-      const Scenario scenario = command.of.read(parts);
+      const Scenario scenario = command.of.read(registry);
       const AgentId robot =
           in(command.of.file, [&] { return identified_robot(scenario.team, command.agent); });
       const ExcitationOptions options{.kind = kind_of(command.excitation),
@@ -76,7 +76,7 @@ int identify(const IdentifyCommand& command, const Parts& parts) {
                                       .radius = command.radius};
       options.check();
       lock_in(fs::path("out") / scenario.name / "identify");
-      motion = scenario.fleet ? excite_over_link(scenario, robot, options, parts)
+      motion = scenario.fleet ? excite_over_link(scenario, robot, options, registry)
                               : fly_excitation(scenario, robot, options);
       found = in(command.of.file, [&] { return sightline::identify(motion, options.kind); });
     }

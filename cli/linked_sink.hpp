@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "sightline/run/ring.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/bridge.hpp"
 #include "sightline/server/flight_page.hpp"
 
@@ -64,7 +64,7 @@ class LinkedSink final : public Sink<Sample> {
   void look(const Sample& sample) noexcept {
     const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
     too_old_ = too_old_ || std::any_of(sample.levels.begin(), sample.levels.end(), lands);
-    if (too_old_ || world_.asked_to_land()) stop_.store(true, std::memory_order_relaxed);
+    if (too_old_ || world_.requested_to_land()) stop_.store(true, std::memory_order_relaxed);
     world_.show(sample);
   }
 

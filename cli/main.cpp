@@ -8,12 +8,12 @@
 #endif
 
 int main(int argc, char** argv) {
-  sightline::Parts parts;
+  sightline::Registry registry;
 #ifdef SIGHTLINE_DDS
-  sightline::add_dds(parts);
+  sightline::add_dds(registry);
 #endif
 #ifdef SIGHTLINE_MUJOCO
-  sightline::add_mujoco(parts);
+  sightline::add_mujoco(registry);
 #endif
-  return sightline::command_line(argc, argv, parts);
+  return sightline::command_line(argc, argv, registry);
 }

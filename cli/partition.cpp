@@ -80,7 +80,7 @@ PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionCh
   each_us_.resize(at(solver_.subteams()));
   for (std::vector<double>& of_part : each_us_)
     of_part.reserve(std::min(updates, times_max / each_us_.size()));
-  for (Moment& moment : moments_) {
+  for (PartSample& moment : moments_) {
     moment.states.resize(at(ocp().nx()));
     moment.plan.resize(at(ocp().nu()) * at(ocp().horizon().N));
   }
@@ -89,7 +89,7 @@ PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionCh
 Solution PartitionedFlight::solve(double time, std::span<const double> states) noexcept {
   const bool due = updates_ > 0 && updates_ % stride_ == 0 && kept_ < moments_.size();
   if (due && states.size() == moments_[kept_].states.size()) {
-    Moment& moment = moments_[kept_++];
+    PartSample& moment = moments_[kept_++];
     const std::size_t nu = at(ocp().nu());
     moment.time = time;
     std::copy(states.begin(), states.end(), moment.states.begin());
@@ -113,7 +113,7 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
                           {.order = choice_.order});
   const std::unique_ptr<Solver> reference = make_reference_solver(ocp());
   for (std::size_t i = 0; i < kept_; ++i) {
-    const Moment& moment = moments_[i];
+    const PartSample& moment = moments_[i];
     const std::size_t nu = at(ocp().nu());
     still.restart();
     for (int k = 0; k < ocp().horizon().N; ++k)

@@ -46,7 +46,7 @@ class PartitionedFlight final : public Solver {
   void planned(double time, std::span<double> u) const noexcept override { solver_.planned(time, u); }
   void restart() noexcept override { solver_.restart(); }
   void set_applied(const AppliedInputs& applied) noexcept override { solver_.set_applied(applied); }
-  const Hearing* hearing() const noexcept override { return solver_.hearing(); }
+  const Connectivity* connectivity() const noexcept override { return solver_.connectivity(); }
   bool keeps_apart() const noexcept override { return solver_.keeps_apart(); }
 
   /// After the flight: at the moments kept, how far exchanges are from the optimum of the whole team. Writes
@@ -56,7 +56,7 @@ class PartitionedFlight final : public Solver {
   std::string tell(const std::filesystem::path& folder, const std::string& summary, const std::string& whole);
 
  private:
-  struct Moment {
+  struct PartSample {
     double time;
     std::vector<double> states, plan;  // before the update
   };
@@ -64,7 +64,7 @@ class PartitionedFlight final : public Solver {
   PartitionChoice choice_;
   std::string solver_name_;  // of the parts
   PartitionedSolver solver_;
-  std::vector<Moment> moments_;
+  std::vector<PartSample> moments_;
   std::vector<double> part_us_;               // of each update, the slowest part
   std::vector<std::vector<double>> each_us_;  // of each part, its updates
   std::size_t kept_ = 0, updates_ = 0, stride_ = 1;

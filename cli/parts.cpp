@@ -1,10 +1,9 @@
-#include "sightline/scenario/parts.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/base/json_text.hpp"
+#include "sightline/scenario/registry.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -28,17 +27,17 @@ void add(Json& json, const PartList<Made>& list) {
 
 }  // namespace
 
-int list_parts(bool json, const Parts& parts) {
+int list_parts(bool json, const Registry& registry) {
   if (json) {
     Json all = Json::object();
-    add(all, parts.robots);
-    add(all, parts.potentials);
-    add(all, parts.references);
-    add(all, parts.limits);
+    add(all, registry.robots);
+    add(all, registry.potentials);
+    add(all, registry.references);
+    add(all, registry.limits);
     print("{}\n", json_text(all, 2));
   } else {
-    print("{}\n{}\n{}\n{}", parameters_table(parts.robots), parameters_table(parts.potentials),
-          parameters_table(parts.references), parameters_table(parts.limits));
+    print("{}\n{}\n{}\n{}", parameters_table(registry.robots), parameters_table(registry.potentials),
+          parameters_table(registry.references), parameters_table(registry.limits));
   }
   return 0;
 }

@@ -31,12 +31,12 @@ std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenari
 
 }  // namespace
 
-int potential(const PotentialOptions& options, const Parts& parts) {
+int potential(const PotentialOptions& options, const Registry& registry) {
   Scenario scenario;
   std::optional<FolderLock> lock;
   std::optional<std::size_t> only;
   try {
-    scenario = options.scenario.read(parts);
+    scenario = options.scenario.read(registry);
     only = chosen(options, scenario);
     lock.emplace(
         options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output,

@@ -32,12 +32,12 @@ struct ProgressThread::Shared {
   std::function<std::string(bool last)> line;
   std::mutex mutex;
   std::condition_variable changed;
-  bool asked_to_end = false, ended = false;
+  bool requested_to_end = false, ended = false;
 
   void run() noexcept {
     std::unique_lock lock(mutex);
     for (bool last = false; !last;) {
-      last = changed.wait_for(lock, interval, [&] { return asked_to_end; });
+      last = changed.wait_for(lock, interval, [&] { return requested_to_end; });
       lock.unlock();
       try {
         offer_message(line(last));
@@ -59,7 +59,7 @@ ProgressThread::ProgressThread(std::function<std::string(bool last)> line)
 
 void ProgressThread::end() {
   std::unique_lock lock(shared_->mutex);
-  shared_->asked_to_end = true;
+  shared_->requested_to_end = true;
   shared_->changed.notify_all();
   shared_->changed.wait_for(lock, farewell, [&] { return shared_->ended; });
 }

@@ -69,12 +69,12 @@ void print_text(const CommandComparison& compared, const Scenario& scenario) {
 
 }  // namespace
 
-int replay(const ReplayCommand& command, const Parts& parts) {
+int replay(const ReplayCommand& command, const Registry& registry) {
   const bool changed = command.solver || !command.set.empty();
   try {
     const std::filesystem::path log = log_of(command.folder);
     const FlownAs flown = flown_as(log);
-    const Scenario scenario = flown_scenario(flown, log, parts, command.solver, command.set);
+    const Scenario scenario = flown_scenario(flown, log, registry, command.solver, command.set);
     RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
     if (flown.version != sightline::version || flown.compiler != compiler) {
       say(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ", flown.version,

@@ -28,7 +28,7 @@
 namespace sightline::cli {
 namespace {
 
-Scenario read(const RunOptions& options, const Parts& parts) {
+Scenario read(const RunOptions& options, const Registry& parts) {
   Scenario scenario = options.scenario.read(parts);
   if (options.seed) scenario.simulation.seed = *options.seed;
   // The scenario's own options hold for its own solver.
@@ -131,7 +131,7 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (scenario.team.agents().size() >= large)
     say(fmt::format("{} robots are set up in {:.2g} s", scenario.team.agents().size(), took));
-  if (const std::string told = controls.kernels().sentence(); !told.empty()) say(told);
+  if (const std::string reported = controls.kernels().sentence(); !reported.empty()) say(reported);
   return fly_shown(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
                    linked);
 }
@@ -140,17 +140,17 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
 Scenario as_one(const Scenario& scenario) {
   if (!scenario.partition) return scenario;
   Scenario one = parse_scenario(
-      scenario.text, scenario.file, *scenario.parts,
+      scenario.text, scenario.file, *scenario.registry,
       {.files = scenario.files, .set = {fmt::format("partition.part=\"{}\"", PartitionPlan::all)}});
   one.solver = scenario.solver;
-  one.crew = scenario.crew;
+  one.pool = scenario.pool;
   one.simulation.seed = scenario.simulation.seed;
   return one;
 }
 
 }  // namespace
 
-int run(const RunOptions& options, const Parts& parts) {
+int run(const RunOptions& options, const Registry& parts) {
   Scenario scenario;
   std::optional<PartitionChoice> partition;
   std::optional<RunFolder> folder;
@@ -166,8 +166,8 @@ int run(const RunOptions& options, const Parts& parts) {
           "--tune, expected beside --realtime and of one solver for all; `sightline view --tune` can wait, "
           "too");
     if (options.view.tune) make_tunable(scenario);
-    scenario.crew = std::make_shared<Crew>(options.threads);
-    if (!partition) share_updates(scenario.solver, scenario.crew);  // else parts are solved at the same time
+    scenario.pool = std::make_shared<ThreadPool>(options.threads);
+    if (!partition) share_updates(scenario.solver, scenario.pool);  // else parts are solved at the same time
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {

@@ -74,7 +74,7 @@ std::optional<Tasks> tasks_of(const std::string& job) {
 
 void wait_for(const std::string& job, int shards) {
   int unanswered = 0;
-  std::string told;
+  std::string reported;
   for (;;) {
     const std::optional<Tasks> tasks = tasks_of(job);
     if (!tasks && ++unanswered > looks_unanswered)
@@ -87,8 +87,8 @@ void wait_for(const std::string& job, int shards) {
       const std::string line =
           fmt::format("job {}: {} of {} shards over, {} fly, {} wait", job,
                       shards - tasks->waiting - tasks->running, shards, tasks->running, tasks->waiting);
-      if (line != told) say(line);
-      told = line;
+      if (line != reported) say(line);
+      reported = line;
       if (tasks->waiting + tasks->running == 0) return;
     }
     std::this_thread::sleep_for(between_looks);
@@ -114,8 +114,8 @@ std::string slurm_script(const CampaignCommand& command, std::uint64_t seed, con
                                   shell_word(fs::absolute(command.scenario.file).lexically_normal().native()),
                                   command.runs, seed, cpus);
   for (const std::string& assignment : command.scenario.set) words += " --set " + shell_word(assignment);
-  if (!command.beside.empty())
-    words += " --beside " + shell_word(fs::absolute(command.beside).lexically_normal().native());
+  if (!command.compare_with.empty())
+    words += " --compare-with " + shell_word(fs::absolute(command.compare_with).lexically_normal().native());
   return fmt::format(
              "#!/bin/bash\n#SBATCH --job-name=sightline-{}\n#SBATCH --array=1-{}\n#SBATCH --ntasks=1\n", name,
              options.shards) +

@@ -59,14 +59,14 @@ void wait_until(Moments::time_point end) {
   while (!stop_flight() && Moments::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
+int view_log(const ViewCommand& command, const Registry& registry, const ServeOptions& options) {
   const std::filesystem::path &folder = command.of.file, log = log_of(folder);
   if (!command.of.set.empty() || command.speed || command.paused || command.tune || !command.output.empty())
     throw std::invalid_argument(
         "--set, --speed, --paused, --tune and --output of a log, expected none: it is flown already");
   const auto scenario_of_log = [&] {
     const FlownAs flown = flown_as(log);
-    Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files});
+    Scenario scenario = parse_scenario(flown.text, log, registry, {.files = flown.files});
     scenario.name = flown.name;
     scenario.solver.name = flown.solver;
     return scenario;
@@ -76,16 +76,16 @@ int view_log(const ViewCommand& command, const Parts& parts, const ServeOptions&
   const LogPage page(folder, scenario_of_log, options, &playback.feed());
   announce(command, page.url());
   wait_until(end);
-  tell_counts(page.counts());
+  report_counts(page.counts());
   return 0;
 }
 
-int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptions& options) {
+int view_flight(const ViewCommand& command, const Registry& registry, const ServeOptions& options) {
   if (command.tune)
-    return view_tuned(command, parts, [&](const std::string& url) { announce(command, url); });
+    return view_tuned(command, registry, [&](const std::string& url) { announce(command, url); });
   if (!command.output.empty())
     throw std::invalid_argument("--output, expected beside --tune alone: view writes no files");
-  Scenario scenario = command.of.read(parts);
+  Scenario scenario = command.of.read(registry);
   scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);
   check_solvers(scenario);
@@ -121,7 +121,7 @@ int view_flight(const ViewCommand& command, const Parts& parts, const ServeOptio
     if (!stop) say("the flight is over, the page stays until Ctrl-C");
     timer.join();
   }
-  tell_counts(page.counts());
+  report_counts(page.counts());
   if (page.dropped() > 0) say(fmt::format("{} samples were not shown", page.dropped()));
   if (outcome.finite) return 0;
   const std::string why = world->ended();
@@ -136,10 +136,10 @@ Moments::time_point end_of(const ViewCommand& command) {
          std::chrono::duration_cast<Moments::duration>(std::chrono::duration<double>(command.seconds));
 }
 
-void tell_counts(const ServeCounts& counts) {
-  if (counts.unasked > 0)
+void report_counts(const ServeCounts& counts) {
+  if (counts.unrequested > 0)
     say(fmt::format("{} messages that would change the flight were refused: it is not tuned (--tune)",
-                    counts.unasked));
+                    counts.unrequested));
   say(fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
                   counts.connections, counts.refused, counts.sent, counts.dropped, counts.closed));
   if (counts.messages + counts.messages_dropped > 0)
@@ -151,14 +151,14 @@ void tell_without_page() {
   if (!has_page()) say(without_page(page_lacks()) + ": only data are served");
 }
 
-int view(const ViewCommand& command, const Parts& parts) {
+int view(const ViewCommand& command, const Registry& registry) {
   const ServeOptions& options = command.serve;
   outlive_the_terminal();
   listen_to_interrupts();
   std::error_code ignored;  // of what cannot be looked at, the reading says why
   try {
-    return std::filesystem::is_directory(command.of.file, ignored) ? view_log(command, parts, options)
-                                                                   : view_flight(command, parts, options);
+    return std::filesystem::is_directory(command.of.file, ignored) ? view_log(command, registry, options)
+                                                                   : view_flight(command, registry, options);
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));
     return 2;

@@ -43,7 +43,7 @@ Scenario with_seed(const Scenario& before, const Tuning& tuning, std::uint64_t s
     if (why.starts_with("# ")) why.remove_prefix(2);
     say(fmt::format("the other flight has the scenario's own values: {}", why));
   }
-  Scenario next = parse_scenario(has_values ? values.body : before.text, before.file, *before.parts,
+  Scenario next = parse_scenario(has_values ? values.body : before.text, before.file, *before.registry,
                                  {.files = before.files, .set = {fmt::format("simulation.seed={}", seed)}});
   next.name = before.name;
   return next;
@@ -99,7 +99,7 @@ class TunedFlight {
     timer.join();
     for (const std::string& fault : flight.faults) say(fault);
     if (flight.logged) say(fmt::format("logged in {}", folder_.path().native()));
-    tell_of(page_->counts());
+    report_of(page_->counts());
     return flight.outcome.finite && flight.logged ? 0 : 1;
   }
 
@@ -111,11 +111,11 @@ class TunedFlight {
     while (!stop_flight() && !again_ && TunedClock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  void tell_of(const ServeCounts& counts) const {
-    tell_counts(counts);
+  void report_of(const ServeCounts& counts) const {
+    report_counts(counts);
     const std::size_t events = scenario_.tuned->size();
     say(fmt::format("{} changes, {} messages refused, {} not heard", events, tuning_.refused(),
-                    tuning_.unheard()));
+                    tuning_.stale()));
     if (page_->dropped() > 0) say(fmt::format("{} samples were not shown", page_->dropped()));
   }
 
@@ -139,11 +139,11 @@ Scenario made_to_be_tuned(Scenario scenario) {
 
 }  // namespace
 
-int view_tuned(const ViewCommand& command, const Parts& parts,
+int view_tuned(const ViewCommand& command, const Registry& registry,
                const std::function<void(const std::string&)>& announce) {
   const auto end = end_of(command);
   ServeOptions serve = command.serve;
-  Scenario scenario = made_to_be_tuned(command.of.read(parts));
+  Scenario scenario = made_to_be_tuned(command.of.read(registry));
   int code = 0;
   for (int number = 1;; ++number) {
     TunedFlight flight(scenario, folder_of(command, scenario, number), command, number == 1 && command.paused,

@@ -6,14 +6,14 @@
 #include "own_parts.hpp"
 
 int main(int argc, char** argv) {
-  sightline::Parts parts;
+  sightline::Registry registry;
   try {
-    parts.robots.add<Blimp>();
-    parts.potentials.add<Halo>();
-    parts.references.add<FigureEight>();
+    registry.robots.add<Blimp>();
+    registry.potentials.add<Halo>();
+    registry.references.add<FigureEight>();
   } catch (const std::invalid_argument& error) {  // a name that is taken, a default that is out of range
     std::fprintf(stderr, "%s\n", error.what());
     return 2;
   }
-  return sightline::command_line(argc, argv, parts);
+  return sightline::command_line(argc, argv, registry);
 }

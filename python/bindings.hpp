@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline::python {
 
@@ -26,8 +26,9 @@ inline std::span<const double> view(const Numbers& numbers) {
 }
 /// @throws std::invalid_argument naming it, unless it is a row of n
 inline std::span<const double> view(const Numbers& numbers, std::string_view what, int n) {
-  if (numbers.ndim() > 1) refuse("{} has {} dimensions, expected {} numbers in one", what, numbers.ndim(), n);
-  if (numbers.size() != n) refuse("{} has {} numbers, expected {}", what, numbers.size(), n);
+  if (numbers.ndim() > 1)
+    throw_invalid("{} has {} dimensions, expected {} numbers in one", what, numbers.ndim(), n);
+  if (numbers.size() != n) throw_invalid("{} has {} numbers, expected {}", what, numbers.size(), n);
   return view(numbers);
 }
 /// A text of Python in UTF-8. @throws std::invalid_argument naming it where it has half of a pair of UTF-16
@@ -35,7 +36,7 @@ inline std::string utf8(const py::handle& text, std::string_view what) {
   const char* const bytes = PyUnicode_AsUTF8(text.ptr());
   if (bytes != nullptr) return bytes;
   PyErr_Clear();
-  refuse("{} = {}, expected a text", what, std::string(py::str(py::repr(text))));
+  throw_invalid("{} = {}, expected a text", what, std::string(py::str(py::repr(text))));
 }
 /// A list of numbers from Python; `n` zeros, or what `otherwise` is, where nothing is given.
 inline std::vector<double> list(const py::object& given, const std::vector<double>& otherwise = {}) {

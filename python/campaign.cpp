@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 /// @return the table's file
 fs::path fly(const Scenario& given, const fs::path& out, int runs, const std::optional<std::uint64_t>& seed,
              int threads, const py::object& progress) {
-  if (runs < 1) refuse("runs = {}, expected >= 1", runs);
-  if (threads < 0) refuse("threads = {}, expected >= 1, or 0 for one a core", threads);
+  if (runs < 1) throw_invalid("runs = {}, expected >= 1", runs);
+  if (threads < 0) throw_invalid("threads = {}, expected >= 1, or 0 for one a core", threads);
   const CampaignPlan& plan = campaign_plan(given);
   check_campaign(given, plan);
   std::atomic<bool> stop = false;

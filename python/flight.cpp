@@ -8,7 +8,7 @@
 #include "sightline/record/replay.hpp"
 #include "sightline/report/report.hpp"
 #include "sightline/scenario/file_kind.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 
 namespace sightline::python {
 namespace {
@@ -60,9 +60,10 @@ std::string replay(const fs::path& folder, const std::optional<std::string>& sol
   auto flight = run_for_value([&] {
     const FlownAs as = flown_as(log);
     if (!as.partition.empty() && !solver)
-      refuse("{}: flown in parts, {}; expected a solver for the whole team, or the command sightline replay",
-             folder.native(), as.partition);
-    const Scenario scenario = flown_scenario(as, log, parts_of_sightline(), solver, set);
+      throw_invalid(
+          "{}: flown in parts, {}; expected a solver for the whole team, or the command sightline replay",
+          folder.native(), as.partition);
+    const Scenario scenario = flown_scenario(as, log, built_in_registry(), solver, set);
     RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
     const Controls controls(scenario);
     const Controllers controllers = controls.controllers();

@@ -27,7 +27,7 @@ class Recorder {
 
   int variable(int i) { return counted(builder_.variable(at(i, variables_))); }
   int constant(double value) {
-    if (!std::isfinite(value)) refuse("a number of the formula is {}, expected a finite one", value);
+    if (!std::isfinite(value)) throw_invalid("a number of the formula is {}, expected a finite one", value);
     return counted(builder_.constant(value));
   }
   template <Kind kind>
@@ -39,7 +39,7 @@ class Recorder {
     return counted(builder_.unary(kind, step(a)));
   }
   int power(int a, int n) {
-    if (std::abs(n) > 64) refuse("a power of {}, expected at most 64", n);
+    if (std::abs(n) > 64) throw_invalid("a power of {}, expected at most 64", n);
     return counted(builder_.power(step(a), n));
   }
   int absolute(int a) { return counted(builder_.absolute(step(a))); }
@@ -47,7 +47,7 @@ class Recorder {
   int smaller(int a, int b) { return counted(builder_.smaller(step(a), step(b))); }
   Expression finish(int result) const {
     if (const auto number = builder_.value(step(result)); number && !std::isfinite(*number))
-      refuse("the formula is {}, expected a finite one", *number);
+      throw_invalid("the formula is {}, expected a finite one", *number);
     return builder_.finish(step(result), std::nullopt, {});
   }
 
@@ -59,7 +59,7 @@ class Recorder {
   int step(int a) const { return at(a, static_cast<int>(builder_.size())); }
   int counted(int a) const {
     if (builder_.size() > formula_steps_max)
-      refuse("the formula has more than {} operations, expected a shorter one", formula_steps_max);
+      throw_invalid("the formula has more than {} operations, expected a shorter one", formula_steps_max);
     return a;
   }
 
@@ -115,7 +115,7 @@ void bind_formula(py::module_& module) {
       "recorded_reference",
       [](std::vector<Expression> states) {
         if (states.empty() || states.size() > Reference::max_states)
-          refuse("a reference of {} numbers, expected 1 to {}", states.size(), Reference::max_states);
+          throw_invalid("a reference of {} numbers, expected 1 to {}", states.size(), Reference::max_states);
         return Reference(RecordedReference{std::move(states)});
       },
       py::arg("states"));

@@ -40,16 +40,16 @@ void KeywordSource::expect_only(std::span<const std::string_view> keys) const {
   }
 }
 
-void KeywordSource::refuse(std::string_view sentence) const {
+void KeywordSource::throw_invalid(std::string_view sentence) const {
   throw std::invalid_argument(std::string(sentence));
 }
 
-void KeywordSource::refuse(std::string_view key, std::string_view expected) const {
-  refuse(fmt::format("{}.{} = {}, expected {}", part_, key, shown(given_[key_of(key)]), expected));
+void KeywordSource::throw_invalid(std::string_view key, std::string_view expected) const {
+  throw_invalid(fmt::format("{}.{} = {}, expected {}", part_, key, shown(given_[key_of(key)]), expected));
 }
 
 py::object KeywordSource::at(std::string_view key, std::string_view expected) const {
-  if (!has(key)) refuse(fmt::format("{}.{} is missing, expected {}", part_, key, expected));
+  if (!has(key)) throw_invalid(fmt::format("{}.{} is missing, expected {}", part_, key, expected));
   return given_[key_of(key)];
 }
 
@@ -58,16 +58,16 @@ Numbers KeywordSource::array_at(std::string_view key, std::string_view expected)
   // Words and truths are no numbers, though numpy reads some from them.
   const bool is_other = py::isinstance<py::str>(value) || py::isinstance<py::bool_>(value);
   Numbers numbers = is_other ? py::reinterpret_steal<Numbers>(py::handle()) : Numbers::ensure(value);
-  if (!numbers) refuse(key, expected);
-  if (!all_finite(numbers)) refuse(key, expected);
+  if (!numbers) throw_invalid(key, expected);
+  if (!all_finite(numbers)) throw_invalid(key, expected);
   return numbers;
 }
 
 double KeywordSource::number(std::string_view key, const Bounds& bounds, std::string_view unit) const {
   const std::string expected = bounds.expected(unit);
   const Numbers value = array_at(key, fmt::format("a number, {}", expected));
-  if (value.ndim() != 0) refuse(key, fmt::format("a number, {}", expected));
-  if (!bounds.hold(*value.data())) refuse(key, expected);
+  if (value.ndim() != 0) throw_invalid(key, fmt::format("a number, {}", expected));
+  if (!bounds.hold(*value.data())) throw_invalid(key, expected);
   return *value.data();
 }
 
@@ -75,7 +75,7 @@ int KeywordSource::integer(std::string_view key, const Bounds& bounds) const {
   constexpr double most = 2147483647.0;
   const double value = number(key, bounds, "");
   if (value != std::floor(value) || std::fabs(value) > most)
-    refuse(key, fmt::format("a whole number, {}", bounds.expected("")));
+    throw_invalid(key, fmt::format("a whole number, {}", bounds.expected("")));
   return static_cast<int>(value);
 }
 
@@ -86,8 +86,9 @@ std::vector<double> KeywordSource::numbers(std::string_view key, std::size_t len
                                    : fmt::format("{} numbers, each {}", length, bounds.expected(unit));
   const Numbers value = array_at(key, expected);
   const std::span<const double> all = view(value);
-  if (value.ndim() != 1 || (length != any_length && all.size() != length)) refuse(key, expected);
-  if (!std::all_of(all.begin(), all.end(), [&](double v) { return bounds.hold(v); })) refuse(key, expected);
+  if (value.ndim() != 1 || (length != any_length && all.size() != length)) throw_invalid(key, expected);
+  if (!std::all_of(all.begin(), all.end(), [&](double v) { return bounds.hold(v); }))
+    throw_invalid(key, expected);
   return {all.begin(), all.end()};
 }
 
@@ -95,7 +96,7 @@ std::vector<double> KeywordSource::rising(std::string_view key) const {
   constexpr std::string_view expected = "a list of rising numbers, at least one";
   std::vector<double> all = numbers(key, any_length, any_finite, "");
   const bool rises = std::adjacent_find(all.begin(), all.end(), std::greater_equal<>()) == all.end();
-  if (all.empty() || !rises) refuse(key, expected);
+  if (all.empty() || !rises) throw_invalid(key, expected);
   return all;
 }
 
@@ -106,7 +107,7 @@ std::vector<std::vector<double>> KeywordSource::rows(std::string_view key, std::
   const Numbers value = array_at(key, expected);
   if (value.ndim() != 2 || value.shape(1) != static_cast<py::ssize_t>(length) ||
       (count != any_length && value.shape(0) != static_cast<py::ssize_t>(count)))
-    refuse(key, expected);
+    throw_invalid(key, expected);
   std::vector<std::vector<double>> all;
   for (py::ssize_t i = 0; i < value.shape(0); ++i) all.emplace_back(value.data(i), value.data(i) + length);
   return all;
@@ -115,9 +116,9 @@ std::vector<std::vector<double>> KeywordSource::rows(std::string_view key, std::
 std::size_t KeywordSource::word(std::string_view key, std::span<const std::string_view> known) const {
   const std::string expected = fmt::format("one of {}", words_text(known));
   const py::object value = at(key, expected);
-  if (!py::isinstance<py::str>(value)) refuse(key, expected);
+  if (!py::isinstance<py::str>(value)) throw_invalid(key, expected);
   const auto found = std::find(known.begin(), known.end(), utf8(value, key));
-  if (found == known.end()) refuse(key, expected);
+  if (found == known.end()) throw_invalid(key, expected);
   return static_cast<std::size_t>(found - known.begin());
 }
 

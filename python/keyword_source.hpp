@@ -25,12 +25,12 @@ class KeywordSource final : public ParameterSource {
   std::vector<std::vector<double>> rows(std::string_view key, std::size_t count,
                                         std::size_t length) const override;
   std::size_t word(std::string_view key, std::span<const std::string_view> known) const override;
-  [[noreturn]] void refuse(std::string_view sentence) const override;
+  [[noreturn]] void throw_invalid(std::string_view sentence) const override;
 
  private:
   /// The argument. @throws std::invalid_argument where it was not given
   py::object at(std::string_view key, std::string_view expected) const;
-  [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
+  [[noreturn]] void throw_invalid(std::string_view key, std::string_view expected) const;
   /// As numbers of any shape. @throws std::invalid_argument where they are none, or not finite
   Numbers array_at(std::string_view key, std::string_view expected) const;
 

@@ -1,7 +1,5 @@
-// Robots, potentials, references and limits: a function for each that is registered (scenario/parts.hpp), called as scenarios call
+// Robots, potentials, references and limits: a function for each that is registered (scenario/registry.hpp), called as scenarios call
 // it, with its parameters as keyword arguments. What is said of a parameter there is its documentation here.
-#include "sightline/scenario/parts.hpp"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -12,6 +10,7 @@
 #include "python/keyword_source.hpp"
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
+#include "sightline/scenario/registry.hpp"
 
 namespace sightline::python {
 namespace {
@@ -92,7 +91,7 @@ void bind_sight(py::module_& module) {
 MountFrame frame_of(std::string_view word) {
   const auto found = std::find(mount_frames.begin(), mount_frames.end(), word);
   if (found == mount_frames.end())
-    refuse("frame = \"{}\", expected one of {}", word, words_text(mount_frames));
+    throw_invalid("frame = \"{}\", expected one of {}", word, words_text(mount_frames));
   return static_cast<MountFrame>(found - mount_frames.begin());
 }
 
@@ -212,11 +211,11 @@ void bind_parts(py::module_& module) {
       .def_property_readonly("name", [](const Limit& l) { return std::string(l.name()); })
       .def_property_readonly("parameters", [](const Limit& l) { return parameters_of(l.parameters()); });
 
-  const Parts& parts = parts_of_sightline();
-  add_all(module, parts.robots);
-  add_all(module, parts.potentials);
-  add_all(module, parts.references);
-  add_all(module, parts.limits);
+  const Registry& registry = built_in_registry();
+  add_all(module, registry.robots);
+  add_all(module, registry.potentials);
+  add_all(module, registry.references);
+  add_all(module, registry.limits);
 }
 
 }  // namespace sightline::python

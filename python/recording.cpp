@@ -25,7 +25,7 @@ struct LoggedStates {
   void add(double at, std::span<const double> row) {
     time.push_back(at);
     if (nx == 0) nx = row.size();
-    if (row.size() != nx) refuse("a state of {} numbers, expected {}", row.size(), nx);
+    if (row.size() != nx) throw_invalid("a state of {} numbers, expected {}", row.size(), nx);
     x.insert(x.end(), row.begin(), row.end());
   }
   /// Those of the periods: a log has others, of periods that were missed and after the last command.

@@ -9,7 +9,7 @@
 #include "sightline/analysis/explain.hpp"
 #include "sightline/analysis/preflight.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline::python {
@@ -19,12 +19,12 @@ using Values = std::vector<std::string>;
 
 Scenario read(const std::filesystem::path& file, const Values& set) {
   const py::gil_scoped_release others_run;
-  return read_scenario(file, parts_of_sightline(), set);
+  return read_scenario(file, built_in_registry(), set);
 }
 
 Scenario parse(const std::string& text, const std::filesystem::path& file, const Values& set) {
   const py::gil_scoped_release others_run;
-  return parse_scenario(text, file, parts_of_sightline(), {.set = set});
+  return parse_scenario(text, file, built_in_registry(), {.set = set});
 }
 
 /// What `sightline check` says of a scenario that it accepts.

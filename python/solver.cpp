@@ -50,7 +50,7 @@ py::object whole_number(const py::handle& value) {
 /// Puts an option into the table of a solver as the value that it is: what has __index__ is a whole number, what has __float__ a
 /// number, of Python and of numpy.
 void put_option(toml::table& table, const std::string& key, const py::handle& value) {
-  if (table.contains(key)) refuse("{} is given twice", key);
+  if (table.contains(key)) throw_invalid("{} is given twice", key);
   if (py::isinstance<py::str>(value)) {
     table.insert(key, utf8(value, key));
   } else if (is_truth(value)) {
@@ -59,13 +59,13 @@ void put_option(toml::table& table, const std::string& key, const py::handle& va
     int beyond = 0;
     const long long number = PyLong_AsLongLongAndOverflow(whole.ptr(), &beyond);
     if (beyond != 0)
-      refuse("{} = {}, expected a number of 64 bits", key, std::string(py::str(py::repr(value))));
+      throw_invalid("{} = {}, expected a number of 64 bits", key, std::string(py::str(py::repr(value))));
     table.insert(key, static_cast<std::int64_t>(number));
   } else if (py::hasattr(value, "__float__")) {
     const double number = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred() != nullptr) {
       PyErr_Clear();
-      refuse("{} = {}, expected a number", key, std::string(py::str(py::repr(value))));
+      throw_invalid("{} = {}, expected a number", key, std::string(py::str(py::repr(value))));
     }
     table.insert(key, number);
   } else {

@@ -29,7 +29,8 @@ Weighted weighted_of(const py::object& given) {
 }
 
 Between between_of(const py::sequence& given) {
-  if (given.size() != 2) refuse("between has {} bodies, expected the observer and the target", given.size());
+  if (given.size() != 2)
+    throw_invalid("between has {} bodies, expected the observer and the target", given.size());
   return {given[0].cast<BodyId>(), given[1].cast<BodyId>()};
 }
 

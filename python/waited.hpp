@@ -14,8 +14,8 @@ namespace sightline::python {
 /// raised goes on.
 /// @param told      what progress is called with
 /// @param progress  called a few times a second; None: nobody is told
-template <class Result, class Told>
-Result waited_for(std::future<Result>& flight, std::atomic<bool>& stop, const std::atomic<Told>& told,
+template <class Result, class Reported>
+Result waited_for(std::future<Result>& flight, std::atomic<bool>& stop, const std::atomic<Reported>& reported,
                   const py::object& progress) {
   constexpr auto interval = std::chrono::milliseconds(50);
   const auto ended = [&](bool to_the_end) {
@@ -26,7 +26,7 @@ Result waited_for(std::future<Result>& flight, std::atomic<bool>& stop, const st
   while (!ended(false)) {
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (!progress.is_none()) progress(told.load());
+      if (!progress.is_none()) progress(reported.load());
     } catch (...) {
       stop = true;
       ended(true);

@@ -21,8 +21,8 @@ class SteppedWorld {
   /// @throws std::invalid_argument as make_world(), and where the team changes in flight
   SteppedWorld(const Scenario& scenario, const std::optional<std::uint64_t>& seed) : scenario_(scenario) {
     if (changes_in_flight(scenario)) {
-      refuse("{}: the team changes in flight, expected one that stays, or sightline.run",
-             scenario.file.native());
+      throw_invalid("{}: the team changes in flight, expected one that stays, or sightline.run",
+                    scenario.file.native());
     }
     restart(seed);
   }
@@ -41,12 +41,13 @@ class SteppedWorld {
   /// @throws std::invalid_argument for a number that is not finite
   /// @throws std::runtime_error where the world cannot go on
   void step(const Numbers& given) {
-    const std::span<const double> asked = view(given, "u", team().nu());
+    const std::span<const double> requested = view(given, "u", team().nu());
     if (ended_) throw std::runtime_error("the world has ended, expected restart()");
-    for (std::size_t i = 0; i < asked.size(); ++i)
-      if (!std::isfinite(asked[i])) refuse("u[{}] = {}, expected a finite number", i, asked[i]);
+    for (std::size_t i = 0; i < requested.size(); ++i)
+      if (!std::isfinite(requested[i]))
+        throw_invalid("u[{}] = {}, expected a finite number", i, requested[i]);
     gate_->open(time());
-    const Command command = gate_->pass(asked, {});
+    const Command command = gate_->pass(requested, {});
     u_.assign(command.begin(), command.end());
     const py::gil_scoped_release others_run;
     ended_ = !world_->apply(time(), now_.measured, command, period(), 1);

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
-# Shows that the fast tests notice when what they guard is broken:  scripts/mutants.sh [BUILD_DIR] [GROUP...]
-# Each mutant is one substitution in a copy of its sources; a line tells which test killed it. Nothing in the tree
+# Shows that the fast tests notice when what they guard is broken:  scripts/mutants.sh [BUILD_DIR | --check] [GROUP...]
+# --check builds nothing: it only shows that each mutant changes its file. Each mutant is one substitution in a copy of its sources; a line tells which test killed it. Nothing in the tree
 # changes. Ends with 1 if a mutant survives or does not build. BUILD_DIR holds a built library (build/release by default). The groups are
 # barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign) and gate (what is measured and
 # what is applied); all if none is named.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 build=build/release
-if [[ ${1:-} == */* ]]; then build=$1 && shift; fi
-[[ -f $build/lib/libsightline_core.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline_core.a in it" >&2; exit 2; }
+check=
+if [[ ${1:-} == --check ]]; then check=1 && shift
+elif [[ ${1:-} == */* ]]; then build=$1 && shift; fi
+[[ -n $check || -f $build/lib/libsightline_core.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline_core.a in it" >&2; exit 2; }
 groups=("$@")
 ((${#groups[@]} > 0)) || groups=(barrier verdicts gate)
 work=$(mktemp -d)
@@ -23,9 +25,9 @@ flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapp
 # name | file | what stands there (a regular expression without |) | what the mutant has in its place
 barrier() {
   folder=safety
-  sources=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,way_out})
-  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,way_out})
-  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:WaysOut.*'
+  sources=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver})
+  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver})
+  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:EvasiveManeuvers.*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline_core.a")
   mutants=(
@@ -53,7 +55,7 @@ barrier() {
     'part of a member ignored|barrier_threats.cpp|std::min(part, n.part)|part'
     'margin of the floor zero|barrier.cpp|options_.floor += options_.wall_margin;|;'
     'ring not noticed|barrier.cpp|  if (lost) {|  if (lost \&\& joint > 1.0) {'
-    'chasers stand still|way_out.cpp|Pack(chaser.speed \* step.h)|Pack(0.0 * step.h)'
+    'chasers stand still|evasive_maneuver.cpp|Pack(chaser.speed \* step.h)|Pack(0.0 * step.h)'
     'way out flown the other way|barrier_several.cpp|step.e \* self.v.x + step.E \* a.x|step.e * self.v.x - step.E * a.x'
     'long periods not checked|barrier.cpp|if (parts_ > 1) {|if (parts_ > 1000) {'
     'motion within a period not checked|barrier_check.cpp|least = std::min(least, norm(q) - rho - wanted);|;'
@@ -179,7 +181,7 @@ verdicts() {
     'no plan in a campaign not judged|campaign/judge.cpp|if (gaps_\[c\].failed().longest > hold_after_ + same_time)|if (false)'
     'walls of a campaign not judged|campaign/judge.cpp|if (!walls.empty()) return walls.front();|;'
     'too close is recovered|campaign/judge.cpp|safety_.too_close()  ? Outcome::too_close|false ? Outcome::too_close'
-    'a target out of view at the end is recovered|campaign/judge.cpp|at_end = at_end \&\& (view.seen .. !view.asked);|;'
+    'a target out of view at the end is recovered|campaign/judge.cpp|at_end = at_end \&\& (view.seen .. !view.requested);|;'
     'a view that came late is in time|campaign/judge.cpp|first <= plan_.view_within|first <= 10 * plan_.view_within'
   )
 }
@@ -282,6 +284,11 @@ mutate() {
 
 run_group() {
   local mutant name source tree header
+  count=$((count + ${#mutants[@]}))
+  if [[ -n $check ]]; then
+    for mutant in "${mutants[@]}"; do mutate "$mutant" "$work/mutant"; done
+    return
+  fi
   prepare
   tree=$work/none
   rm -rf "$tree"
@@ -307,7 +314,6 @@ run_group() {
       echo "killed    $name: $(sed -nE 's/^\[  FAILED  \] ([A-Za-z.]+).*/\1/p' "$work/log" | head -1)"
     fi
   done
-  count=$((count + ${#mutants[@]}))
 }
 
 begin=$SECONDS
@@ -318,5 +324,6 @@ for group in "${groups[@]}"; do
   "$group"
   run_group "$group"
 done
+[[ -z $check ]] || { echo "$count mutants, each changes its file"; exit 0; }
 echo "$count mutants, $survivors survived or did not build, $((SECONDS - begin)) s"
 ((survivors == 0))

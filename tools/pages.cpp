@@ -141,7 +141,7 @@ _sightline() {{
   esac
   case ${{COMP_WORDS[COMP_CWORD - 1]}} in
     -o | --output) files=folders ;;
-    --beside) files=scenarios ;;
+    --compare-with) files=scenarios ;;
     *)
       if [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

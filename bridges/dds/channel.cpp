@@ -64,7 +64,7 @@ std::string on_wire(const std::string& topic) { return topic.starts_with('/') ? 
 
 RawWriter::RawWriter(Port at, const dds_topic_descriptor_t& type, const std::string& topic, Quality quality)
     : topic_(on_wire(topic)), type_(wire_type(type.m_typename)) {
-  if (at.voice == Voice::silent) return;
+  if (at.publish == PublishMode::off) return;
   const Qos qos = qos_of(quality, message_type(type.m_typename));
   const Listener listener(dds_create_listener(&reader_came_), dds_delete_listener);
   dds_lset_publication_matched(listener.get(), c_callback<note_reader>);
@@ -74,7 +74,7 @@ RawWriter::RawWriter(Port at, const dds_topic_descriptor_t& type, const std::str
     throw std::runtime_error(fmt::format("writer of {}: {}", topic_, dds_strretcode(-entity_.get())));
 }
 
-bool RawWriter::heard(std::span<const SeenWriter> readers) const {
+bool RawWriter::received(std::span<const SeenWriter> readers) const {
   if (entity_.get() > 0) return matched() > 0;
   return std::any_of(readers.begin(), readers.end(), [&](const SeenWriter& reader) {
     return reader.topic == topic_ && reader.type == type_;

@@ -30,12 +30,13 @@ inline constexpr Quality of_ros_commands = {true, false, 1};  // matches readers
 inline constexpr Quality of_services = {true, false, 10};
 
 /// Where what is ours lives in a domain, and whether it writes there. Who is silent cannot send, and nobody sees a writer of his.
-enum class Voice { speaks, silent };
+enum class PublishMode { on, off };
 struct Port {
   dds_entity_t participant;
-  Voice voice = Voice::speaks;
+  PublishMode publish = PublishMode::on;
 
-  Port(dds_entity_t of, Voice speaks_or_not = Voice::speaks) : participant(of), voice(speaks_or_not) {}
+  Port(dds_entity_t of, PublishMode publish_mode = PublishMode::on)
+      : participant(of), publish(publish_mode) {}
   operator dds_entity_t() const { return participant; }
 };
 
@@ -98,7 +99,7 @@ class RawWriter {
   /// Readers that there are.
   int matched() const noexcept;
   /// Whether somebody reads it; of a silent one, whether somebody would, by its topic and type.
-  bool heard(std::span<const SeenWriter> readers) const;
+  bool received(std::span<const SeenWriter> readers) const;
   /// When the last of them came, of the monotonic clock [ns]; 0: never. Of any thread.
   std::int64_t reader_came() const noexcept { return reader_came_; }
   dds_entity_t entity() const noexcept { return entity_.get(); }

@@ -78,8 +78,8 @@ CrazyflieVehicle::~CrazyflieVehicle() = default;
 void CrazyflieVehicle::on_state(const void* message) {
   const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__FullState_*>(message);
   const std::scoped_lock lock(lock_);
-  ++told_.setpoints;
-  if (!has(is_flying)) ++told_.setpoints_outside;
+  ++reported_.setpoints;
+  if (!has(is_flying)) ++reported_.setpoints_outside;
   const auto& p = m.pose.position;
   const auto& q = m.pose.orientation;
   const auto& v = m.twist.linear;
@@ -87,7 +87,7 @@ void CrazyflieVehicle::on_state(const void* message) {
       setup_.origin, {{p.x, p.y, p.z}, normalised({q.w, q.x, q.y, q.z}), {v.x, v.y, v.z}, m.twist.angular.z});
   const Vec3<double> a = in_G({{}, setup_.origin.heading}, {.p = {m.acc.x, m.acc.y, m.acc.z}}).p;
   if (!is_finite(wanted) || !std::isfinite(norm(a)) || norm(wanted.p - body_.motion().p) > furthest) {
-    ++told_.bad_setpoints;
+    ++reported_.bad_setpoints;
     return;
   }
   setpoint_ = {wanted.p, wanted.v, a, {}, heading(rotation(wanted.q)), wanted.r};
@@ -96,7 +96,7 @@ void CrazyflieVehicle::on_state(const void* message) {
 }
 
 bool CrazyflieVehicle::on_arm(bool arm) {
-  told_.arm_requests += arm ? 1 : 0;
+  reported_.arm_requests += arm ? 1 : 0;
   if (arm ? has(can_be_armed) : !has(is_flying)) {
     supervisor_ = static_cast<std::uint16_t>(arm ? is_armed | can_fly : can_be_armed);
     return true;
@@ -112,16 +112,16 @@ void CrazyflieVehicle::plan(double height, double duration) {
 }
 
 void CrazyflieVehicle::on_takeoff(double height, double duration) {
-  ++told_.takeoff_requests;
-  if (commander_ == Commander::others) ++told_.locked_out;
+  ++reported_.takeoff_requests;
+  if (commander_ == Commander::others) ++reported_.locked_out;
   if (commander_ == Commander::others || !has(can_fly) || pm_state() != on_battery) return;
   lands_ = false;
   plan(height, duration);
 }
 
 void CrazyflieVehicle::on_land(double height, double duration) {
-  ++told_.land_requests;
-  if (commander_ == Commander::others) ++told_.locked_out;
+  ++reported_.land_requests;
+  if (commander_ == Commander::others) ++reported_.locked_out;
   if (commander_ == Commander::others || !has(is_flying)) return;
   lands_ = true;
   plan(height, duration);
@@ -149,9 +149,9 @@ void CrazyflieVehicle::supervise() {
     supervisor_ = setup_.arms_itself ? arms_itself | is_armed | can_fly : can_be_armed;
   if (!has(is_flying) || commander_ == Commander::plan || body_.on_ground()) return;
   const double age = 1e-9 * static_cast<double>(now - setpoint_at_);
-  if (now - setpoint_at_ > level_out_after && told_.levelled_after == 0) told_.levelled_after = age;
+  if (now - setpoint_at_ > level_out_after && reported_.levelled_after == 0) reported_.levelled_after = age;
   if (now - setpoint_at_ > motors_off_after) {
-    told_.motors_off_after = age;
+    reported_.motors_off_after = age;
     stop_motors(true);
   }
 }
@@ -218,9 +218,9 @@ void CrazyflieVehicle::send_status() {
   ends_->status->write(&m);
 }
 
-CrazyflieCounts CrazyflieVehicle::told() const {
+CrazyflieCounts CrazyflieVehicle::reported() const {
   const std::scoped_lock lock(lock_);
-  return told_;
+  return reported_;
 }
 Motion CrazyflieVehicle::motion() const {
   const std::scoped_lock lock(lock_);
@@ -245,7 +245,7 @@ void CrazyflieVehicle::tumble() {
 }
 
 std::string CrazyflieVehicle::counts() const {
-  const CrazyflieCounts n = told();
+  const CrazyflieCounts n = reported();
   const Motion m = motion();
   const std::uint16_t info = supervisor();
   std::string ends;

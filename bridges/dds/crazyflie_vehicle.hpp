@@ -8,8 +8,8 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/crazyswarm_link.hpp"
 #include "bridges/dds/faults.hpp"
-#include "bridges/dds/stand_in.hpp"
-#include "bridges/dds/stand_in_body.hpp"
+#include "bridges/dds/simulated_body.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 
 namespace sightline::dds {
 
@@ -29,7 +29,7 @@ enum class Serving { well, without_answer, not_at_all };
 /// On the ground below where its robot starts. As the firmware's: the commander for take-off and landing gives way to set-points until
 /// they are said to have ended; without set-points it levels out after 0.5 s, and stops its motors for good after 2 s. It arms where
 /// its supervisor lets it, and takes off where it is armed and its battery good.
-class CrazyflieVehicle final : public StandIn {
+class CrazyflieVehicle final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
@@ -44,10 +44,10 @@ class CrazyflieVehicle final : public StandIn {
   ~CrazyflieVehicle() override;
 
   void step(std::int64_t number) override;
-  bool is_steered() const override { return told().setpoints > 0; }
+  bool is_steered() const override { return reported().setpoints > 0; }
   std::string counts() const override;
 
-  CrazyflieCounts told() const;
+  CrazyflieCounts reported() const;
   Motion motion() const override;
   std::uint16_t supervisor() const;
   /// What can be wrong with it.
@@ -88,8 +88,8 @@ class CrazyflieVehicle final : public StandIn {
   Setup setup_;
   Faults& faults_;
   mutable std::mutex lock_;  // of all below: readers' thread and the one that steps
-  CrazyflieCounts told_;
-  StandInBody body_;
+  CrazyflieCounts reported_;
+  SimulatedBody body_;
   std::uint16_t supervisor_ = 0;
   double voltage_ = 4.1;
   Serving serving_ = Serving::well;

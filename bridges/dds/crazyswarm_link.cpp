@@ -66,26 +66,26 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link)
 LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   (void)status_.look(last_status_);
   const bool flies = has(is_flying);
-  down_ = down_ || (landing_ == Landing::asked && !flies);
+  down_ = down_ || (landing_ == Landing::requested && !flies);
   LinkFacts facts;
   facts.there = poses_.is_fresh(now, pose_old) && now - last_status_.arrived < supervisor_old;
   // A firmware that arms itself is armed on the ground too: of that one it counts from our request to its landing.
   facts.armed = has(is_armed) && (!has(arms_itself) || (phase_ != Phase::ground && !down_));
   facts.landed = !flies;
   const bool may_arm = has(arms_itself) ? has(can_fly) : has(can_be_armed);
-  facts.checked = heard_ && may_arm && !flies && battery_is_good() && !poses_.of_second_writer() &&
+  facts.checked = received_ && may_arm && !flies && battery_is_good() && !poses_.of_second_writer() &&
                   !poses_.in_other_frames() && (arm_.there() || has(arms_itself));
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && status_reader_->writers_came() > speakers_;
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
   // In flight it counts what the firmware makes of the voltage, which sags with each push.
   if (last_status_.pm_state >= battery_low) facts.unfit = LinkReason::battery_low;
-  const double seconds = 1e-9 * static_cast<double>(now - asked_at_);
+  const double seconds = 1e-9 * static_cast<double>(now - requested_at_);
   facts.airborne = flies && phase_ >= Phase::takeoff && height() > crazyflie_.takeoff_height - at_height &&
                    (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);
   facts.refused = phase_ == Phase::takeoff && !flies &&
                   seconds > crazyflie_.takeoff_time + 1e-9 * static_cast<double>(takeoff_patience);
-  const bool lands = landing_ == Landing::asked &&
+  const bool lands = landing_ == Landing::requested &&
                      (land_.answer() == Answer::accepted || height() < land_from_ - descended || !flies);
   facts.mode = phase_ == Phase::takeoff  ? AutopilotMode::takeoff
                : lands                   ? AutopilotMode::land
@@ -95,7 +95,7 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
 }
 
 void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
-  if (request != Request::none) asked_at_ = now;
+  if (request != Request::none) requested_at_ = now;
   switch (request) {
     case Request::none:
       break;
@@ -135,15 +135,15 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
 
 /// The server may take up requests in another order than they came in: the second waits for the first. One that never flew is disarmed.
 void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
-  const bool said = last_status_.arrived > asked_at_;
-  if (landing_ == Landing::asked && said && !has(is_flying) && has(is_armed) && !has(arms_itself) &&
+  const bool said = last_status_.arrived > requested_at_;
+  if (landing_ == Landing::requested && said && !has(is_flying) && has(is_armed) && !has(arms_itself) &&
       !std::exchange(disarms_, true)) {
     const crazyflie_interfaces_srv_dds__Arm_Request_ disarm{false};
     (void)arm_.call(&disarm);
   }
   if (landing_ != Landing::setpoints_end) return;
-  if (setpoints_stop_.answer() == Answer::none && now - asked_at_ < setpoints_end_most) return;
-  landing_ = Landing::asked;
+  if (setpoints_stop_.answer() == Answer::none && now - requested_at_ < setpoints_end_most) return;
+  landing_ = Landing::requested;
   const double time = std::max(landing_time_least, height() / landing_pace);
   const crazyflie_interfaces_srv_dds__Land_Request_ down{0, static_cast<float>(touchdown_height),
                                                          ros_duration(time)};
@@ -193,7 +193,7 @@ void CrazyswarmLinkEnd::watch(std::span<const SeenWriter> writers) {
   const bool here =
       full_state_->matched() > 0 && takeoff_.there() && land_.there() && setpoints_stop_.there();
   looks_ = here ? looks_ + 1 : 0;
-  heard_ = looks_ > looks_least;
+  received_ = looks_ > looks_least;
   int others = full_state_->rivals(writers);
   for (const char* topic : other_setpoints) {
     const std::string name = wire_topic(crazyflie_.name_space + topic);
@@ -226,8 +226,8 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   };
   examine_reader(poses_.reader(), poses_.is_fresh(now, pose_old));
   examine_reader(*status_reader_, now - last_status_.arrived < supervisor_old);
-  if (!full_state_->heard(around.readers))
-    to.add(Aspect::topics, Light::red, "{}: {}", full_state_->topic(), why_unheard(*full_state_, around));
+  if (!full_state_->received(around.readers))
+    to.add(Aspect::topics, Light::red, "{}: {}", full_state_->topic(), why_stale(*full_state_, around));
   const bool known = status_.count() > 0;
   for (const ServiceCaller* caller : {&takeoff_, &land_, &setpoints_stop_, &arm_})
     if (!caller->there() && (caller != &arm_ || (known && !has(arms_itself))))

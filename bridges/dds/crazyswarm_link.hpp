@@ -8,7 +8,7 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "bridges/dds/mailbox.hpp"
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 #include "bridges/dds/service.hpp"
 #include "sightline/scenario/link.hpp"
 
@@ -41,7 +41,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
-  PoseIntake& intake() noexcept override { return poses_; }
+  PoseSubscriber& subscriber() noexcept override { return poses_; }
   std::string counts() const override;
 
  private:
@@ -53,7 +53,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   };
   enum class Phase : std::uint8_t { ground, arming, takeoff, setpoints, landing };
   /// Of a landing: first the set-points end, then it lands.
-  enum class Landing : std::uint8_t { none, setpoints_end, asked };
+  enum class Landing : std::uint8_t { none, setpoints_end, requested };
 
   bool has(SupervisorBit bit) const noexcept { return (last_status_.supervisor & bit) != 0; }
   bool battery_is_good() const noexcept {
@@ -71,7 +71,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
 
   Mailbox<Status> status_;  // filled by the thread that receives
 
-  std::atomic<bool> heard_{false};  // by watch()
+  std::atomic<bool> received_{false};  // by watch()
   std::atomic<int> rivals_{0};
   int looks_ = 0;
 
@@ -79,7 +79,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   Status last_status_{};
   Phase phase_ = Phase::ground;
   Landing landing_ = Landing::none;
-  Nanoseconds asked_at_ = 0;
+  Nanoseconds requested_at_ = 0;
   double land_from_ = 0.0;  // its height when it was to land [m]
   bool holds_ = false, down_ = false, disarms_ = false;
   TrajectoryPoint hold_{};  // where it was when it was to hold
@@ -87,7 +87,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
 
   std::unique_ptr<RawWriter> full_state_;
   ServiceCaller takeoff_, land_, arm_, setpoints_stop_, emergency_;
-  PoseIntake poses_;
+  PoseSubscriber poses_;
   std::unique_ptr<RawReader> status_reader_;  // last: it ends before what it fills
 };
 

@@ -4,7 +4,7 @@
 
 #include "bridges/dds/doctor.hpp"
 #include "bridges/dds/first_flyer.hpp"
-#include "bridges/dds/stand_in.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 #include "sightline/run/realtime.hpp"
 
 namespace sightline {
@@ -26,8 +26,9 @@ class DdsBridge final : public Bridge {
     refuse_second_flyer(scenario, *domain);
     return std::make_unique<DdsWorld>(scenario, std::move(domain));
   }
-  std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const override {
-    return std::make_unique<DdsStandIns>(scenario, domain_of(scenario, std::nullopt, Identity::vehicles));
+  std::unique_ptr<VehicleSimulators> vehicle_simulator(const Scenario& scenario) const override {
+    return std::make_unique<DdsVehicleSimulators>(scenario,
+                                                  domain_of(scenario, std::nullopt, Identity::vehicles));
   }
   std::unique_ptr<FleetDoctor> examine(const Scenario& scenario) const override {
     return std::make_unique<DdsDoctor>(scenario, domain_of(scenario, std::nullopt, Identity::flyer));
@@ -37,9 +38,9 @@ class DdsBridge final : public Bridge {
 }  // namespace
 }  // namespace dds
 
-void add_dds(Parts& parts) {
-  if (parts.bridge != nullptr) throw std::invalid_argument("there is a bridge already, expected one");
-  parts.bridge = std::make_shared<dds::DdsBridge>();
+void add_dds(Registry& registry) {
+  if (registry.bridge != nullptr) throw std::invalid_argument("there is a bridge already, expected one");
+  registry.bridge = std::make_shared<dds::DdsBridge>();
 }
 
 }  // namespace sightline

@@ -74,7 +74,7 @@ LinkTiming::Delay delay_of(const DelayHistogram& times) {
 }  // namespace
 
 DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times,
-                   Voice voice)
+                   PublishMode publish)
     : scenario_(flown(scenario)),
       team_(scenario_.team),
       start_(scenario.x0),
@@ -84,49 +84,49 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       times_(times_of_task(times, scenario_)),
       node_(scenario.fleet->network.node),
       domain_(std::move(domain)),
-      robots_(made_robots(voice)),
+      robots_(made_robots(publish)),
       bodies_(scenario_, domain_->participant()),
-      telemetry_(scenario_, intakes(), domain_->participant()),
+      telemetry_(scenario_, subscribers(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
-  if (voice == Voice::speaks && plans_apart(scenario_))
-    talk_ = std::make_unique<PartTalk>(scenario_, domain_->participant());
-  if (voice == Voice::speaks)
+  if (publish == PublishMode::on && plans_apart(scenario_))
+    talk_ = std::make_unique<PredictionExchange>(scenario_, domain_->participant());
+  if (publish == PublishMode::on)
     services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);
-  if (voice == Voice::speaks && scenario.fleet->network.topics)
-    topics_ = std::make_unique<TopicsOut>(scenario, domain_->participant(),
-                                          [this](std::size_t i) { return robots_[i].end->counts(); });
+  if (publish == PublishMode::on && scenario.fleet->network.topics)
+    topics_ = std::make_unique<FlightPublisher>(scenario, domain_->participant(),
+                                                [this](std::size_t i) { return robots_[i].end->counts(); });
   watcher_.start([this, list = WriterList(domain_->participant())]() mutable {
     while (!done_) {
       const std::vector<SeenWriter> writers = list.look();
       for (Robot& robot : robots_) robot.end->watch(writers);
-      tell_news();
+      report_news();
       rival_ = services_ != nullptr && services_->has_rival(writers);
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   });
 }
 
-std::vector<DdsWorld::Robot> DdsWorld::made_robots(Voice voice) const {
+std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
   std::vector<Robot> robots;
   for (const Link& link : scenario_.fleet->links) {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
     std::unique_ptr<LinkEnd> end =
-        made_end({domain_->participant(), voice}, link, name, model, scenario_.fleet->network);
+        made_end({domain_->participant(), publish}, link, name, model, scenario_.fleet->network);
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
     if (!link.goals.track) continue;
     robots.back().track = link.goals.track;
     robots.back().goals =
-        std::make_unique<GoalIntake>(domain_->participant(), link.goals, goal_space(scenario_, model));
+        std::make_unique<GoalSubscriber>(domain_->participant(), link.goals, goal_space(scenario_, model));
   }
   return robots;
 }
 
-std::vector<PoseIntake*> DdsWorld::intakes() const {
-  std::vector<PoseIntake*> all;
-  for (const Robot& robot : robots_) all.push_back(&robot.end->intake());
+std::vector<PoseSubscriber*> DdsWorld::subscribers() const {
+  std::vector<PoseSubscriber*> all;
+  for (const Robot& robot : robots_) all.push_back(&robot.end->subscriber());
   return all;
 }
 
@@ -169,18 +169,18 @@ Measured DdsWorld::measure(double t) noexcept {
   return all;
 }
 
-bool DdsWorld::apply(double, std::span<const double> believed, const sightline::Command& u, double,
+bool DdsWorld::apply(double, std::span<const double> estimated, const sightline::Command& u, double,
                      std::int64_t periods) noexcept {
   // Of missed periods nothing can be told any more.
   if (!std::exchange(seen_, false)) {
     periods_ += periods, missed_ += periods;
     return true;
   }
-  step_all(LinkOrder::task, believed, u);
+  step_all(LinkOrder::task, estimated, u);
   return each_is({LinkState::holding, LinkState::flying});
 }
 
-void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
+void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
                         std::span<const double> u) noexcept {
   if (calls_.is_emergency()) order = LinkOrder::emergency;
   const std::int64_t now = monotonic_now();
@@ -195,19 +195,19 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> believed,
     RobotShown shown = {.state = robot.machine.state(), .reason = robot.machine.reason(), .facts = facts};
     shown.seen = robot.end->look(shown.last);
     if (output.setpoint == Setpoint::task)
-      command = robot.model.command(&believed[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
+      command = robot.model.command(&estimated[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
     else
       robot.model.rest();
     if (robot.estimated) {
-      const bool believes = !believed.empty();
-      if (believes) {
+      const bool has_estimate = !estimated.empty();
+      if (has_estimate) {
         const Motion& odometry = shown.last.motion;
-        const Motion at = robot.model.motion(&believed[robot.x], &u[robot.u]);
+        const Motion at = robot.model.motion(&estimated[robot.x], &u[robot.u]);
         const double age = 1e-9 * static_cast<double>(now - shown.last.stamp);
         command = in_local(carried_frame(odometry, age, at), command);
         shown.last.motion = {at.p, at.q, at.v, at.r};
       }
-      shown.seen = shown.seen && believes && robot.knows;
+      shown.seen = shown.seen && has_estimate && robot.knows;
     }
     robot.end->send(output, command, now);
     if (topics_ == nullptr) continue;
@@ -232,18 +232,19 @@ bool DdsWorld::in_our_hands() const {
   return std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) { return r.machine.in_our_hands(); });
 }
 
-void DdsWorld::tell_changes(const TellPerson& tell) {
+void DdsWorld::report_changes(const PrintMessage& print) {
   for (Robot& robot : robots_) {
     const LinkState state = robot.machine.state();
-    if (state == robot.told) continue;
-    robot.told = state;
+    if (state == robot.reported) continue;
+    robot.reported = state;
     const LinkReason reason = robot.machine.reason();
-    tell(fmt::format("{}: {}{}{}", robot.name, to_string(state), reason != LinkReason::as_asked ? ", " : "",
-                     reason != LinkReason::as_asked ? to_string(reason) : ""));
+    print(fmt::format("{}: {}{}{}", robot.name, to_string(state),
+                      reason != LinkReason::as_requested ? ", " : "",
+                      reason != LinkReason::as_requested ? to_string(reason) : ""));
   }
 }
 
-void DdsWorld::tell_news() {
+void DdsWorld::report_news() {
   const std::scoped_lock lock(news_);
   if (!news_go_to_) return;
   if (talk_)
@@ -255,8 +256,8 @@ void DdsWorld::tell_news() {
   }
 }
 
-void DdsWorld::tell_all(const std::string& sentence, const TellPerson& tell) {
-  tell(sentence);
+void DdsWorld::report_all(const std::string& sentence, const PrintMessage& print) {
+  print(sentence);
   if (topics_ != nullptr) topics_->say(sentence);
 }
 
@@ -268,14 +269,14 @@ void DdsWorld::show(const Sample& sample) noexcept {
 }
 
 template <class Done>
-void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const TellPerson& tell,
+void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const PrintMessage& print,
                            Done&& done) {
   for (std::int64_t next = next_multiple(monotonic_now(), period_); !done();
        next = next_multiple(std::max(next + period_, monotonic_now() - period_), period_)) {
     sleep_until(next);
     step_all(interrupts >= 2 ? LinkOrder::hand_over : order, {}, {});
     if (talk_) stand(order);
-    tell_changes(tell);
+    report_changes(print);
   }
 }
 
@@ -294,19 +295,19 @@ void DdsWorld::stand(LinkOrder order) noexcept {
 }
 
 /// The parts that are heard begin together, if none lets the others wait for long.
-void DdsWorld::begin_together(const Interrupts& interrupts, const TellPerson& tell) {
+void DdsWorld::begin_together(const Interrupts& interrupts, const PrintMessage& print) {
   const Nanoseconds until = monotonic_now() + std::llround(1e9 * begins_together);
   const auto flies = [&] { return each_is({LinkState::holding}) && interrupts == 0 && !calls_.to_land(); };
-  steps_until(LinkOrder::hold, interrupts, tell, [&] {
+  steps_until(LinkOrder::hold, interrupts, print, [&] {
     return !flies() || monotonic_now() >= std::min(until, talk_->begins().value_or(until));
   });
   if (flies() && !talk_->all_hold())
-    tell_all(fmt::format("begins without part {}, which does not hold after {} s", talk_->awaited(),
-                         begins_together),
-             tell);
+    report_all(fmt::format("begins without part {}, which does not hold after {} s", talk_->awaited(),
+                           begins_together),
+               print);
 }
 
-bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) {
+bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const PrintMessage& print) {
   using S = LinkState;
   const auto out = [&] {
     return interrupts > 0 || !refusals_.empty() || calls_.to_land() ||
@@ -318,28 +319,28 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
     if (monotonic_now() - looked <= looks_each) return;
     preflight_.clear(), looked = monotonic_now();
     if (!talk_) return;
-    for (const std::string& sentence : talk_->news()) tell(sentence);
+    for (const std::string& sentence : talk_->news()) print(sentence);
     for (Robot& robot : robots_) {
       if (arming != Arming::real || !robot.end->facts(looked).armed) continue;
       arming = Arming::on_call;
-      tell_all(fmt::format("{}: it flies already, by nobody of ours: it is waited for until it has landed",
-                           robot.name),
-               tell);
+      report_all(fmt::format("{}: it flies already, by nobody of ours: it is waited for until it has landed",
+                             robot.name),
+                 print);
     }
   };
-  steps_until(LinkOrder::check, interrupts, tell, [&] {
+  steps_until(LinkOrder::check, interrupts, print, [&] {
     look_around();
     return out() || each_is({S::ready});
   });
   if (rival_ && each_is({S::ready})) {
     refusals_.push_back(fmt::format(
         "fleet.node = \"{}\", by which another program serves, expected a name of its own", node_));
-    tell_all(refusals_.back(), tell);
+    report_all(refusals_.back(), print);
   }
   if (arming == Arming::on_call && !out()) {
     calls_.is_at(FlightPhase::waiting);
-    tell_all(fmt::format("all are ready: {}/start lets them take off", node_), tell);
-    steps_until(LinkOrder::check, interrupts, tell, [&] {
+    report_all(fmt::format("all are ready: {}/start lets them take off", node_), print);
+    steps_until(LinkOrder::check, interrupts, print, [&] {
       look_around();
       return out() || calls_.started();
     });
@@ -347,40 +348,40 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const TellP
   preflight_.clear();  // they may have been ready for long
   if (each_is({S::ready}) && preflight_.all_clear() && !out()) {
     if (arming == Arming::dry_run) {
-      tell_all("all are ready, none is armed: a dry run", tell);
-      steps_until(LinkOrder::land, interrupts, tell, [&] { return !in_our_hands() && each_is({S::done}); });
+      report_all("all are ready, none is armed: a dry run", print);
+      steps_until(LinkOrder::land, interrupts, print, [&] { return !in_our_hands() && each_is({S::done}); });
       return false;
     }
     for (Robot& robot : robots_) robot.end->stop_examining();
     calls_.is_at(FlightPhase::taking_off);
-    steps_until(LinkOrder::take_off, interrupts, tell, [&] {
+    steps_until(LinkOrder::take_off, interrupts, print, [&] {
       return out() || std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
                return r.machine.state() == S::taking_off && r.end->facts(monotonic_now()).airborne;
              });
     });
     if (!out())
-      steps_until(LinkOrder::hold, interrupts, tell, [&] { return out() || each_is({S::holding}); });
+      steps_until(LinkOrder::hold, interrupts, print, [&] { return out() || each_is({S::holding}); });
     const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);
     if (!out())
-      steps_until(LinkOrder::hold, interrupts, tell,
+      steps_until(LinkOrder::hold, interrupts, print,
                   [&] { return out() || each_stands() || monotonic_now() > until; });
     settled_ = !out();
-    if (!out() && talk_) begin_together(interrupts, tell);
+    if (!out() && talk_) begin_together(interrupts, print);
     if (!out()) {
-      tell_all("the task begins", tell);
+      report_all("the task begins", print);
       calls_.is_at(FlightPhase::task);
       const std::scoped_lock lock(news_);
-      news_go_to_ = tell;
+      news_go_to_ = print;
       return true;
     }
   } else {
     const bool ready = each_is({S::ready});
     for (const std::string& sentence : preflight_.refusals()) {
       if (ready) refusals_.push_back(sentence);
-      tell(sentence);
+      print(sentence);
     }
   }
-  land(interrupts, tell);
+  land(interrupts, print);
   return false;
 }
 
@@ -399,16 +400,16 @@ std::vector<RobotPose> DdsWorld::poses() {
   return all;
 }
 
-void DdsWorld::land(const Interrupts& interrupts, const TellPerson& tell) {
+void DdsWorld::land(const Interrupts& interrupts, const PrintMessage& print) {
   calls_.is_at(FlightPhase::landing);
-  tell_news();
+  report_news();
   {
     const std::scoped_lock lock(news_);
     news_go_to_ = {};
   }
   if (begun_ && !cpu_)
     cpu_ = (cpu_seconds() - begun_cpu_) / (1e-9 * static_cast<double>(monotonic_now() - origin_));
-  steps_until(LinkOrder::land, interrupts, tell, [&] {
+  steps_until(LinkOrder::land, interrupts, print, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });
   calls_.is_at(FlightPhase::over);
@@ -418,7 +419,7 @@ std::string DdsWorld::ended() const {
   for (const Robot& robot : robots_) {
     if (robot.machine.reason() == LinkReason::emergency)
       return fmt::format("{}: {}", robot.name, to_string(robot.machine.reason()));
-    if (robot.machine.reason() != LinkReason::as_asked)
+    if (robot.machine.reason() != LinkReason::as_requested)
       return fmt::format("{}: {}; the others landed", robot.name, to_string(robot.machine.reason()));
   }
   return {};
@@ -427,7 +428,7 @@ std::string DdsWorld::ended() const {
 std::vector<std::string> DdsWorld::faults() const {
   std::vector<std::string> sentences = refusals_;
   for (const Robot& robot : robots_) {
-    if (robot.machine.reason() != LinkReason::as_asked)
+    if (robot.machine.reason() != LinkReason::as_requested)
       sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
     if (robot.estimated && begun_ && !robot.knew)
       sentences.push_back(fmt::format(

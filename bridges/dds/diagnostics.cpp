@@ -29,7 +29,7 @@ Diagnosis diagnose_link(std::string_view name, const RobotShown& shown, double a
                  .message = std::string(to_string(shown.state)),
                  .hardware = std::string(name)};
   const LinkFacts& f = shown.facts;
-  if (shown.reason != LinkReason::as_asked) {
+  if (shown.reason != LinkReason::as_requested) {
     d.level = Health::error;
     d.message = fmt::format("{}: {}", to_string(shown.state), to_string(shown.reason));
   } else if (!shown.seen) {

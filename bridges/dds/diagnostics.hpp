@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "bridges/dds/topics_out.hpp"
+#include "bridges/dds/flight_publisher.hpp"
 
 namespace sightline::dds {
 

@@ -13,7 +13,7 @@ class DdsDoctor final : public FleetDoctor {
  public:
   /// @throws as DdsWorld
   DdsDoctor(const Scenario& scenario, std::shared_ptr<Domain> domain)
-      : world_(scenario, std::move(domain), {}, Voice::silent) {}
+      : world_(scenario, std::move(domain), {}, PublishMode::off) {}
 
   std::vector<Finding> findings() override { return world_.examine(); }
   std::vector<RobotPose> poses() override { return world_.poses(); }

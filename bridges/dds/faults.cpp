@@ -37,9 +37,9 @@ Motion Faults::said(Motion motion) {
   using K = LinkFaultKind;
   if (!on(K::frozen)) frozen_.reset();
   if (on(K::frozen)) motion = frozen_ ? *frozen_ : frozen_.emplace(motion);
-  for (const K jump : {K::jump, K::jump_told})
+  for (const K jump : {K::jump, K::jump_reported})
     if (on(jump)) motion.p.x += size(jump);
-  if (changed(K::jump_told)) ++resets_;
+  if (changed(K::jump_reported)) ++resets_;
   if (on(K::not_finite) && random_.uniform() <= size(K::not_finite)) {
     motion.p.x = std::numeric_limits<double>::quiet_NaN();
     const std::scoped_lock lock(lock_);
@@ -72,7 +72,7 @@ FaultyWriter::FaultyWriter(dds_entity_t participant, const dds_topic_descriptor_
                            const std::string& topic, Quality quality, Faults& faults)
     : faults_(faults),
       size_(type.m_size),
-      random_(faults.seed_, Chance::fault,
+      random_(faults.seed_, StreamId::fault,
               [&] {
                 const std::scoped_lock lock(faults.lock_);
                 return ++faults.writers_made_;
@@ -90,11 +90,11 @@ FaultyWriter::~FaultyWriter() {
 void FaultyWriter::write(const void* message) {
   using K = LinkFaultKind;
   if (faults_.on(K::silent)) return;
-  const auto happens = [&](K kind) { return faults_.on(kind) && random_.uniform() <= faults_.size(kind); };
+  const auto occurs = [&](K kind) { return faults_.on(kind) && random_.uniform() <= faults_.size(kind); };
   bool dropped = false, twice = false, reordered = false;
   {
     const std::scoped_lock lock(lock_);
-    dropped = happens(K::drop), twice = happens(K::duplicate), reordered = happens(K::reorder);
+    dropped = occurs(K::drop), twice = occurs(K::duplicate), reordered = occurs(K::reorder);
     const double delay =
         (faults_.on(K::delay) ? faults_.size(K::delay) : 0.0) + (reordered ? reordered_by : 0.0);
     for (int copies = dropped ? 0 : twice ? 2 : 1; copies > 0; --copies) {

@@ -26,7 +26,7 @@ struct FaultCounts {
 /// Of one robot, for as long as it is stood in for. The same seed, faults and messages give the same counts.
 class Faults {
  public:
-  explicit Faults(std::uint64_t seed) : seed_(seed), random_(seed, Chance::fault, 0) {}
+  explicit Faults(std::uint64_t seed) : seed_(seed), random_(seed, StreamId::fault, 0) {}
   Faults(const Faults&) = delete;
   Faults& operator=(const Faults&) = delete;
 

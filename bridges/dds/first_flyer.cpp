@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "bridges/dds/channel.hpp"
-#include "bridges/dds/part_talk.hpp"
+#include "bridges/dds/prediction_exchange.hpp"
 
 namespace sightline::dds {
 namespace {

@@ -192,7 +192,7 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
   for (std::size_t i = 0; i < robots.size(); ++i) {
     FindingList list(robots[i].name);
     robots[i].end->examine(around, list);
-    const ArrivalFigures f = robots[i].end->intake().arrivals().figures(now, realtime_now() - now);
+    const ArrivalFigures f = robots[i].end->subscriber().arrivals().figures(now, realtime_now() - now);
     if (f.count >= poses_needed) {
       examine_rate(scenario, f, list);
       examine_clock(f, list);

@@ -7,7 +7,7 @@
 
 #include "bridges/dds/link_end.hpp"
 #include "bridges/dds/surroundings.hpp"
-#include "bridges/dds/tag_intake.hpp"
+#include "bridges/dds/tag_subscriber.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline::dds {
@@ -19,7 +19,7 @@ struct ExaminedRobot {
   std::string name;
   const Link* link;
   LinkEnd* end;
-  const TagIntake* tags = nullptr;  ///< that robots see who are localized by view; none: nobody is
+  const TagSubscriber* tags = nullptr;  ///< that robots see who are localized by view; none: nobody is
 };
 
 /// All of them, robot by robot, then those of the fleet. By the one thread that looks at the ends; it allocates.

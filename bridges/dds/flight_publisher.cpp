@@ -1,4 +1,4 @@
-#include "bridges/dds/topics_out.hpp"
+#include "bridges/dds/flight_publisher.hpp"
 
 #include <fmt/format.h>
 #include <time.h>
@@ -16,13 +16,13 @@
 
 #include "bridges/dds/diagnostics.hpp"
 #include "bridges/dds/mailbox.hpp"
-#include "bridges/dds/ros_words.hpp"
+#include "bridges/dds/ros_message.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/event_words.hpp"
-#include "sightline/run/ring.hpp"
+#include "sightline/record/event_description.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/server/scene.hpp"
 
 namespace sightline::dds {
@@ -38,7 +38,7 @@ constexpr std::uint8_t log_info = 20, log_warn = 30, log_error = 40;
 constexpr double fresh_by_default = 0.1;  // [s]
 
 /// Of a period, what is shown.
-struct Moment {
+struct PublishedSample {
   double t = 0.0;            // [s]
   Nanoseconds shown_at = 0;  // of the monotonic clock
   std::vector<double> x, path;
@@ -52,8 +52,8 @@ struct Moment {
   std::vector<Event> events{};
 };
 
-Moment sized_moment(const Scenario& scenario) {
-  Moment m;
+PublishedSample sized_moment(const Scenario& scenario) {
+  PublishedSample m;
   m.x = scenario.x0;
   m.path.resize(size(scenario.horizon.N + 1) * m.x.size());
   m.levels.resize(size(scenario.team.bodies()), FallbackLevel::valid);
@@ -91,7 +91,7 @@ std::string topic_part(std::string_view robot) {
 
 #define ROS_TYPE(name) name##_desc
 
-class TopicsOut::Thread {
+class FlightPublisher::Thread {
  public:
   Thread(const Scenario& scenario, dds_entity_t participant, Counts counts);
   ~Thread() {
@@ -118,7 +118,7 @@ class TopicsOut::Thread {
     Mailbox<RobotShown> box{};
     RobotShown now{};
     Nanoseconds shown = 0;  // the stamp of the last pose
-    std::optional<LinkState> told{};
+    std::optional<LinkState> reported{};
     Outlet<geometry_msgs_msg_dds__PoseStamped_> pose;
     Outlet<nav_msgs_msg_dds__Path_> path;
     std::string frame;  // of /tf
@@ -129,11 +129,11 @@ class TopicsOut::Thread {
     RobotCamera camera{};
   };
   std::vector<std::unique_ptr<RobotTopics>> robots_;
-  Ring<Moment> moments_;
+  SpscQueue<PublishedSample> moments_;
 
  private:
   void tick(std::int64_t number);
-  void take(const Moment& moment);
+  void take(const PublishedSample& moment);
   void take_event(const Event& event);
   void send_poses();
   void send_estimate(std::size_t robot);
@@ -145,8 +145,8 @@ class TopicsOut::Thread {
   void end_second();
   std::optional<Sight<double>> sight_of(int body) const;
   Nanoseconds to_realtime(Nanoseconds monotonic) const { return monotonic + realtime_ahead_; }
-  std_msgs_msg_dds__Header_ header(Nanoseconds monotonic, Words& words) const {
-    return {stamp_of(to_realtime(monotonic)), words(std::string(frame_of_G))};
+  std_msgs_msg_dds__Header_ header(Nanoseconds monotonic, RosStrings& strings) const {
+    return {stamp_of(to_realtime(monotonic)), strings(std::string(frame_of_G))};
   }
 
   Team team_;
@@ -156,7 +156,7 @@ class TopicsOut::Thread {
   Scene scene_;
   Counts counts_;
 
-  Moment last_;
+  PublishedSample last_;
   bool path_waits_ = false;
   Nanoseconds realtime_ahead_ = 0;
   LoopShown loop_;
@@ -175,7 +175,7 @@ class TopicsOut::Thread {
   ServiceThread thread_{"the topics of the flight"};  // last: it uses all of it
 };
 
-TopicsOut::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Counts counts)
+FlightPublisher::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Counts counts)
     : moments_(moments_kept, sized_moment(scenario)),
       team_(scenario.team),
       node_(scenario.fleet->network.node),
@@ -215,7 +215,7 @@ TopicsOut::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Co
   thread_.start([this] { run(); });
 }
 
-void TopicsOut::Thread::run() {
+void FlightPublisher::Thread::run() {
   const Nanoseconds began = monotonic_now();
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t number = 0; !done_; ++number) {
@@ -230,20 +230,20 @@ void TopicsOut::Thread::run() {
   tick(0);
 }
 
-void TopicsOut::Thread::tick(std::int64_t number) {
+void FlightPublisher::Thread::tick(std::int64_t number) {
   realtime_ahead_ = realtime_now() - monotonic_now();
   end_second();
-  while (const Moment* moment = moments_.front()) {
+  while (const PublishedSample* moment = moments_.front()) {
     take(*moment);
     moments_.pop();
   }
   for (auto& robot : robots_) {
-    if (!robot->box.look(robot->now) || robot->told == robot->now.state) continue;
-    robot->told = robot->now.state;
-    const bool asked = robot->now.reason == LinkReason::as_asked;
-    line(asked ? log_info : log_error,
-         fmt::format("{}: {}{}{}", robot->name, to_string(robot->now.state), asked ? "" : ", ",
-                     asked ? "" : to_string(robot->now.reason)));
+    if (!robot->box.look(robot->now) || robot->reported == robot->now.state) continue;
+    robot->reported = robot->now.state;
+    const bool requested = robot->now.reason == LinkReason::as_requested;
+    line(requested ? log_info : log_error,
+         fmt::format("{}: {}{}{}", robot->name, to_string(robot->now.state), requested ? "" : ", ",
+                     requested ? "" : to_string(robot->now.reason)));
   }
   {
     const std::scoped_lock lock(said_lock_);
@@ -269,7 +269,7 @@ void TopicsOut::Thread::tick(std::int64_t number) {
   written_ = written;
 }
 
-void TopicsOut::Thread::take(const Moment& moment) {
+void FlightPublisher::Thread::take(const PublishedSample& moment) {
   path_waits_ = path_waits_ || moment.has_path;
   if (moment.has_path) {
     last_.path = moment.path;
@@ -285,7 +285,7 @@ void TopicsOut::Thread::take(const Moment& moment) {
   for (int i = 0; i < moment.event_count; ++i) take_event(moment.events[size(i)]);
 }
 
-void TopicsOut::Thread::take_event(const Event& event) {
+void FlightPublisher::Thread::take_event(const Event& event) {
   if (event.kind == EventKind::missed_period) {
     loop_.missed += std::llround(event.value);
     line(log_warn, fmt::format("{} periods missed", event.value));
@@ -303,17 +303,18 @@ void TopicsOut::Thread::take_event(const Event& event) {
   line(mends ? log_info : bad ? log_error : log_warn, event_words(to_string(event.kind), event.value, names));
 }
 
-void TopicsOut::Thread::line(std::uint8_t level, const std::string& text) {
+void FlightPublisher::Thread::line(std::uint8_t level, const std::string& text) {
   if (lines_ >= lines_a_second) {
     ++lines_left_out_;
     return;
   }
   ++lines_;
-  Words words;
-  log_.write({stamp_of(realtime_now()), level, words(node_.substr(1)), words(text), words(""), words(""), 0});
+  RosStrings strings;
+  log_.write({stamp_of(realtime_now()), level, strings(node_.substr(1)), strings(text), strings(""),
+              strings(""), 0});
 }
 
-void TopicsOut::Thread::end_second() {
+void FlightPublisher::Thread::end_second() {
   const std::int64_t second = monotonic_now() / 1'000'000'000;
   if (second == lines_second_) return;
   lines_second_ = second;
@@ -322,17 +323,18 @@ void TopicsOut::Thread::end_second() {
     line(log_warn, fmt::format("{} lines more in the second before", more));
 }
 
-void TopicsOut::Thread::send_poses() {
-  Words words;
+void FlightPublisher::Thread::send_poses() {
+  RosStrings strings;
   std::vector<geometry_msgs_msg_dds__TransformStamped_> transforms;
   for (auto& robot : robots_) {
     const SeenMotion& last = robot->now.last;
     if (!robot->now.seen || last.stamp == robot->shown) continue;
     robot->shown = last.stamp;
     const Vec3<double>& p = last.motion.p;
-    const geometry_msgs_msg_dds__PoseStamped_ pose = {header(last.stamp, words), ros_pose(p, last.motion.q)};
+    const geometry_msgs_msg_dds__PoseStamped_ pose = {header(last.stamp, strings),
+                                                      ros_pose(p, last.motion.q)};
     robot->pose.write(pose);
-    transforms.push_back({pose.header, words(robot->frame), {{p.x, p.y, p.z}, pose.pose.orientation}});
+    transforms.push_back({pose.header, strings(robot->frame), {{p.x, p.y, p.z}, pose.pose.orientation}});
   }
   if (transforms.empty()) return;
   tf2_msgs_msg_dds__TFMessage_ message{};
@@ -341,16 +343,16 @@ void TopicsOut::Thread::send_poses() {
 }
 
 /// Upright: nothing is said of roll and pitch, whose variances are 0.
-void TopicsOut::Thread::send_estimate(std::size_t robot) {
+void FlightPublisher::Thread::send_estimate(std::size_t robot) {
   RobotTopics& its = *robots_[robot];
   const PoseEstimate& now = last_.estimates[robot];
   if (!its.estimate || !now.known || now.stamp == its.estimated) return;
   its.estimated = now.stamp;
   constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, turn about z
   const SinCos<double> heading = sincos(now.psi);
-  Words words;
+  RosStrings strings;
   geometry_msgs_msg_dds__PoseWithCovarianceStamped_ message{};
-  message.header = header(last_.shown_at + std::llround(1e9 * (now.stamp - last_.t)), words);
+  message.header = header(last_.shown_at + std::llround(1e9 * (now.stamp - last_.t)), strings);
   message.pose.pose = ros_pose(now.p, upright({heading.cos, heading.sin}));
   for (std::size_t i = 0; i < row.size(); ++i)
     for (std::size_t j = 0; j < row.size(); ++j)
@@ -358,41 +360,41 @@ void TopicsOut::Thread::send_estimate(std::size_t robot) {
   its.estimate->write(message);
 }
 
-void TopicsOut::Thread::send_cameras() {
+void FlightPublisher::Thread::send_cameras() {
   for (auto& robot : robots_) {
     if (!robot->camera_info) continue;
-    Words words;
+    RosStrings strings;
     std::vector<double> distortion(5);  // none
-    auto message = camera_info(robot->camera.camera, words, distortion);
-    message.header = {stamp_of(realtime_now()), words(robot->camera.frame)};
+    auto message = camera_info(robot->camera.camera, strings, distortion);
+    message.header = {stamp_of(realtime_now()), strings(robot->camera.frame)};
     robot->camera_info->write(message);
   }
 }
 
-void TopicsOut::Thread::send_paths() {
+void FlightPublisher::Thread::send_paths() {
   if (!std::exchange(path_waits_, false)) return;
   const std::size_t nx = last_.x.size(), stages = last_.path.size() / nx;
   const Nanoseconds begin = last_.shown_at + std::llround(1e9 * (last_.path_time - last_.t));
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Model& model = team_.model(BodyId{static_cast<int>(i)});
-    Words words;
+    RosStrings strings;
     std::vector<geometry_msgs_msg_dds__PoseStamped_> poses;
     for (std::size_t k = 0; k < stages; ++k) {
       const double* x = &last_.path[k * nx + robots_[i]->x];
       const Sight<double> seen = model.sight(x, no_input_.data());
       const double sum = seen.p.x + seen.p.y + seen.p.z + seen.d.x + seen.d.y;
       if (!std::isfinite(sum) || (seen.d.x == 0 && seen.d.y == 0)) break;
-      poses.push_back({header(begin + std::llround(1e9 * last_.path_step * static_cast<double>(k)), words),
+      poses.push_back({header(begin + std::llround(1e9 * last_.path_step * static_cast<double>(k)), strings),
                        ros_pose(seen.p, upright(seen.d))});
     }
-    nav_msgs_msg_dds__Path_ path = {header(begin, words), {}};
+    nav_msgs_msg_dds__Path_ path = {header(begin, strings), {}};
     set_sequence(path.poses, poses);
     robots_[i]->path.write(path);
   }
 }
 
 /// Of a robot where it was seen last; of what is no robot, as the loop takes it to be.
-std::optional<Sight<double>> TopicsOut::Thread::sight_of(int body) const {
+std::optional<Sight<double>> FlightPublisher::Thread::sight_of(int body) const {
   if (size(body) < robots_.size()) {
     const RobotShown& now = robots_[size(body)]->now;
     if (!now.seen) return std::nullopt;
@@ -404,20 +406,20 @@ std::optional<Sight<double>> TopicsOut::Thread::sight_of(int body) const {
   return std::isfinite(seen.p.x + seen.p.y + seen.p.z) ? std::optional(seen) : std::nullopt;
 }
 
-void TopicsOut::Thread::send_markers() {
+void FlightPublisher::Thread::send_markers() {
   std::vector<std::optional<Sight<double>>> bodies;
   for (int i = 0; i < team_.bodies(); ++i) bodies.push_back(sight_of(i));
   const std::vector<Drawn> drawn = scene_.draw(bodies, last_.t);
   if (drawn.empty()) return;
-  Words words;
+  RosStrings strings;
   std::vector<visualization_msgs_msg_dds__Marker_> markers;
   std::vector<std::vector<geometry_msgs_msg_dds__Point_>> points(drawn.size());
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     const Drawn& d = drawn[i];
     for (const Vec3<double>& p : d.points) points[i].push_back({p.x, p.y, p.z});
     visualization_msgs_msg_dds__Marker_& m = markers.emplace_back();
-    m.header = header(monotonic_now(), words);
-    m.ns = words(std::string(d.group));
+    m.header = header(monotonic_now(), strings);
+    m.ns = strings(std::string(d.group));
     m.id = d.id;
     m.type = d.form;
     m.pose = ros_pose(d.p, d.q);
@@ -425,17 +427,17 @@ void TopicsOut::Thread::send_markers() {
     m.color = {d.colour.r, d.colour.g, d.colour.b, d.colour.a};
     m.lifetime = {0, marker_lifetime};
     set_sequence(m.points, points[i]);
-    m.text = words(d.words);
-    m.texture_resource = m.mesh_resource = m.mesh_file.filename = words("");
-    m.texture.header = {{}, words("")};
-    m.texture.format = words("");
+    m.text = strings(d.words);
+    m.texture_resource = m.mesh_resource = m.mesh_file.filename = strings("");
+    m.texture.header = {{}, strings("")};
+    m.texture.format = strings("");
   }
   visualization_msgs_msg_dds__MarkerArray_ message{};
   set_sequence(message.markers, markers);
   markers_.write(message);
 }
 
-void TopicsOut::Thread::send_diagnostics() {
+void FlightPublisher::Thread::send_diagnostics() {
   std::vector<Diagnosis> all;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const RobotShown& now = robots_[i]->now;
@@ -445,39 +447,39 @@ void TopicsOut::Thread::send_diagnostics() {
   all.push_back(
       diagnose_solver(solver_, std::exchange(loop_, LoopShown{.begun = loop_.begun, .last = loop_.last})));
 
-  Words words;
+  RosStrings strings;
   std::vector<diagnostic_msgs_msg_dds__DiagnosticStatus_> statuses;
   std::vector<std::vector<diagnostic_msgs_msg_dds__KeyValue_>> values(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    for (const auto& [key, value] : all[i].values) values[i].push_back({words(key), words(value)});
+    for (const auto& [key, value] : all[i].values) values[i].push_back({strings(key), strings(value)});
     auto& status = statuses.emplace_back();
     status.level = static_cast<std::uint8_t>(all[i].level);
-    status.name = words(all[i].name);
-    status.message = words(all[i].message);
-    status.hardware_id = words(all[i].hardware);
+    status.name = strings(all[i].name);
+    status.message = strings(all[i].message);
+    status.hardware_id = strings(all[i].hardware);
     set_sequence(status.values, values[i]);
   }
   diagnostic_msgs_msg_dds__DiagnosticArray_ message{};
-  message.header = {stamp_of(realtime_now()), words("")};
+  message.header = {stamp_of(realtime_now()), strings("")};
   set_sequence(message.status, statuses);
   diagnostics_.write(message);
 }
 
-std::string TopicsOut::Thread::in_words() const {
+std::string FlightPublisher::Thread::in_words() const {
   const double part = static_cast<double>(worked_) / static_cast<double>(std::max<std::int64_t>(ran_, 1));
   return fmt::format("{} messages for others, {:.1f} % of a core", written_.load(), 100.0 * part);
 }
 
-TopicsOut::TopicsOut(const Scenario& scenario, dds_entity_t participant, Counts counts)
+FlightPublisher::FlightPublisher(const Scenario& scenario, dds_entity_t participant, Counts counts)
     : thread_(std::make_unique<Thread>(scenario, participant, std::move(counts))) {}
-TopicsOut::~TopicsOut() = default;
+FlightPublisher::~FlightPublisher() = default;
 
-void TopicsOut::show(std::size_t robot, const RobotShown& shown) noexcept {
+void FlightPublisher::show(std::size_t robot, const RobotShown& shown) noexcept {
   thread_->robots_[robot]->box.put(shown);
 }
 
-void TopicsOut::show(const Sample& sample) noexcept {
-  Moment* const m = thread_->moments_.claim();
+void FlightPublisher::show(const Sample& sample) noexcept {
+  PublishedSample* const m = thread_->moments_.claim();
   if (m == nullptr) return;
   m->t = sample.time;
   m->shown_at = monotonic_now();
@@ -494,7 +496,7 @@ void TopicsOut::show(const Sample& sample) noexcept {
   thread_->moments_.publish();
 }
 
-void TopicsOut::say(std::string_view sentence) { thread_->say(sentence); }
-std::string TopicsOut::counts() const { return thread_->in_words(); }
+void FlightPublisher::say(std::string_view sentence) { thread_->say(sentence); }
+std::string FlightPublisher::counts() const { return thread_->in_words(); }
 
 }  // namespace sightline::dds

@@ -19,7 +19,7 @@ struct RobotShown {
   bool seen = false;
   SeenMotion last{};  ///< where it was seen
   LinkState state = LinkState::waiting;
-  LinkReason reason = LinkReason::as_asked;
+  LinkReason reason = LinkReason::as_requested;
   LinkFacts facts{};
 };
 
@@ -32,15 +32,15 @@ inline constexpr Quality of_shown = {true, false, 1}, of_transforms = {true, fal
 
 /// Publishes by a thread of its own, at bounded rates: poses and /tf each 20 ms at most, paths and markers each 0.1 s, diagnostics each
 /// second, at most 50 log lines a second.
-class TopicsOut {
+class FlightPublisher {
  public:
   /// In words, what a robot's link counted; by its thread.
   using Counts = std::function<std::string(std::size_t robot)>;
   /// @throws std::invalid_argument for robots whose topics would have one name, std::runtime_error where a topic cannot be had
-  TopicsOut(const Scenario& scenario, dds_entity_t participant, Counts counts);
-  ~TopicsOut();  ///< Once the last is published.
-  TopicsOut(const TopicsOut&) = delete;
-  TopicsOut& operator=(const TopicsOut&) = delete;
+  FlightPublisher(const Scenario& scenario, dds_entity_t participant, Counts counts);
+  ~FlightPublisher();  ///< Once the last is published.
+  FlightPublisher(const FlightPublisher&) = delete;
+  FlightPublisher& operator=(const FlightPublisher&) = delete;
 
   // By the control thread: they allocate nothing and wait for nobody. What finds no room is not shown.
   void show(std::size_t robot, const RobotShown& shown) noexcept;

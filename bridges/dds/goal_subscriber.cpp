@@ -1,4 +1,4 @@
-#include "bridges/dds/goal_intake.hpp"
+#include "bridges/dds/goal_subscriber.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +34,7 @@ bool is_finite(const Waypoint& w) { return std::isfinite(w.p.x + w.p.y + w.p.z +
 
 }  // namespace
 
-GoalIntake::GoalIntake(dds_entity_t participant, const GoalsFrom& from, const GoalSpace& space)
+GoalSubscriber::GoalSubscriber(dds_entity_t participant, const GoalsFrom& from, const GoalSpace& space)
     : from_(from), space_(space) {
   if (!from.goal_topic.empty())
     goal_ = std::make_unique<RawReader>(participant, geometry_msgs_msg_dds__PoseStamped__desc,
@@ -46,49 +46,49 @@ GoalIntake::GoalIntake(dds_entity_t participant, const GoalsFrom& from, const Go
                                         [this](const void* m, const Arrival&) { on_path(m); });
 }
 
-bool GoalIntake::is_inside(const Vec3<double>& p) const noexcept {
+bool GoalSubscriber::is_inside(const Vec3<double>& p) const noexcept {
   return std::abs(p.x) <= space_.world && std::abs(p.y) <= space_.world && p.z >= space_.floor &&
          p.z <= space_.ceiling;
 }
 
-void GoalIntake::on_goal(const void* message) {
+void GoalSubscriber::on_goal(const void* message) {
   const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(message);
-  if (from_.frame != text_in(m.header.frame_id)) return refuse(Refusal::frame);
+  if (from_.frame != text_in(m.header.frame_id)) return throw_invalid(Refusal::frame);
   Message goal;
   goal.count = 1;
   goal.waypoints[0] = waypoint_of(m.pose);
   offer(goal);
 }
 
-void GoalIntake::on_path(const void* message) {
+void GoalSubscriber::on_path(const void* message) {
   const auto& m = *static_cast<const nav_msgs_msg_dds__Path_*>(message);
-  if (from_.frame != text_in(m.header.frame_id)) return refuse(Refusal::frame);
+  if (from_.frame != text_in(m.header.frame_id)) return throw_invalid(Refusal::frame);
   const std::span poses(m.poses._buffer, m.poses._length);
-  if (poses.empty() || poses.size() > GoalTrack::path_most) return refuse(Refusal::length);
+  if (poses.empty() || poses.size() > GoalTrack::path_most) return throw_invalid(Refusal::length);
   Message path;
   for (const auto& pose : poses) {
     const std::string_view frame = text_in(pose.header.frame_id);
-    if (!frame.empty() && from_.frame != frame) return refuse(Refusal::frame);
+    if (!frame.empty() && from_.frame != frame) return throw_invalid(Refusal::frame);
     Waypoint& next = path.waypoints[path.count];
     next = waypoint_of(pose.pose);
     next.after = seconds(m.header.stamp, pose.header.stamp);
     const double before = path.count > 0 ? path.waypoints[path.count - 1].after : 0.0;
-    if (!(next.after > before)) return refuse(Refusal::times);
+    if (!(next.after > before)) return throw_invalid(Refusal::times);
     ++path.count;
   }
   offer(path);
 }
 
-void GoalIntake::offer(const Message& message) noexcept {
+void GoalSubscriber::offer(const Message& message) noexcept {
   for (std::size_t i = 0; i < message.count; ++i) {
-    if (!is_finite(message.waypoints[i])) return refuse(Refusal::not_finite);
-    if (!is_inside(message.waypoints[i].p)) return refuse(Refusal::outside);
+    if (!is_finite(message.waypoints[i])) return throw_invalid(Refusal::not_finite);
+    if (!is_inside(message.waypoints[i].p)) return throw_invalid(Refusal::outside);
   }
   const std::scoped_lock lock(puts_);
   newest_.put(message);
 }
 
-void GoalIntake::pass_on(double t, GoalTrack& track) noexcept {
+void GoalSubscriber::pass_on(double t, GoalTrack& track) noexcept {
   const std::uint64_t count = newest_.count();
   if (count == passed_ || (passed_at_ >= 0 && t - passed_at_ < least_time) || !newest_.look(message_)) return;
   passed_ = count;
@@ -98,15 +98,15 @@ void GoalIntake::pass_on(double t, GoalTrack& track) noexcept {
       ++taken_;
       break;
     case GoalAnswer::too_fast:
-      refuse(Refusal::too_fast);
+      throw_invalid(Refusal::too_fast);
       break;
     case GoalAnswer::full:
-      refuse(Refusal::full);
+      throw_invalid(Refusal::full);
       break;
   }
 }
 
-std::string GoalIntake::words(Refusal why) const {
+std::string GoalSubscriber::describe(Refusal why) const {
   switch (why) {
     case Refusal::not_finite:
       return "not finite, or without an attitude";
@@ -127,22 +127,22 @@ std::string GoalIntake::words(Refusal why) const {
   return {};
 }
 
-std::vector<std::string> GoalIntake::news() {
+std::vector<std::string> GoalSubscriber::news() {
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < refusals; ++i) {
     const std::int64_t now = refused_[i];
-    if (told_[i] == 0 && now > 0)
-      sentences.push_back(fmt::format("a goal is refused: {}", words(static_cast<Refusal>(i))));
-    told_[i] = now;
+    if (received_[i] == 0 && now > 0)
+      sentences.push_back(fmt::format("a goal is refused: {}", describe(static_cast<Refusal>(i))));
+    received_[i] = now;
   }
   return sentences;
 }
 
-std::string GoalIntake::counts() const {
+std::string GoalSubscriber::counts() const {
   std::string text = fmt::format("{} goals taken", taken_.load());
   for (std::size_t i = 0; i < refusals; ++i)
     if (refused_[i] > 0)
-      text += fmt::format(", {} refused: {}", refused_[i].load(), words(static_cast<Refusal>(i)));
+      text += fmt::format(", {} refused: {}", refused_[i].load(), describe(static_cast<Refusal>(i)));
   return text;
 }
 

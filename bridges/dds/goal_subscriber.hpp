@@ -23,13 +23,13 @@ struct GoalSpace {
 };
 
 /// Of one robot. What is refused changes nothing.
-class GoalIntake {
+class GoalSubscriber {
  public:
   /// The least time between two messages that are taken; of those between, the last is [s].
   static constexpr double least_time = 0.1;
 
   /// @throws std::runtime_error where a topic cannot be had
-  GoalIntake(dds_entity_t participant, const GoalsFrom& from, const GoalSpace& space);
+  GoalSubscriber(dds_entity_t participant, const GoalsFrom& from, const GoalSpace& space);
 
   /// By the control thread, each period: puts the newest message into the track, as of now. Allocates nothing.
   void pass_on(double t, GoalTrack& track) noexcept;
@@ -51,10 +51,10 @@ class GoalIntake {
 
   void on_goal(const void* message);
   void on_path(const void* message);
-  void refuse(Refusal why) noexcept { ++refused_[static_cast<std::size_t>(why)]; }
+  void throw_invalid(Refusal why) noexcept { ++refused_[static_cast<std::size_t>(why)]; }
   bool is_inside(const Vec3<double>& p) const noexcept;
   void offer(const Message& message) noexcept;
-  std::string words(Refusal why) const;
+  std::string describe(Refusal why) const;
 
   GoalsFrom from_;
   GoalSpace space_;
@@ -62,8 +62,8 @@ class GoalIntake {
   Mailbox<Message> newest_;
   std::array<std::atomic<std::int64_t>, refusals> refused_{};
   std::atomic<std::int64_t> taken_{0};
-  std::array<std::int64_t, refusals> told_{};  // by news()
-  Message message_{};                          // of the control thread, as what follows
+  std::array<std::int64_t, refusals> received_{};  // by news()
+  Message message_{};                              // of the control thread, as what follows
   std::uint64_t passed_ = 0;
   double passed_at_ = -1.0;
   std::unique_ptr<RawReader> goal_, path_;  // last: they end before what they fill

@@ -1,4 +1,4 @@
-#include "bridges/dds/arrivals.hpp"
+#include "bridges/dds/latency_monitor.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -24,7 +24,7 @@ Arrived fastest_of(const Arrived* begin, const Arrived* end) {
 
 }  // namespace
 
-ArrivalFigures Arrivals::figures(Nanoseconds now, Nanoseconds real_ahead) const {
+ArrivalFigures LatencyMonitor::figures(Nanoseconds now, Nanoseconds real_ahead) const {
   const std::uint64_t end = count_.load(std::memory_order_acquire);
   // The oldest place may be written again meanwhile.
   const std::uint64_t kept = std::min<std::uint64_t>(end, places - 64);

@@ -21,7 +21,7 @@ struct ArrivalFigures {
 };
 
 /// One thread notes, and allocates nothing; any asks.
-class Arrivals {
+class LatencyMonitor {
  public:
   static constexpr Nanoseconds window = 10'000'000'000;
 

@@ -11,7 +11,7 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/delay_histogram.hpp"
 #include "bridges/dds/link_machine.hpp"
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 #include "bridges/dds/robot_state.hpp"
 #include "bridges/dds/surroundings.hpp"
 
@@ -36,7 +36,7 @@ class LinkEnd {
   /// Ends what serves examine() alone: before it is to arm.
   virtual void stop_examining() {}
   /// By what it is known where it is, and how it moves.
-  virtual PoseIntake& intake() noexcept = 0;
+  virtual PoseSubscriber& subscriber() noexcept = 0;
   /// Where on earth its local frame begins, where it says.
   virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
   /// What was received and refused, in words.

@@ -87,7 +87,7 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::to_land:
       return order == LinkOrder::land;
     case When::to_take_off:
-      return t - since_ >= times_.heard && order >= LinkOrder::take_off && order < LinkOrder::land;
+      return t - since_ >= times_.received && order >= LinkOrder::take_off && order < LinkOrder::land;
     case When::to_hold:
       return order == LinkOrder::hold;
     case When::to_task:
@@ -113,19 +113,19 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::not_offboard:
       return f.mode != AutopilotMode::offboard;
     case When::offboard:
-      return asked(Request::offboard) && f.mode == AutopilotMode::offboard;
+      return requested(Request::offboard) && f.mode == AutopilotMode::offboard;
     case When::restarted:
       return f.restarted;
     case When::contested:
       return f.contested;
     case When::unfit:
-      return f.unfit != LinkReason::as_asked;
+      return f.unfit != LinkReason::as_requested;
     case When::lost:
       return !f.there;
     case When::late:
       return t - since_ >= longest(state_);
     case When::unanswered:
-      return asked(Request::offboard) && t - asked_at_ >= times_.offboard;
+      return requested(Request::offboard) && t - requested_at_ >= times_.offboard;
   }
   return false;
 }
@@ -151,9 +151,9 @@ double LinkMachine::longest(LinkState state) const noexcept {
   }
 }
 
-void LinkMachine::ask(Request request, double t, LinkOutput& output) noexcept {
-  asked_[static_cast<std::size_t>(request)] = true;
-  asked_at_ = t;
+void LinkMachine::request(Request request, double t, LinkOutput& output) noexcept {
+  requested_[static_cast<std::size_t>(request)] = true;
+  requested_at_ = t;
   output.request = request;
 }
 
@@ -162,26 +162,26 @@ const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
   return std::array<Row, 65>{{
-      {S::waiting, When::emergency, S::done, R::as_asked},
+      {S::waiting, When::emergency, S::done, R::as_requested},
       {S::waiting, When::handed_over, S::done, R::handed_over},
-      {S::waiting, When::to_land, S::done, R::as_asked},
-      {S::waiting, When::ready, S::ready, R::as_asked},
+      {S::waiting, When::to_land, S::done, R::as_requested},
+      {S::waiting, When::ready, S::ready, R::as_requested},
       {S::waiting, When::late, S::done, R::not_ready},
 
-      {S::ready, When::emergency, S::done, R::as_asked},
+      {S::ready, When::emergency, S::done, R::as_requested},
       {S::ready, When::handed_over, S::done, R::handed_over},
-      {S::ready, When::to_land, S::done, R::as_asked},
+      {S::ready, When::to_land, S::done, R::as_requested},
       {S::ready, When::lost, S::done, R::silent},
       {S::ready, When::armed, S::pilot, R::pilot},
       {S::ready, When::contested, S::done, R::contested},
-      {S::ready, When::to_take_off, S::arming, R::as_asked},
+      {S::ready, When::to_take_off, S::arming, R::as_requested},
       {S::ready, When::late, S::done, R::no_task},
 
       {S::arming, When::emergency, S::done, R::emergency},
       {S::arming, When::handed_over, S::done, R::handed_over},
       {S::arming, When::restarted, S::done, R::restarted},
-      {S::arming, When::armed_to_land, S::landing, R::as_asked},
-      {S::arming, When::armed, S::taking_off, R::as_asked},
+      {S::arming, When::armed_to_land, S::landing, R::as_requested},
+      {S::arming, When::armed, S::taking_off, R::as_requested},
       {S::arming, When::refused, S::done, R::arming_refused},
       {S::arming, When::late, S::done, R::no_answer},
 
@@ -191,12 +191,12 @@ const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
       {S::taking_off, When::disarmed, S::done, R::disarmed},
       {S::taking_off, When::failsafe, S::pilot, R::failsafe},
       {S::taking_off, When::taken_after_takeoff, S::pilot, R::pilot},
-      {S::taking_off, When::to_land, S::landing, R::as_asked},
+      {S::taking_off, When::to_land, S::landing, R::as_requested},
       {S::taking_off, When::refused, S::landing, R::refused},
       {S::taking_off, When::contested, S::landing, R::contested},
-      {S::taking_off, When::unfit, S::landing, R::as_asked},
+      {S::taking_off, When::unfit, S::landing, R::as_requested},
       {S::taking_off, When::lost, S::landing, R::silent},
-      {S::taking_off, When::offboard, S::holding, R::as_asked},
+      {S::taking_off, When::offboard, S::holding, R::as_requested},
       {S::taking_off, When::unanswered, S::landing, R::refused},
       {S::taking_off, When::late, S::landing, R::too_long},
 
@@ -206,11 +206,11 @@ const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
       {S::holding, When::disarmed, S::done, R::disarmed},
       {S::holding, When::failsafe, S::pilot, R::failsafe},
       {S::holding, When::not_offboard, S::pilot, R::pilot},
-      {S::holding, When::to_land, S::landing, R::as_asked},
+      {S::holding, When::to_land, S::landing, R::as_requested},
       {S::holding, When::contested, S::landing, R::contested},
-      {S::holding, When::unfit, S::landing, R::as_asked},
+      {S::holding, When::unfit, S::landing, R::as_requested},
       {S::holding, When::lost, S::landing, R::silent},
-      {S::holding, When::to_task, S::flying, R::as_asked},
+      {S::holding, When::to_task, S::flying, R::as_requested},
       {S::holding, When::late, S::landing, R::no_task},
 
       {S::flying, When::emergency, S::done, R::emergency},
@@ -219,17 +219,17 @@ const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
       {S::flying, When::disarmed, S::done, R::disarmed},
       {S::flying, When::failsafe, S::pilot, R::failsafe},
       {S::flying, When::not_offboard, S::pilot, R::pilot},
-      {S::flying, When::to_land, S::landing, R::as_asked},
+      {S::flying, When::to_land, S::landing, R::as_requested},
       {S::flying, When::contested, S::landing, R::contested},
-      {S::flying, When::unfit, S::landing, R::as_asked},
+      {S::flying, When::unfit, S::landing, R::as_requested},
       {S::flying, When::lost, S::landing, R::silent},
-      {S::flying, When::to_hold, S::holding, R::as_asked},
+      {S::flying, When::to_hold, S::holding, R::as_requested},
       {S::flying, When::late, S::landing, R::no_end},
 
       {S::landing, When::emergency, S::done, R::emergency},
       {S::landing, When::handed_over, S::done, R::handed_over},
       {S::landing, When::restarted, S::done, R::restarted},
-      {S::landing, When::disarmed_on_ground, S::done, R::as_asked},
+      {S::landing, When::disarmed_on_ground, S::done, R::as_requested},
       {S::landing, When::disarmed, S::done, R::disarmed},
       {S::landing, When::taken, S::pilot, R::pilot},
       {S::landing, When::late, S::done, R::did_not_land},
@@ -244,23 +244,23 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
   const auto row = std::find_if(table.begin(), table.end(),
                                 [&](const Row& r) { return r.from == state_ && holds(r, facts, order, t); });
   if (row != table.end()) {
-    if (row->why == LinkReason::emergency) ask(Request::emergency, t, output);
+    if (row->why == LinkReason::emergency) request(Request::emergency, t, output);
     state_ = row->to;
     since_ = t;
-    if (reason_ == LinkReason::as_asked) reason_ = row->when == When::unfit ? facts.unfit : row->why;
-    if (state_ == LinkState::arming) ask(Request::arm, t, output);
-    if (state_ == LinkState::taking_off) ask(Request::take_off, t, output);
-    if (state_ == LinkState::landing) ask(Request::land, t, output);
+    if (reason_ == LinkReason::as_requested) reason_ = row->when == When::unfit ? facts.unfit : row->why;
+    if (state_ == LinkState::arming) request(Request::arm, t, output);
+    if (state_ == LinkState::taking_off) request(Request::take_off, t, output);
+    if (state_ == LinkState::landing) request(Request::land, t, output);
   }
   const bool offboard = facts.mode == AutopilotMode::offboard;
   switch (state_) {
     case LinkState::taking_off:
-      if (facts.airborne && order >= LinkOrder::hold && !asked(Request::offboard))
-        ask(Request::offboard, t, output);
+      if (facts.airborne && order >= LinkOrder::hold && !requested(Request::offboard))
+        request(Request::offboard, t, output);
       break;
     case LinkState::landing:
-      if (facts.mode != AutopilotMode::land && t - asked_at_ >= times_.land_again)
-        ask(Request::land, t, output);
+      if (facts.mode != AutopilotMode::land && t - requested_at_ >= times_.land_again)
+        request(Request::land, t, output);
       if (offboard) output.setpoint = Setpoint::zero;
       break;
     case LinkState::holding:

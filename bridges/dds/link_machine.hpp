@@ -23,7 +23,7 @@ std::string_view to_string(LinkState state);
 
 /// Why it left its last state.
 enum class LinkReason : std::uint8_t {
-  as_asked,
+  as_requested,
   not_ready,       ///< it was not there, or not ready, in time
   arming_refused,  ///< its answer
   no_answer,       ///< to the request to arm
@@ -68,7 +68,7 @@ struct LinkFacts {
   bool contested = false;  ///< another program writes set-points to it
   bool restarted = false;  ///< another one speaks in its place since it was asked to arm
   LinkReason unfit =
-      LinkReason::as_asked;  ///< why it cannot go on flying, by what it says of itself; as_asked: it can
+      LinkReason::as_requested;  ///< why it cannot go on flying, by what it says of itself; as_asked: it can
   AutopilotMode mode = AutopilotMode::other;
 };
 
@@ -97,7 +97,7 @@ struct LinkOutput {
 struct LinkTimes {
   double ready = 10.0;      ///< waiting, until it is ready
   double listened = 1.5;    ///< to a robot, until what is found of it counts: a battery speaks once a second
-  double heard = 1.2;       ///< ready, at least: PX4 wants to hear more than 1 s
+  double received = 1.2;    ///< ready, at least: PX4 wants to hear more than 1 s
   double called = 3600.0;   ///< ready, until it is to take off
   double arming = 2.0;      ///< from the request to arm until it is
   double takeoff = 30.0;    ///< until it is where it takes set-points
@@ -131,15 +131,15 @@ class LinkMachine {
   static const std::array<Row, 65> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
-  bool asked(Request request) const noexcept { return asked_[static_cast<std::size_t>(request)]; }
-  void ask(Request request, double t, LinkOutput& output) noexcept;
+  bool requested(Request request) const noexcept { return requested_[static_cast<std::size_t>(request)]; }
+  void request(Request request, double t, LinkOutput& output) noexcept;
 
   LinkTimes times_;
   LinkState state_ = LinkState::waiting;
-  LinkReason reason_ = LinkReason::as_asked;
+  LinkReason reason_ = LinkReason::as_requested;
   bool begun_ = false, took_off_ = false;
-  double since_ = 0.0, asked_at_ = 0.0;
-  std::array<bool, 6> asked_{};  // by Request
+  double since_ = 0.0, requested_at_ = 0.0;
+  std::array<bool, 6> requested_{};  // by Request
 };
 
 }  // namespace sightline::dds

@@ -23,10 +23,10 @@ Vec2<double> turned_by(double angle, const Vec2<double>& d) noexcept {
 
 }  // namespace
 
-LinkOrigin carried_frame(const Motion& odometry, double age, const Motion& believed) {
+LinkOrigin carried_frame(const Motion& odometry, double age, const Motion& estimated) {
   LinkOrigin frame;
-  frame.heading = heading_angle(believed) - heading_angle(odometry) - age * odometry.r;
-  frame.p = believed.p - in_G(frame, odometry).p;
+  frame.heading = heading_angle(estimated) - heading_angle(odometry) - age * odometry.r;
+  frame.p = estimated.p - in_G(frame, odometry).p;
   return frame;
 }
 
@@ -44,7 +44,7 @@ Command in_local(const LinkOrigin& frame, const Command& command) {
   return local;
 }
 
-LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseIntake*>& intakes,
+LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseSubscriber*>& subscribers,
                              dds_entity_t participant)
     : team_(scenario.team), radio_(scenario.radio), rest_(size(team_.nu())) {
   std::vector<WatchedCamera> cameras;
@@ -60,19 +60,19 @@ LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseInt
           fmt::format("agent.{}.estimate.filter = attitude, which no link tells accelerations for, expected "
                       "\"heading\"",
                       team_.name(robot)));
-    robots_.push_back({robot, intakes[i]});
+    robots_.push_back({robot, subscribers[i]});
     if (const RobotCamera* const camera = scenario.vision.camera_of(robot))
-      cameras.push_back({*camera, intakes[i]});
+      cameras.push_back({*camera, subscribers[i]});
   }
   if (robots_.empty()) return;
-  for (const BodyId body : telemetry_options(scenario).broadcasters) tellers_.push_back({body});
+  for (const BodyId body : telemetry_options(scenario).broadcasters) emitters_.push_back({body});
   motions_.reserve(motions_most * robots_.size());
-  broadcasts_.reserve(tellers_.size());
-  tags_ = std::make_unique<TagIntake>(scenario, cameras, participant);
+  broadcasts_.reserve(emitters_.size());
+  tags_ = std::make_unique<TagSubscriber>(scenario, cameras, participant);
 }
 
 MeasuredMost LinkTelemetry::most() const noexcept {
-  return {tags_ ? TagIntake::most : 0, motions_.capacity(), broadcasts_.capacity()};
+  return {tags_ ? TagSubscriber::most : 0, motions_.capacity(), broadcasts_.capacity()};
 }
 
 void LinkTelemetry::begin() noexcept {
@@ -90,17 +90,17 @@ void LinkTelemetry::measure(Nanoseconds origin, Measured& now) noexcept {
       if (const auto sample = robot.samples.take(seen, origin)) motions_.push_back({robot.body, *sample});
   }
   broadcasts_.clear();
-  for (Teller& teller : tellers_) {
-    const double stamp = now.stamps[at(teller.body)];
-    if (!std::isfinite(stamp) || (teller.told && stamp <= teller.last)) continue;
-    teller.told = true, teller.last = stamp;
-    const Sight<double> sight = team_.model(teller.body)
-                                    .sight(&now.measured[size(team_.state_offset(teller.body))],
-                                           rest_.data() + team_.input_offset(teller.body));
+  for (TelemetryEmitter& emitter : emitters_) {
+    const double stamp = now.stamps[at(emitter.body)];
+    if (!std::isfinite(stamp) || (emitter.reported && stamp <= emitter.last)) continue;
+    emitter.reported = true, emitter.last = stamp;
+    const Sight<double> sight = team_.model(emitter.body)
+                                    .sight(&now.measured[size(team_.state_offset(emitter.body))],
+                                           rest_.data() + team_.input_offset(emitter.body));
     BroadcastPose pose{.stamp = stamp, .p = sight.p, .v = sight.v, .psi = std::atan2(sight.d.y, sight.d.x)};
     pose.P = identity<4>(square(radio_.position_sigma));
     pose.P(3, 3) = square(radio_.heading_sigma);
-    broadcasts_.push_back({teller.body, pose});
+    broadcasts_.push_back({emitter.body, pose});
   }
   now.motions = motions_;
   now.broadcasts = broadcasts_;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bridges/dds/motion_samples.hpp"
-#include "bridges/dds/tag_intake.hpp"
+#include "bridges/dds/tag_subscriber.hpp"
 #include "sightline/world/world.hpp"
 
 namespace sightline::dds {
@@ -16,7 +16,7 @@ namespace sightline::dds {
 /// @param odometry  of the robot, in its frame
 /// @param age       of it: the heading turned on since [s]
 /// @param believed  place and heading of the robot in G
-LinkOrigin carried_frame(const Motion& odometry, double age, const Motion& believed);
+LinkOrigin carried_frame(const Motion& odometry, double age, const Motion& estimated);
 /// A command in G, in that frame.
 Command in_local(const LinkOrigin& frame, const Command& command);
 
@@ -28,7 +28,8 @@ class LinkTelemetry {
 
   /// @param intake  of each robot by its odometry, in the order of the links; they outlive this
   /// @throws std::invalid_argument for a robot whose filter needs what no link tells, std::runtime_error where /tf cannot be had
-  LinkTelemetry(const Scenario& scenario, const std::vector<PoseIntake*>& intakes, dds_entity_t participant);
+  LinkTelemetry(const Scenario& scenario, const std::vector<PoseSubscriber*>& subscribers,
+                dds_entity_t participant);
 
   bool empty() const noexcept { return robots_.empty(); }
   MeasuredMost most() const noexcept;
@@ -39,28 +40,28 @@ class LinkTelemetry {
   void measure(Nanoseconds origin, Measured& now) noexcept;
 
   /// None where nobody is localized by view.
-  const TagIntake* tags() const { return tags_.get(); }
+  const TagSubscriber* tags() const { return tags_.get(); }
 
  private:
   struct Robot {
     BodyId body{};
-    PoseIntake* odometry = nullptr;
+    PoseSubscriber* odometry = nullptr;
     MotionSamples samples{};
   };
-  struct Teller {
+  struct TelemetryEmitter {
     BodyId body{};
     double last = 0.0;  // stamp of the last that it told [s]
-    bool told = false;
+    bool reported = false;
   };
 
   Team team_;
   Radio radio_;
   std::vector<Robot> robots_;
-  std::vector<Teller> tellers_;
+  std::vector<TelemetryEmitter> emitters_;
   std::vector<RobotMotion> motions_;
   std::vector<BodyBroadcast> broadcasts_;
   std::vector<double> rest_;
-  std::unique_ptr<TagIntake> tags_;
+  std::unique_ptr<TagSubscriber> tags_;
 };
 
 }  // namespace sightline::dds

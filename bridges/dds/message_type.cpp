@@ -86,15 +86,15 @@ class IdlParser {
         expect(";");
         modules_.pop_back();
       } else {
-        refuse("module, struct or }");
+        throw_invalid("module, struct or }");
       }
     }
-    if (!modules_.empty()) refuse("the end of module " + modules_.back());
+    if (!modules_.empty()) throw_invalid("the end of module " + modules_.back());
     return std::move(types_);
   }
 
  private:
-  [[noreturn]] void refuse(std::string_view expected) const {
+  [[noreturn]] void throw_invalid(std::string_view expected) const {
     throw std::invalid_argument(
         fmt::format("idl:{}: {}, expected {}", line_, token_.empty() ? "the end" : token_, expected));
   }
@@ -124,11 +124,11 @@ class IdlParser {
     next();
   }
   void expect(std::string_view token) {
-    if (token_ != token) refuse(token);
+    if (token_ != token) throw_invalid(token);
     next();
   }
   std::string word() {
-    if (token_.empty() || (std::isalpha(static_cast<unsigned char>(token_[0])) == 0)) refuse("a name");
+    if (token_.empty() || (std::isalpha(static_cast<unsigned char>(token_[0])) == 0)) throw_invalid("a name");
     std::string name(token_);
     next();
     return name;
@@ -139,7 +139,7 @@ class IdlParser {
     MessageType type;
     for (const std::string& module : modules_) type.idl_name += module + "::";
     type.idl_name += word();
-    if (modules_.size() != 3) refuse("a struct in module PACKAGE { module msg { module dds_ {");
+    if (modules_.size() != 3) throw_invalid("a struct in module PACKAGE { module msg { module dds_ {");
     type.name = ros_name(type.idl_name);
     expect("{");
     while (token_ != "}") fields(type);
@@ -166,7 +166,7 @@ class IdlParser {
       field.length = 1;
       if (token_ == "[") {
         next();
-        if (!all_digits(token_) || many == Many::sequence) refuse("the length of an array");
+        if (!all_digits(token_) || many == Many::sequence) throw_invalid("the length of an array");
         std::from_chars(token_.data(), token_.data() + token_.size(), field.length);
         field.many = Many::array;
         next();
@@ -182,7 +182,7 @@ class IdlParser {
   std::string type_word() {
     std::string name = word();
     if (simple(name) != nullptr) return name;
-    if (name.find("::") == std::string::npos) refuse("a simple type, or a message by its whole name");
+    if (name.find("::") == std::string::npos) throw_invalid("a simple type, or a message by its whole name");
     return ros_name(name);
   }
 

@@ -27,9 +27,9 @@ std::optional<MotionSample> MotionSamples::take(const SeenMotion& seen, Nanoseco
   MotionSample sample;
   sample.dt = gap ? MotionSample{}.dt : passed;
   sample.t = 1e-9 * static_cast<double>(seen.stamp - origin) - sample.dt;
-  const double told = gap ? seen.motion.r : 0.5 * (seen.motion.r + before.motion.r);
-  const bool explained = std::abs(turned - told * sample.dt) < unexplained;
-  sample.yaw_rate = gap || !explained ? told : turned / sample.dt;
+  const double reported = gap ? seen.motion.r : 0.5 * (seen.motion.r + before.motion.r);
+  const bool explained = std::abs(turned - reported * sample.dt) < unexplained;
+  sample.yaw_rate = gap || !explained ? reported : turned / sample.dt;
   sample.v_V = in_V(seen.motion, psi);
   if (!gap) sample.v_V = 0.5 * (sample.v_V + in_V(before.motion, psi_then));
   // R_VB = turn_y(pitch) turn_x(roll), at the beginning

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 #include "sightline/estimate/measurement.hpp"
 
 namespace sightline::dds {

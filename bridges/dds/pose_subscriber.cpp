@@ -1,28 +1,28 @@
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 
 #include <fmt/format.h>
 
 namespace sightline::dds {
 
-bool PoseIntake::is_of_numbers(const Motion& motion) noexcept {
+bool PoseSubscriber::is_of_numbers(const Motion& motion) noexcept {
   if (is_finite(motion)) return true;
   ++not_finite_;
   return false;
 }
 
-bool PoseIntake::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept {
+bool PoseSubscriber::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept {
   if (clock_.fits(sampled, arrived)) return true;
   ++other_time_;
   return false;
 }
 
-void PoseIntake::take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
+void PoseSubscriber::take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
   if (!is_of_numbers(local)) return;
-  arrivals_.note(sampled, arrived);
+  latency_.note(sampled, arrived);
   if (is_of_our_time(sampled, arrived)) put(local, sampled, arrived);
 }
 
-void PoseIntake::put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
+void PoseSubscriber::put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
   const Nanoseconds stamp = clock_.on_ours(sampled, arrived);
   least_delay_ = clock_.least();
   const SeenMotion seen = {in_G(origin_, local), stamp};
@@ -33,14 +33,14 @@ void PoseIntake::put(const Motion& local, Nanoseconds sampled, Nanoseconds arriv
   each_->publish();
 }
 
-void PoseIntake::take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
-                           Nanoseconds arrived) noexcept {
+void PoseSubscriber::take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
+                               Nanoseconds arrived) noexcept {
   Motion motion = {p, q, {}, 0.0};
   if (!is_of_numbers(motion) || !is_of_our_time(sampled, arrived)) return;
   switch (fit_.take(p, q, sampled, motion)) {
     case VelocityFit::Outcome::good:
       if (!is_of_numbers(motion)) break;
-      arrivals_.note(sampled, arrived);
+      latency_.note(sampled, arrived);
       put(motion, sampled, arrived);
       break;
     case VelocityFit::Outcome::too_few:
@@ -54,12 +54,12 @@ void PoseIntake::take_pose(const Vec3<double>& p, const Quaternion& q, Nanosecon
   }
 }
 
-bool PoseIntake::look(SeenMotion& seen) noexcept {
+bool PoseSubscriber::look(SeenMotion& seen) noexcept {
   seen = newest();
   return motion_.count() > 0;
 }
 
-bool PoseIntake::next(SeenMotion& seen) noexcept {
+bool PoseSubscriber::next(SeenMotion& seen) noexcept {
   const SeenMotion* const oldest = each_ ? each_->front() : nullptr;
   if (oldest == nullptr) return false;
   seen = *oldest;
@@ -67,18 +67,18 @@ bool PoseIntake::next(SeenMotion& seen) noexcept {
   return true;
 }
 
-SeenMotion PoseIntake::last() const noexcept {
+SeenMotion PoseSubscriber::last() const noexcept {
   SeenMotion seen;
   (void)motion_.look(seen);
   return seen;
 }
 
-const SeenMotion& PoseIntake::newest() noexcept {
+const SeenMotion& PoseSubscriber::newest() noexcept {
   (void)motion_.look(newest_);
   return newest_;
 }
 
-void PoseIntake::examine(std::string_view frames, std::string_view other_frames, FindingList& to) const {
+void PoseSubscriber::examine(std::string_view frames, std::string_view other_frames, FindingList& to) const {
   const std::string& topic = reader().topic();
   if (in_other_frames())
     to.add(Aspect::frames, Light::red, "{}: {} poses in {}", topic, other_frame_.load(), other_frames);
@@ -98,7 +98,7 @@ void PoseIntake::examine(std::string_view frames, std::string_view other_frames,
   }
 }
 
-std::string PoseIntake::counts() const {
+std::string PoseSubscriber::counts() const {
   std::string words =
       fmt::format("{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer",
                   reader().counts().received.load(), not_finite_.load(), other_time_.load(),

@@ -8,13 +8,13 @@
 #include <string_view>
 #include <vector>
 
-#include "bridges/dds/arrivals.hpp"
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
+#include "bridges/dds/latency_monitor.hpp"
 #include "bridges/dds/mailbox.hpp"
 #include "bridges/dds/surroundings.hpp"
 #include "bridges/dds/velocity_fit.hpp"
-#include "sightline/run/ring.hpp"
+#include "sightline/run/spsc_queue.hpp"
 
 namespace sightline::dds {
 
@@ -28,10 +28,10 @@ struct SeenMotion {
 inline constexpr std::size_t kept_motions = 64;
 
 /// Of one body.
-class PoseIntake {
+class PoseSubscriber {
  public:
   /// @param origin  of the frame that the messages are in
-  explicit PoseIntake(const LinkOrigin& origin = {}) : origin_(origin) {}
+  explicit PoseSubscriber(const LinkOrigin& origin = {}) : origin_(origin) {}
   /// A reader whose messages are taken in, the first of all where there are several; it ends with the intake. Its messages may
   /// come at once.
   void read_by(std::unique_ptr<RawReader> reader) { readers_.push_back(std::move(reader)); }
@@ -39,7 +39,7 @@ class PoseIntake {
   void explain_by(std::function<std::string()> why_none) { why_none_ = std::move(why_none); }
 
   /// Keeps each motion until next() takes it, at most so many; before there is a reader.
-  void keep_each(std::size_t most) { each_ = std::make_unique<Ring<SeenMotion>>(most, SeenMotion{}); }
+  void keep_each(std::size_t most) { each_ = std::make_unique<SpscQueue<SeenMotion>>(most, SeenMotion{}); }
 
   // Of the thread that receives. Nothing is allocated.
   /// A motion in the local frame, with its time by the sender's clock; what is not finite or of another time is counted alone.
@@ -48,7 +48,7 @@ class PoseIntake {
   void take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
                  Nanoseconds arrived) noexcept;
   /// One that is not taken, for its time alone.
-  void note(Nanoseconds sampled, Nanoseconds arrived) noexcept { arrivals_.note(sampled, arrived); }
+  void note(Nanoseconds sampled, Nanoseconds arrived) noexcept { latency_.note(sampled, arrived); }
   /// One in a frame, with a time, or of a writer that cannot be meant.
   void take_other_frame() noexcept { ++other_frame_; }
   void take_other_time() noexcept { ++other_time_; }
@@ -75,7 +75,7 @@ class PoseIntake {
   /// The least delay of the last 10 s, clocks' offset included.
   Nanoseconds least_delay() const noexcept { return least_delay_; }
   const RawReader& reader() const noexcept { return *readers_.front(); }
-  const Arrivals& arrivals() const noexcept { return arrivals_; }
+  const LatencyMonitor& arrivals() const noexcept { return latency_; }
   /// Adds what is found of them.
   /// @param frames        that they are in
   /// @param other_frames  what poses that count as of other frames are in
@@ -92,11 +92,11 @@ class PoseIntake {
   void put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
 
   LinkOrigin origin_;
-  Mailbox<SeenMotion> motion_;                // filled by the thread that receives
-  std::unique_ptr<Ring<SeenMotion>> each_{};  // likewise; none: the newest alone counts
-  ClockOffset clock_;                         // of that thread
-  VelocityFit fit_;                           // of that thread
-  Arrivals arrivals_;                         // filled by it
+  Mailbox<SeenMotion> motion_;                     // filled by the thread that receives
+  std::unique_ptr<SpscQueue<SeenMotion>> each_{};  // likewise; none: the newest alone counts
+  ClockOffset clock_;                              // of that thread
+  VelocityFit fit_;                                // of that thread
+  LatencyMonitor latency_;                         // filled by it
   std::atomic<Nanoseconds> least_delay_{0};
   std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0}, repeated_{0},
       jumps_{0};

@@ -1,12 +1,12 @@
-#include "bridges/dds/part_talk.hpp"
+#include "bridges/dds/prediction_exchange.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bridges/dds/ros_words.hpp"
-#include "bridges/dds/topics_out.hpp"
+#include "bridges/dds/flight_publisher.hpp"
+#include "bridges/dds/ros_message.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/scenario/read_partition.hpp"
@@ -58,7 +58,7 @@ std::string prediction_topic(std::string_view team, std::string_view part) {
   return fmt::format("/sightline/{}/{}/prediction", topic_part(team), part);
 }
 
-PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
+PredictionExchange::PredictionExchange(const Scenario& scenario, dds_entity_t participant)
     : team_(scenario.team),
       own_(place_of(scenario.partition->parts, scenario.partition->part)),
       step_(scenario.horizon.h()),
@@ -91,7 +91,7 @@ PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
     for (const std::string& robot : parts[i].robots) other.robots.push_back(team_.find(robot));
     other.newest = full_message(other.robots.size(), stages_, parts.size());
     const auto late = static_cast<std::size_t>((exchange_.delay + exchange_.jitter) / scenario.horizon.dt);
-    other.came = std::make_unique<Ring<PartMessage>>(
+    other.came = std::make_unique<SpscQueue<PartMessage>>(
         messages_kept + 2 * late, full_message(other.robots.size(), stages_, parts.size()));
     other.reader = std::make_unique<RawReader>(
         participant, sightline_msgs_msg_dds__Prediction__desc, prediction_topic(scenario.name, other.name),
@@ -101,14 +101,14 @@ PartTalk::PartTalk(const Scenario& scenario, dds_entity_t participant)
   thread_.start([this] { write_all(); });
 }
 
-PartTalk::~PartTalk() {
+PredictionExchange::~PredictionExchange() {
   for (auto& other : others_) other->reader.reset();
   waiting_.close();
   thread_.join();
 }
 
 /// In the thread that receives. What is not of the shape that the scenario says is counted and dropped.
-void PartTalk::take(OtherPart& from, const void* raw, const Arrival& arrival) {
+void PredictionExchange::take(OtherPart& from, const void* raw, const Arrival& arrival) {
   const auto& message = *static_cast<const sightline_msgs_msg_dds__Prediction_*>(raw);
   const bool fits = message.part != nullptr && from.name == message.part && message.stamp > 0 &&
                     message.phase <= static_cast<std::uint8_t>(PartPhase::landing) &&
@@ -154,7 +154,7 @@ void PartTalk::take(OtherPart& from, const void* raw, const Arrival& arrival) {
 }
 
 /// By which it comes later than it did, where that is simulated; below zero: it is lost.
-Nanoseconds PartTalk::delay_of(const PartMessage& message) const noexcept {
+Nanoseconds PredictionExchange::delay_of(const PartMessage& message) const noexcept {
   if (exchange_.flown_by == MessagesBy::network) return 0;
   const auto chance = [&](MessageChance what) {
     return chance_of(what, exchange_.seed, own_, message.part, message.sequence);
@@ -164,7 +164,7 @@ Nanoseconds PartTalk::delay_of(const PartMessage& message) const noexcept {
 }
 
 /// Takes all that came, and looks who is heard.
-void PartTalk::drain() noexcept {
+void PredictionExchange::drain() noexcept {
   const Nanoseconds ahead = realtime_ahead(), now = realtime_now();
   for (std::size_t i = 0; i < others_.size(); ++i) {
     OtherPart& other = *others_[i];
@@ -185,13 +185,13 @@ void PartTalk::drain() noexcept {
   }
 }
 
-void PartTalk::receive(double, Subteam& receiver) noexcept {
+void PredictionExchange::receive(double, Subteam& receiver) noexcept {
   drain();
   const Nanoseconds ahead = realtime_ahead();
   for (const auto& other : others_) {
     if (other->came == nullptr) continue;
     const PeerState state = other->state;
-    const bool use = state == PeerState::heard || state == PeerState::idle;
+    const bool use = state == PeerState::received || state == PeerState::idle;
     if (!use && other->used)
       for (const BodyId robot : other->robots) receiver.forget(robot);
     if (use && other->has_newest) {
@@ -202,7 +202,7 @@ void PartTalk::receive(double, Subteam& receiver) noexcept {
   }
 }
 
-PartMessage* PartTalk::claim(ClockTime stamp, PartPhase phase, bool steers) noexcept {
+PartMessage* PredictionExchange::claim(ClockTime stamp, PartPhase phase, bool steers) noexcept {
   PartMessage* const message = waiting_.claim();
   ++number_;
   if (message == nullptr) return nullptr;
@@ -217,7 +217,7 @@ PartMessage* PartTalk::claim(ClockTime stamp, PartPhase phase, bool steers) noex
   return message;
 }
 
-void PartTalk::send(double t, std::span<const Prediction> predictions) noexcept {
+void PredictionExchange::send(double t, std::span<const Prediction> predictions) noexcept {
   const Nanoseconds stamp = origin_ + std::llround(1e9 * t) + realtime_ahead();
   PartMessage* const message = claim(stamp, PartPhase::task, true);
   if (message == nullptr) return;
@@ -225,7 +225,7 @@ void PartTalk::send(double t, std::span<const Prediction> predictions) noexcept 
   waiting_.publish();
 }
 
-void PartTalk::stand(PartPhase phase, std::span<const double> states) noexcept {
+void PredictionExchange::stand(PartPhase phase, std::span<const double> states) noexcept {
   drain();
   agree(phase);
   PartMessage* const message = claim(realtime_now(), phase, false);
@@ -244,19 +244,19 @@ void PartTalk::stand(PartPhase phase, std::span<const double> states) noexcept {
   waiting_.publish();
 }
 
-bool PartTalk::waits_for(int part) const noexcept {
+bool PredictionExchange::waits_for(int part) const noexcept {
   const OtherPart& other = *others_[at(part)];
   return other.came != nullptr && other.state == PeerState::idle &&
          peers_.phase(part) < static_cast<std::uint8_t>(PartPhase::holding);
 }
 
-bool PartTalk::all_hold() const noexcept {
+bool PredictionExchange::all_hold() const noexcept {
   for (int i = 0; i < static_cast<int>(others_.size()); ++i)
     if (waits_for(i)) return false;
   return true;
 }
 
-void PartTalk::agree(PartPhase phase) noexcept {
+void PredictionExchange::agree(PartPhase phase) noexcept {
   if (phase != PartPhase::holding || !all_hold()) return begins_.reset();
   // In the middle of a period: clocks that differ by less than half of one find the same.
   if (!begins_) begins_ = next_multiple(monotonic_now() + agreed_in, period_) + period_ / 2;
@@ -270,32 +270,32 @@ void PartTalk::agree(PartPhase phase) noexcept {
   }
 }
 
-std::string PartTalk::awaited() const {
+std::string PredictionExchange::awaited() const {
   std::string names;
   for (int i = 0; i < static_cast<int>(others_.size()); ++i)
     if (waits_for(i)) names += fmt::format("{}{}", names.empty() ? "" : ", ", others_[at(i)]->name);
   return names;
 }
 
-bool PartTalk::hears(BodyId, BodyId other) const noexcept { return is_heard(other); }
+bool PredictionExchange::receives_from(BodyId, BodyId other) const noexcept { return is_received(other); }
 
-bool PartTalk::is_heard(BodyId body) const noexcept {
+bool PredictionExchange::is_received(BodyId body) const noexcept {
   const int part = part_of_[at(body.index)];
-  return part < 0 || part == own_ || others_[at(part)]->state == PeerState::heard;
+  return part < 0 || part == own_ || others_[at(part)]->state == PeerState::received;
 }
 
-std::vector<std::string> PartTalk::news() {
+std::vector<std::string> PredictionExchange::news() {
   std::vector<std::string> sentences;
   for (const auto& other : others_) {
     const PeerState state = other->state;
-    if (other->came == nullptr || state == other->told) continue;
-    other->told = state;
+    if (other->came == nullptr || state == other->received) continue;
+    other->received = state;
     switch (state) {
       case PeerState::silent:
       case PeerState::stale:
         sentences.push_back(fmt::format("part {}: it is not heard", other->name));
         break;
-      case PeerState::heard:
+      case PeerState::received:
         sentences.push_back(fmt::format("part {}: it is heard, its robots fly as they predict", other->name));
         break;
       case PeerState::idle:
@@ -311,7 +311,7 @@ std::vector<std::string> PartTalk::news() {
   return sentences;
 }
 
-std::vector<std::string> PartTalk::counts() const {
+std::vector<std::string> PredictionExchange::counts() const {
   std::vector<std::string> lines = {
       fmt::format("part {}: {} predictions sent", parts_[at(own_)], sent_.load())};
   for (int i = 0; i < static_cast<int>(others_.size()); ++i) {
@@ -326,7 +326,7 @@ std::vector<std::string> PartTalk::counts() const {
 }
 
 /// The thread that writes.
-void PartTalk::write_all() {
+void PredictionExchange::write_all() {
   std::vector<std::vector<double>> numbers(robots_.size());
   std::vector<sightline_msgs_msg_dds__RobotPrediction_> robots(robots_.size());
   std::vector<sightline_msgs_msg_dds__Echo_> echoes(parts_.size());

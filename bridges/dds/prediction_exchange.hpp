@@ -11,7 +11,7 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
 #include "sightline/base/service_thread.hpp"
-#include "sightline/run/ring.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/solver/distributed/part_solver.hpp"
 
@@ -25,14 +25,14 @@ std::string prediction_topic(std::string_view team, std::string_view part);
 
 /// receive(), send(), stand() and the questions are the control thread's: they allocate, lock, throw and print nothing. Messages are
 /// written by a thread of its own.
-class PartTalk final : public PartExchange {
+class PredictionExchange final : public PartExchange {
  public:
   /// @param scenario  of a part
   /// @throws std::runtime_error where a topic cannot be had
-  PartTalk(const Scenario& scenario, dds_entity_t participant);
-  ~PartTalk();  ///< Once the last is sent.
-  PartTalk(const PartTalk&) = delete;
-  PartTalk& operator=(const PartTalk&) = delete;
+  PredictionExchange(const Scenario& scenario, dds_entity_t participant);
+  ~PredictionExchange();  ///< Once the last is sent.
+  PredictionExchange(const PredictionExchange&) = delete;
+  PredictionExchange& operator=(const PredictionExchange&) = delete;
 
   /// Time 0 of the flight, of the monotonic clock.
   void begin(Nanoseconds origin) noexcept { origin_ = origin; }
@@ -48,8 +48,8 @@ class PartTalk final : public PartExchange {
   /// The parts that it waits for, in words.
   std::string awaited() const;
 
-  bool hears(BodyId robot, BodyId other) const noexcept override;
-  bool is_heard(BodyId body) const noexcept override;
+  bool receives_from(BodyId robot, BodyId other) const noexcept override;
+  bool is_received(BodyId body) const noexcept override;
 
   /// What became of other parts since the last call, a sentence each; by one thread.
   std::vector<std::string> news();
@@ -61,13 +61,13 @@ class PartTalk final : public PartExchange {
     std::string name;
     std::vector<BodyId> robots;  // of our team, in the order of the part
     std::vector<std::string> names;
-    std::unique_ptr<Ring<PartMessage>> came;  // filled by the thread that receives
+    std::unique_ptr<SpscQueue<PartMessage>> came;  // filled by the thread that receives
     PartMessage newest;
     bool has_newest = false;
     bool used = false;                                // the planner has it
     std::atomic<PeerState> state{PeerState::silent};  // at the last look
     std::atomic<std::int64_t> offset{0};              // of its clock [ns]
-    PeerState told = PeerState::silent;
+    PeerState received = PeerState::silent;
     std::atomic<std::int64_t> garbled{0};
     std::unique_ptr<RawReader> reader{};  // last: it ends before what it fills
   };
@@ -97,7 +97,7 @@ class PartTalk final : public PartExchange {
   std::uint64_t session_, number_ = 0;
   std::atomic<std::int64_t> sent_{0};
   RawWriter writer_;
-  Ring<PartMessage> waiting_;                            // to be written
+  SpscQueue<PartMessage> waiting_;                       // to be written
   ServiceThread thread_{"the messages to other parts"};  // last: it uses all of it
 };
 

@@ -23,11 +23,11 @@ Preflight::Preflight(const Scenario& scenario, std::vector<ExaminedRobot> robots
       examined_(std::move(robots)),
       robots_(examined_.size()),
       bodies_(bodies),
-      lookout_(participant),
+      discovery_(participant),
       listened_(std::llround(1e9 * listened)) {}
 
 std::vector<Finding> Preflight::examine() {
-  std::vector<Finding> findings = examine_fleet(scenario_, examined_, lookout_.look());
+  std::vector<Finding> findings = examine_fleet(scenario_, examined_, discovery_.look());
   bodies_.examine(findings);
   return findings;
 }
@@ -38,8 +38,8 @@ void Preflight::clear() {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
     SeenMotion seen;
-    if (robot.heard == 0 && examined_[i].end->look(seen)) robot.heard = now;
-    robot.clear = robot.heard > 0 && now - robot.heard > listened_ &&
+    if (robot.received == 0 && examined_[i].end->look(seen)) robot.received = now;
+    robot.clear = robot.received > 0 && now - robot.received > listened_ &&
                   std::none_of(findings.begin(), findings.end(), [&](const Finding& finding) {
                     const bool concerns = finding.robot.empty() || finding.robot == examined_[i].name;
                     return concerns && keeps_it_grounded(finding);

@@ -31,14 +31,14 @@ class Preflight {
  private:
   struct Robot {
     bool clear = false;
-    Nanoseconds heard = 0;  // when its first pose was there, of the monotonic clock; 0: none was
+    Nanoseconds received = 0;  // when its first pose was there, of the monotonic clock; 0: none was
   };
 
   const Scenario& scenario_;
   std::vector<ExaminedRobot> examined_;
   std::vector<Robot> robots_;  // in their order
   const SeenBodies& bodies_;
-  Lookout lookout_;
+  DiscoveryMonitor discovery_;
   Nanoseconds listened_;
 };
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/px4_aside.hpp"
+#include "bridges/dds/px4_diagnostics.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +15,7 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr int asked_most = 5;
+constexpr int requested_most = 5;
 constexpr Nanoseconds battery_old = 5'000'000'000;
 constexpr std::string_view transmitter_flag = "manual_control_signal_lost";
 // What is so before each flight by set-points, or says nothing of a flight by them.
@@ -29,7 +29,7 @@ bool is_usual(std::string_view flag) {
 
 }  // namespace
 
-Px4Aside::Px4Aside(dds_entity_t participant, const Px4Link& link)
+Px4Diagnostics::Px4Diagnostics(dds_entity_t participant, const Px4Link& link)
     : link_(link),
       release_(px4_first + static_cast<int>(link.release)),
       flags_layout_("FailsafeFlags", release_) {
@@ -51,12 +51,12 @@ Px4Aside::Px4Aside(dds_entity_t participant, const Px4Link& link)
   if (release_ >= px4_answers_formats_from) read_formats(participant);
 }
 
-std::string Px4Aside::topic_of(std::string_view message, int release) const {
+std::string Px4Diagnostics::topic_of(std::string_view message, int release) const {
   return px4_topic(link_.name_space, Px4Side::out, message, release);
 }
 
 // The begin of a message is that of all layouts: its reader has all of them, and their sizes.
-void Px4Aside::read_signs(dds_entity_t participant) {
+void Px4Diagnostics::read_signs(dds_entity_t participant) {
   int version = -1;
   std::string before;
   for (const std::string message : {"VehicleStatus", "VehicleLocalPosition"}) {
@@ -73,7 +73,7 @@ void Px4Aside::read_signs(dds_entity_t participant) {
   }
 }
 
-void Px4Aside::read_formats(dds_entity_t participant) {
+void Px4Diagnostics::read_formats(dds_entity_t participant) {
   request_ = std::make_unique<RawWriter>(
       participant, px4_msgs_msg_dds__MessageFormatRequest__desc,
       px4_topic(link_.name_space, Px4Side::in, "MessageFormatRequest", release_), of_sensors);
@@ -90,9 +90,9 @@ void Px4Aside::read_formats(dds_entity_t participant) {
       }));
 }
 
-void Px4Aside::ask_for_formats() {
-  if (!request_ || asked_ == asked_most || request_->matched() == 0) return;
-  ++asked_;
+void Px4Diagnostics::request_formats() {
+  if (!request_ || requested_ == requested_most || request_->matched() == 0) return;
+  ++requested_;
   for (std::size_t i = 0; i < sent.size(); ++i) {
     if (answers_[i].count() > 0) continue;
     px4_msgs_msg_dds__MessageFormatRequest_ request{};
@@ -104,13 +104,13 @@ void Px4Aside::ask_for_formats() {
   }
 }
 
-const Px4Aside::Sign& Px4Aside::sign(std::string_view message, int version) const {
+const Px4Diagnostics::Sign& Px4Diagnostics::sign(std::string_view message, int version) const {
   return **std::find_if(signs_.begin(), signs_.end(), [&](const std::unique_ptr<Sign>& one) {
     return one->message == message && one->version == version;
   });
 }
 
-Px4Aside::Looks Px4Aside::looks_like(const Surroundings& around) const {
+Px4Diagnostics::Looks Px4Diagnostics::looks_like(const Surroundings& around) const {
   const auto came = [&](std::string_view message, int version) { return sign(message, version).size > 0; };
   if (came("VehicleStatus", 4)) return {"1.18", "vehicle_status_v4"};
   if (came("VehicleStatus", 1)) {
@@ -137,7 +137,7 @@ Px4Aside::Looks Px4Aside::looks_like(const Surroundings& around) const {
   return {};
 }
 
-void Px4Aside::examine_release(const Surroundings& around, FindingList& to) const {
+void Px4Diagnostics::examine_release(const Surroundings& around, FindingList& to) const {
   const std::string wanted = fmt::format("1.{}", release_);
   const Looks looks = looks_like(around);
   if (looks.release.empty()) {
@@ -158,7 +158,7 @@ void Px4Aside::examine_release(const Surroundings& around, FindingList& to) cons
                                                      : "it did not answer which layouts it takes");
 }
 
-void Px4Aside::examine_formats(FindingList& to) const {
+void Px4Diagnostics::examine_formats(FindingList& to) const {
   for (std::size_t i = 0; i < sent.size(); ++i) {
     Answer answer;
     if (!answers_[i].look(answer)) continue;
@@ -177,7 +177,7 @@ void Px4Aside::examine_formats(FindingList& to) const {
   }
 }
 
-void Px4Aside::examine_battery(const Px4Battery& battery, FindingList& to) const {
+void Px4Diagnostics::examine_battery(const Px4Battery& battery, FindingList& to) const {
   if (battery.arrived == 0 || monotonic_now() - battery.arrived > battery_old || !battery.connected) {
     to.add(Aspect::battery, Light::unknown, "it says nothing of a battery");
     return;
@@ -196,8 +196,8 @@ void Px4Aside::examine_battery(const Px4Battery& battery, FindingList& to) const
     to.add(Aspect::battery, Light::green, "{}", level);
 }
 
-void Px4Aside::examine(const Surroundings& around, const Px4Battery& battery, FindingList& to) {
-  ask_for_formats();
+void Px4Diagnostics::examine(const Surroundings& around, const Px4Battery& battery, FindingList& to) {
+  request_formats();
   examine_release(around, to);
   examine_battery(battery, to);
   Flags flags;
@@ -209,7 +209,7 @@ void Px4Aside::examine(const Surroundings& around, const Px4Battery& battery, Fi
     to.add(Aspect::pilot, Light::green, "a pilot's transmitter is heard");
 }
 
-std::string Px4Aside::failing() const {
+std::string Px4Diagnostics::failing() const {
   Flags flags;
   if (!flags_.look(flags)) return "";
   std::vector<std::string_view> set;

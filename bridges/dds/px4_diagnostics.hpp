@@ -26,10 +26,10 @@ struct Px4Battery {
 };
 
 /// Its readers take nothing from the control thread. All else is of one thread, before a flight.
-class Px4Aside {
+class Px4Diagnostics {
  public:
   /// @throws std::runtime_error where a topic cannot be had
-  Px4Aside(dds_entity_t participant, const Px4Link& link);
+  Px4Diagnostics(dds_entity_t participant, const Px4Link& link);
 
   /// Adds release, battery and pilot. Each time it asks which layouts the vehicle takes, five times in all: nothing that it obeys.
   void examine(const Surroundings& around, const Px4Battery& battery, FindingList& to);
@@ -63,7 +63,7 @@ class Px4Aside {
 
   void read_signs(dds_entity_t participant);
   void read_formats(dds_entity_t participant);
-  void ask_for_formats();
+  void request_formats();
   std::string topic_of(std::string_view message, int release) const;
   const Sign& sign(std::string_view message, int version) const;
   Looks looks_like(const Surroundings& around) const;
@@ -77,7 +77,7 @@ class Px4Aside {
   std::vector<std::string> flag_names_;
   std::vector<std::size_t> flag_places_;
   std::size_t transmitter_ = 0;  // its place among the flags
-  int asked_ = 0;
+  int requested_ = 0;
 
   // Filled by the thread that receives.
   Mailbox<Flags> flags_;

@@ -65,7 +65,7 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
       release_(px4_first + static_cast<int>(px4_.release)),
       stamps_(stamps),
       odometry_(link.origin),
-      aside_(std::make_unique<Px4Aside>(participant, px4_)),
+      aside_(std::make_unique<Px4Diagnostics>(participant, px4_)),
       ends_(std::make_unique<Ends>(release_)) {
   const auto writer = [&](std::string_view message) {
     return std::make_unique<RawWriter>(participant, Px4Layout(message, release_).descriptor(),
@@ -146,7 +146,7 @@ void Px4LinkEnd::read_poses(dds_entity_t participant) {
                                  return [this](const void* m, const Arrival& a) { on_odometry(m, a); };
                                }));
   if (!from_.by_others()) return;
-  seen_ = std::make_unique<PoseIntake>();
+  seen_ = std::make_unique<PoseSubscriber>();
   read_seen_poses(*seen_, participant, from_, Attitude::needed);
 }
 
@@ -169,7 +169,7 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
     return;
   }
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
-  arrivals_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
+  latency_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
   // What is not finite is counted there.
   const bool finite = is_finite(local);
   if (finite && !anchor_.follow(local, m.reset_counter, sampled)) {
@@ -193,7 +193,7 @@ LinkReason Px4LinkEnd::unfit() const noexcept {
   if (last_battery_.warning >= px4_battery_critical) return LinkReason::battery_low;
   if (last_position_.arrived > 0 && !has_valid_estimate()) return LinkReason::estimator_invalid;
   return from_.source == PoseSource::odometry && anchor_.moved() > px4_.reset_max ? LinkReason::moved
-                                                                                  : LinkReason::as_asked;
+                                                                                  : LinkReason::as_requested;
 }
 
 bool Px4LinkEnd::is_seen_well() noexcept {
@@ -218,7 +218,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   facts.landed = says_landed ? last_landed_.landed : !facts.armed;
   facts.unfit = unfit();
   facts.checked = s.preflight && has_valid_estimate() && last_battery_.warning < px4_battery_critical &&
-                  facts.landed && heard_ && !odometry_.of_second_writer() && is_seen_well() &&
+                  facts.landed && received_ && !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
@@ -230,7 +230,8 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   const bool high = poses().newest().motion.p.z - origin_.p.z > least_height;
   facts.airborne =
       (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.landed);
-  facts.refused = last_ack_.arrived > asked_at_ && last_ack_.command == static_cast<std::uint32_t>(asked_) &&
+  facts.refused = last_ack_.arrived > requested_at_ &&
+                  last_ack_.command == static_cast<std::uint32_t>(requested_) &&
                   last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
   return facts;
 }
@@ -248,8 +249,8 @@ std::uint64_t Px4LinkEnd::stamp() const noexcept {
 }
 
 void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept {
-  asked_ = which;
-  asked_at_ = now;
+  requested_ = which;
+  requested_at_ = now;
   const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
   // To where it is, and as high as it is set up to.
   const float rest = takes_off ? px4_nan : 0.0F;
@@ -323,7 +324,8 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
 }
 
 void Px4LinkEnd::watch(std::span<const SeenWriter> writers) {
-  heard_ = ends_->setpoint->matched() > 0 && ends_->heartbeat->matched() > 0 && ends_->command->matched() > 0;
+  received_ =
+      ends_->setpoint->matched() > 0 && ends_->heartbeat->matched() > 0 && ends_->command->matched() > 0;
   rivals_ = ends_->setpoint->rivals(writers) + ends_->heartbeat->rivals(writers);
 }
 
@@ -341,8 +343,8 @@ void Px4LinkEnd::examine_topics(const Surroundings& around, FindingList& to) con
       to.add(Aspect::topics, Light::red, "{}: no message of PX4 1.{}, {}", reader->topic(), release_,
              why_nothing_comes(*reader, around));
   for (const RawWriter* writer : {ends_->setpoint.get(), ends_->heartbeat.get(), ends_->command.get()})
-    if (!writer->heard(around.readers))
-      to.add(Aspect::topics, Light::red, "{}: {}", writer->topic(), why_unheard(*writer, around));
+    if (!writer->received(around.readers))
+      to.add(Aspect::topics, Light::red, "{}: {}", writer->topic(), why_stale(*writer, around));
   to.add_green(Aspect::topics, "odometry, status and local position come, it hears commands and set-points");
 }
 

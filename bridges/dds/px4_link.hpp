@@ -12,7 +12,7 @@
 #include "bridges/dds/frame_anchor.hpp"
 #include "bridges/dds/link_end.hpp"
 #include "bridges/dds/mailbox.hpp"
-#include "bridges/dds/px4_aside.hpp"
+#include "bridges/dds/px4_diagnostics.hpp"
 #include "bridges/dds/px4_release.hpp"
 #include "sightline/scenario/link.hpp"
 
@@ -42,12 +42,12 @@ class Px4LinkEnd final : public LinkEnd {
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
-  PoseIntake& intake() noexcept override { return poses(); }
+  PoseSubscriber& subscriber() noexcept override { return poses(); }
   std::optional<GeoPoint> reference() const override;
   void stop_examining() override { aside_.reset(); }
   std::string counts() const override;
   const DelayHistogram* arrivals() const noexcept override {
-    return stamps_ == Stamps::of_this_machine ? &arrivals_ : nullptr;
+    return stamps_ == Stamps::of_this_machine ? &latency_ : nullptr;
   }
 
  private:
@@ -86,8 +86,8 @@ class Px4LinkEnd final : public LinkEnd {
   bool has_valid_estimate() const noexcept;
   LinkReason unfit() const noexcept;
   void on_odometry(const void* message, const Arrival& arrival);
-  PoseIntake& poses() noexcept { return seen_ ? *seen_ : odometry_; }
-  const PoseIntake& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
+  PoseSubscriber& poses() noexcept { return seen_ ? *seen_ : odometry_; }
+  const PoseSubscriber& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
   double turned_from_seen() noexcept;
   bool is_seen_well() noexcept;
   void examine_topics(const Surroundings& around, FindingList& to) const;
@@ -112,12 +112,12 @@ class Px4LinkEnd final : public LinkEnd {
   Mailbox<Ack> ack_;
   Mailbox<std::uint64_t> sampled_;  // when the newest pose was, by its clock [us]
   FrameAnchor anchor_;
-  DelayHistogram arrivals_;
+  DelayHistogram latency_;
 
   std::atomic<bool> says_offboard_{false};  // in the last status that came
 
   // By watch().
-  std::atomic<bool> heard_{false};  // it reads what we write
+  std::atomic<bool> received_{false};  // it reads what we write
   std::atomic<int> rivals_{0};
 
   // Of the control thread: the last that was seen, for when a mailbox is being written.
@@ -127,16 +127,16 @@ class Px4LinkEnd final : public LinkEnd {
   Landed last_landed_{};
   Px4Battery last_battery_{};
   Ack last_ack_{};
-  Px4Command asked_{};
-  Nanoseconds asked_at_ = 0, beat_at_ = 0;
+  Px4Command requested_{};
+  Nanoseconds requested_at_ = 0, beat_at_ = 0;
   std::uint64_t answered_ = 0;                        // sampled_ of the pose that commands answer
   std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
   int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
 
-  PoseIntake odometry_;
-  std::unique_ptr<PoseIntake> seen_;  // by others, where they say where it is
-  std::unique_ptr<Px4Aside> aside_;   // until it is to arm
-  std::unique_ptr<Ends> ends_;        // last: readers end before what they fill
+  PoseSubscriber odometry_;
+  std::unique_ptr<PoseSubscriber> seen_;   // by others, where they say where it is
+  std::unique_ptr<Px4Diagnostics> aside_;  // until it is to arm
+  std::unique_ptr<Ends> ends_;             // last: readers end before what they fill
 };
 
 }  // namespace sightline::dds

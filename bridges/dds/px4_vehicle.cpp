@@ -96,12 +96,12 @@ void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, s
   switch (static_cast<Px4Command>(command)) {
     case Px4Command::arm_disarm:
       if (param1 > 0.5F) {
-        ++told_.arm_requests;
+        ++reported_.arm_requests;
         result = ready ? accepted : temporarily_rejected;
         if (ready) arming_ = px4_armed;
       } else {
         const bool forced = param2 == px4_force;
-        told_.kills += forced ? 1 : 0;
+        reported_.kills += forced ? 1 : 0;
         result = landed_ || forced ? accepted : denied;
         if (result == accepted) arming_ = px4_disarmed;
       }
@@ -112,10 +112,10 @@ void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, s
       break;
     case Px4Command::set_mode:
       if (param1 == px4_custom_mode && param2 == px4_mode_offboard) {
-        ++told_.offboard_requests;
-        const bool heard = monotonic_now() - heartbeat_at_ < offboard_loss;
-        result = heard ? accepted : temporarily_rejected;
-        if (heard) nav_ = NavState::offboard, v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
+        ++reported_.offboard_requests;
+        const bool received = monotonic_now() - heartbeat_at_ < offboard_loss;
+        result = received ? accepted : temporarily_rejected;
+        if (received) nav_ = NavState::offboard, v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
       }
       break;
     case Px4Command::land:
@@ -130,15 +130,15 @@ void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, s
 void Px4Vehicle::on_setpoint(const void* message) {
   const auto& s = *static_cast<const px4_msgs_msg_dds__TrajectorySetpoint_*>(message);
   const std::scoped_lock lock(lock_);
-  ++told_.setpoints;
-  if (nav_ != NavState::offboard) ++told_.setpoints_outside;
+  ++reported_.setpoints;
+  if (nav_ != NavState::offboard) ++reported_.setpoints_outside;
   // What asks it to hold answers no pose.
   const bool answers = s.velocity[0] != 0 || s.velocity[1] != 0 || s.velocity[2] != 0;
   if (answers && s.timestamp > 0 && s.timestamp < last_microsecond)
     answers_.add(1e-9 * static_cast<double>(realtime_now() - of_microseconds(s.timestamp)));
   for (const float v : s.velocity) {
     if (!std::isfinite(v) || std::abs(v) > fastest) {
-      ++told_.bad_setpoints;
+      ++reported_.bad_setpoints;
       return;
     }
   }
@@ -152,7 +152,7 @@ void Px4Vehicle::on_setpoint(const void* message) {
 
 void Px4Vehicle::on_heartbeat(bool velocity) {
   const std::scoped_lock lock(lock_);
-  ++told_.heartbeats;
+  ++reported_.heartbeats;
   if (velocity) heartbeat_at_ = monotonic_now();
 }
 
@@ -182,7 +182,7 @@ void Px4Vehicle::move() {
 void Px4Vehicle::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   if (nav_ == NavState::offboard && arming_ == px4_armed && monotonic_now() - heartbeat_at_ > offboard_loss) {
-    told_.failsafe_after = 1e-9 * static_cast<double>(monotonic_now() - heartbeat_at_);
+    reported_.failsafe_after = 1e-9 * static_cast<double>(monotonic_now() - heartbeat_at_);
     failsafe_ = true;
     set_nav(NavState::land);
   }
@@ -266,11 +266,11 @@ void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::ui
   ends_->ack->write(m.data());
 }
 
-Px4VehicleCounts Px4Vehicle::told() const {
+Px4VehicleCounts Px4Vehicle::reported() const {
   const std::scoped_lock lock(lock_);
-  Px4VehicleCounts told = told_;
-  told.answer_median = answers_.within(0.5), told.answer_p99 = answers_.within(0.99);
-  return told;
+  Px4VehicleCounts reported = reported_;
+  reported.answer_median = answers_.within(0.5), reported.answer_p99 = answers_.within(0.99);
+  return reported;
 }
 Motion Px4Vehicle::motion() const {
   const std::scoped_lock lock(lock_);
@@ -290,7 +290,7 @@ void Px4Vehicle::fail_checks(bool fails) {
   send_status();
 }
 std::string Px4Vehicle::counts() const {
-  const Px4VehicleCounts n = told();
+  const Px4VehicleCounts n = reported();
   const Motion m = motion();
   return fmt::format(
       "{} set-points ({} outside offboard, {} bad), {} heartbeats, {} requests to arm, {} for offboard, {}, "

@@ -12,9 +12,9 @@
 #include "bridges/dds/delay_histogram.hpp"
 #include "bridges/dds/faults.hpp"
 #include "bridges/dds/px4_link.hpp"
-#include "bridges/dds/px4_vehicle_aside.hpp"
-#include "bridges/dds/stand_in.hpp"
-#include "bridges/dds/stand_in_body.hpp"
+#include "bridges/dds/px4_vehicle_diagnostics.hpp"
+#include "bridges/dds/simulated_body.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 
 namespace sightline::dds {
 
@@ -30,7 +30,7 @@ struct Px4VehicleCounts {
 };
 
 /// A vehicle on the ground below where its robot starts.
-class Px4Vehicle final : public StandIn {
+class Px4Vehicle final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
@@ -49,13 +49,13 @@ class Px4Vehicle final : public StandIn {
   bool is_steered() const override;
   std::string counts() const override;
 
-  Px4VehicleCounts told() const;
+  Px4VehicleCounts reported() const;
   Motion motion() const override;  ///< in G
   bool armed() const;
   /// Whether its checks before a flight fail.
   void fail_checks(bool fails);
   /// Battery, failsafe flags, answers about layouts.
-  Px4VehicleAside& aside() { return aside_; }
+  Px4VehicleDiagnostics& aside() { return aside_; }
 
  private:
   struct Ends;
@@ -75,17 +75,17 @@ class Px4Vehicle final : public StandIn {
   int release_;
   Setup setup_;
   mutable std::recursive_mutex lock_;  // of all below: readers' thread and the one that steps
-  Px4VehicleCounts told_;
+  Px4VehicleCounts reported_;
   DelayHistogram answers_;
   std::uint8_t arming_ = px4_disarmed;
   NavState nav_ = NavState::hold;
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
-  StandInBody body_;
+  SimulatedBody body_;
   Vec3<double> v_sp_{}, a_sp_{};  // in G
   double r_sp_ = 0.0;
   Faults& faults_;
-  Px4VehicleAside aside_;
+  Px4VehicleDiagnostics aside_;
   std::unique_ptr<Ends> ends_;
 };
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/px4_vehicle_aside.hpp"
+#include "bridges/dds/px4_vehicle_diagnostics.hpp"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ std::uint64_t real_microseconds() { return static_cast<std::uint64_t>(realtime_n
 
 }  // namespace
 
-Px4VehicleAside::Px4VehicleAside(dds_entity_t participant, const Px4Link& link, Faults& faults)
+Px4VehicleDiagnostics::Px4VehicleDiagnostics(dds_entity_t participant, const Px4Link& link, Faults& faults)
     : release_(px4_first + static_cast<int>(link.release)),
       faults_(faults),
       takes_(release_),
@@ -50,7 +50,7 @@ Px4VehicleAside::Px4VehicleAside(dds_entity_t participant, const Px4Link& link, 
       [this](const void* m, const Arrival&) { answer(m); });
 }
 
-void Px4VehicleAside::send() {
+void Px4VehicleDiagnostics::send() {
   Px4Message battery(battery_), flags(flags_);
   const bool low = faults_.on(LinkFaultKind::battery_low);
   const float remaining = low ? low_battery : remaining_.load();
@@ -75,13 +75,14 @@ void Px4VehicleAside::send() {
   estimator_writer_->write(estimator.data());
 }
 
-void Px4VehicleAside::answer(const void* request) {
-  const auto& asked = *static_cast<const FormatRequest*>(request);
+void Px4VehicleDiagnostics::answer(const void* request) {
+  const auto& requested = *static_cast<const FormatRequest*>(request);
   FormatResponse response{};
   response.timestamp = real_microseconds();
-  response.protocol_version = asked.protocol_version;
-  std::copy(std::begin(asked.topic_name), std::end(asked.topic_name), std::begin(response.topic_name));
-  std::string_view topic(asked.topic_name, sizeof asked.topic_name);
+  response.protocol_version = requested.protocol_version;
+  std::copy(std::begin(requested.topic_name), std::end(requested.topic_name),
+            std::begin(response.topic_name));
+  std::string_view topic(requested.topic_name, sizeof requested.topic_name);
   topic = topic.substr(0, topic.find('\0'));
   for (const std::string_view message : taken_messages) {
     if (px4_topic("", Px4Side::in, message, px4_first) != topic) continue;

@@ -15,10 +15,10 @@
 namespace sightline::dds {
 
 /// The setters are of any thread; send() is of the one that steps.
-class Px4VehicleAside {
+class Px4VehicleDiagnostics {
  public:
   /// @param faults  of the vehicle; outlives it
-  Px4VehicleAside(dds_entity_t participant, const Px4Link& link, Faults& faults);
+  Px4VehicleDiagnostics(dds_entity_t participant, const Px4Link& link, Faults& faults);
 
   /// Once a second, and where the battery changes: battery, failsafe flags, estimator's flags.
   void send();

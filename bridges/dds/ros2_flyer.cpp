@@ -64,14 +64,14 @@ void Ros2Flyer::serve(dds_entity_t participant, const std::string& name, const s
 }
 
 bool Ros2Flyer::take_off() {
-  ++told_.takeoffs;
+  ++reported_.takeoffs;
   if (refuses_ || state_ != Ros2State::landed) return false;
   state_ = Ros2State::taking_off;
   return true;
 }
 
 bool Ros2Flyer::land() {
-  ++told_.landings;
+  ++reported_.landings;
   if (state_ == Ros2State::landed) return false;
   state_ = Ros2State::landing;
   return true;
@@ -80,14 +80,14 @@ bool Ros2Flyer::land() {
 void Ros2Flyer::on_twist(const void* twist) {
   const auto& t = *static_cast<const geometry_msgs_msg_dds__Twist_*>(twist);
   const std::scoped_lock lock(lock_);
-  ++told_.commands;
+  ++reported_.commands;
   const double size =
       std::abs(t.linear.x) + std::abs(t.linear.y) + std::abs(t.linear.z) + std::abs(t.angular.z);
   if (!(size < fastest_flyer)) {
-    ++told_.bad;
+    ++reported_.bad;
     return;
   }
-  if (state_ != Ros2State::flying && size > 0) ++told_.commands_outside;
+  if (state_ != Ros2State::flying && size > 0) ++reported_.commands_outside;
   wanted_ = {t.linear.x, t.linear.y, t.linear.z, t.angular.z};
   commanded_at_ = monotonic_now();
 }
@@ -134,9 +134,9 @@ void Ros2Flyer::step(std::int64_t number) {
   if (state_writer_ != nullptr && number % 5 == 0) state_writer_->write(&now);
 }
 
-Ros2FlyerCounts Ros2Flyer::told() const {
+Ros2FlyerCounts Ros2Flyer::reported() const {
   const std::scoped_lock lock(lock_);
-  return told_;
+  return reported_;
 }
 Motion Ros2Flyer::motion() const {
   const std::scoped_lock lock(lock_);
@@ -150,13 +150,13 @@ void Ros2Flyer::land_by_itself() {
   const std::scoped_lock lock(lock_);
   state_ = Ros2State::landing;
 }
-void Ros2Flyer::refuse(bool refuses) {
+void Ros2Flyer::throw_invalid(bool refuses) {
   const std::scoped_lock lock(lock_);
   refuses_ = refuses;
 }
 
 std::string Ros2Flyer::counts() const {
-  const Ros2FlyerCounts n = told();
+  const Ros2FlyerCounts n = reported();
   const Motion m = motion();
   return fmt::format(
       "{} cmd_vel ({} while it did not fly, {} bad), {} to take off, {} to land, {}, at [{:.2f}, {:.2f}, "

@@ -9,8 +9,8 @@
 
 #include "bridges/dds/ros2_flyer_link.hpp"
 #include "bridges/dds/ros2_odometry.hpp"
-#include "bridges/dds/stand_in.hpp"
-#include "bridges/dds/stand_in_body.hpp"
+#include "bridges/dds/simulated_body.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 
 namespace sightline::dds {
 
@@ -22,7 +22,7 @@ struct Ros2FlyerCounts {
 };
 
 /// On the ground below where its robot starts. In flight it follows cmd_vel, and hovers 0.5 s after the last.
-class Ros2Flyer final : public StandIn {
+class Ros2Flyer final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
@@ -30,22 +30,22 @@ class Ros2Flyer final : public StandIn {
     double heading = 0.0;
     double altitude = 1.0;  ///< of its take-off [m]
     std::optional<Vehicle>
-        rotors{};  ///< none: the point of StandInBody, or an ar_drone where commands are normalised
+        rotors{};  ///< none: the point of SimulatedBody, or an ar_drone where commands are normalised
   };
 
   /// @param faults  of this robot; outlives it
   Ros2Flyer(dds_entity_t participant, const Ros2Link& link, const Setup& setup, Faults& faults);
 
   void step(std::int64_t number) override;
-  bool is_steered() const override { return told().commands > 0; }
+  bool is_steered() const override { return reported().commands > 0; }
   std::string counts() const override;
 
-  Ros2FlyerCounts told() const;
+  Ros2FlyerCounts reported() const;
   Motion motion() const override;
   Ros2State state() const;
   /// What can be wrong with it: it is landed by somebody, its services refuse or do not answer.
   void land_by_itself();
-  void refuse(bool refuses);
+  void throw_invalid(bool refuses);
 
  private:
   void serve(dds_entity_t participant, const std::string& name, const std::function<bool()>& act);
@@ -57,9 +57,9 @@ class Ros2Flyer final : public StandIn {
   Ros2Link link_;
   Setup setup_;
   mutable std::mutex lock_;  // of all below
-  Ros2FlyerCounts told_;
+  Ros2FlyerCounts reported_;
   Vehicle rotors_;
-  StandInBody body_;
+  SimulatedBody body_;
   Ros2State state_ = Ros2State::landed;
   bool refuses_ = false;
   std::array<double, 4> wanted_{};  // as cmd_vel has it

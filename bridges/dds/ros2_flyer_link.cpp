@@ -62,7 +62,7 @@ void Signal::send() noexcept {
 
 void Signal::watch(std::span<const SeenWriter> writers) {
   if (service_) return service_->watch(writers);
-  heard_ = topic_->matched() > 0;
+  received_ = topic_->matched() > 0;
   rivals_ = topic_->rivals(writers);
 }
 

@@ -20,10 +20,10 @@ class Signal {
  public:
   Signal(Port participant, const std::string& name, FlightCalls calls);
 
-  bool there() const noexcept { return service_ ? service_->there() : heard_.load(); }
+  bool there() const noexcept { return service_ ? service_->there() : received_.load(); }
   /// The same of a silent end too, whose writer nobody is matched with.
   bool there(const Surroundings& around) const {
-    return service_ ? service_->there() : topic_->heard(around.readers);
+    return service_ ? service_->there() : topic_->received(around.readers);
   }
   void send() noexcept;
   /// None of a topic.
@@ -36,7 +36,7 @@ class Signal {
   std::string name_;
   std::unique_ptr<RawWriter> topic_;
   std::unique_ptr<ServiceCaller> service_;
-  std::atomic<bool> heard_{false};  // by watch()
+  std::atomic<bool> received_{false};  // by watch()
   std::atomic<int> rivals_{0};
 };
 

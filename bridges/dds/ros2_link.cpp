@@ -63,7 +63,7 @@ LinkFacts Ros2LinkEnd::facts(Nanoseconds now) noexcept {
   if (stops_ && rests) ours_ = false;
   LinkFacts facts;
   facts.there = poses_.is_fresh(now, ros_odometry_old);
-  facts.checked = heard_ && !poses_.of_second_writer() && !poses_.in_other_frames();
+  facts.checked = received_ && !poses_.of_second_writer() && !poses_.in_other_frames();
   facts.armed = facts.airborne = ours_;
   facts.landed = !ours_;
   facts.contested = rivals_ > 0;
@@ -101,7 +101,7 @@ void Ros2LinkEnd::steer(const Vec3<double>& v, double r) noexcept {
 }
 
 void Ros2LinkEnd::watch(std::span<const SeenWriter> writers) {
-  heard_ = cmd_vel_->matched() > 0;
+  received_ = cmd_vel_->matched() > 0;
   rivals_ = cmd_vel_->rivals(writers);
 }
 
@@ -110,8 +110,8 @@ void Ros2LinkEnd::examine(const Surroundings& around, FindingList& to) {
   if (own && poses_.reader().counts().received == 0)
     to.add(Aspect::topics, Light::red, "{}: no message, {}", poses_.reader().topic(),
            why_nothing_comes(poses_.reader(), around));
-  if (!cmd_vel_->heard(around.readers))
-    to.add(Aspect::topics, Light::red, "{}: {}", cmd_vel_->topic(), why_unheard(*cmd_vel_, around));
+  if (!cmd_vel_->received(around.readers))
+    to.add(Aspect::topics, Light::red, "{}: {}", cmd_vel_->topic(), why_stale(*cmd_vel_, around));
   if (own)
     poses_.examine("the frames that are expected", "other frames than frame, body_frame say", to);
   else

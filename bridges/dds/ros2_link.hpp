@@ -23,7 +23,7 @@ class Ros2LinkEnd : public LinkEnd {
   void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
-  PoseIntake& intake() noexcept override { return poses_; }
+  PoseSubscriber& subscriber() noexcept override { return poses_; }
   std::string counts() const override { return poses_.counts(); }
 
  protected:
@@ -38,13 +38,13 @@ class Ros2LinkEnd : public LinkEnd {
   Ros2Link ros2_;
   PosesFrom from_;
 
-  std::atomic<bool> heard_{false};  // by watch()
+  std::atomic<bool> received_{false};  // by watch()
   std::atomic<int> rivals_{0};
 
   bool ours_ = false, stops_ = false;  // of the control thread
 
   std::unique_ptr<RawWriter> cmd_vel_;
-  PoseIntake poses_;
+  PoseSubscriber poses_;
 };
 
 }  // namespace sightline::dds

@@ -8,12 +8,12 @@
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/conversion.hpp"
 #include "bridges/dds/ros2_odometry.hpp"
-#include "bridges/dds/stand_in.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 
 namespace sightline::dds {
 
 /// It follows velocities with a lag of 0.1 s, and stops 0.5 s after the last of them.
-class Ros2Rover final : public StandIn {
+class Ros2Rover final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};

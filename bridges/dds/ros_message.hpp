@@ -22,7 +22,7 @@ extern "C" {
 namespace sightline::dds {
 
 /// Strings of a message until it is written.
-class Words {
+class RosStrings {
  public:
   char* operator()(std::string text) { return kept_.emplace_back(std::move(text)).data(); }
 
@@ -49,13 +49,13 @@ inline geometry_msgs_msg_dds__Pose_ ros_pose(const Vec3<double>& p, const Quater
 
 /// A pinhole; its header is the caller's.
 /// @param distortion  five zeros that outlive the message
-inline sensor_msgs_msg_dds__CameraInfo_ camera_info(const Camera& camera, Words& words,
+inline sensor_msgs_msg_dds__CameraInfo_ camera_info(const Camera& camera, RosStrings& strings,
                                                     std::vector<double>& distortion) {
   const std::array<double, 9> K = intrinsics(camera);
   sensor_msgs_msg_dds__CameraInfo_ message{};
   message.height = static_cast<std::uint32_t>(camera.height);
   message.width = static_cast<std::uint32_t>(camera.width);
-  message.distortion_model = words("plumb_bob");
+  message.distortion_model = strings("plumb_bob");
   set_sequence(message.d, distortion);
   std::copy(K.begin(), K.end(), std::begin(message.k));
   for (std::size_t i = 0; i < 9; i += 4) message.r[i] = 1.0;

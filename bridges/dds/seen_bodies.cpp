@@ -25,10 +25,10 @@ SeenBodies::SeenBodies(const Scenario& scenario, dds_entity_t participant) {
                      [&](const UncooperativeBody& body) { return body.body == link.body; });
     bodies_.push_back({std::string(team.name(link.body)), size(link.body.index),
                        size(team.state_offset(link.body)), link.poses, uncooperative->velocity,
-                       link.robot ? nullptr : std::make_unique<PoseIntake>()});
+                       link.robot ? nullptr : std::make_unique<PoseSubscriber>()});
     if (link.robot) {
       // Of a robot of any model its own motion is told; what it is planned by is not ours.
-      bodies_.back().robot = made_end({participant, Voice::silent}, *link.robot, team.name(link.body),
+      bodies_.back().robot = made_end({participant, PublishMode::off}, *link.robot, team.name(link.body),
                                       team.model(link.body), scenario.fleet->network);
       continue;
     }
@@ -50,7 +50,7 @@ void SeenBodies::measure(Nanoseconds origin, std::span<double> measured, std::sp
 
 bool SeenBodies::are_seen(Nanoseconds now) noexcept {
   return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-    PoseIntake& poses = body.intake();
+    PoseSubscriber& poses = body.subscriber();
     return poses.is_fresh(now, body_old) && !poses.of_second_writer() && !poses.in_other_frames();
   });
 }
@@ -58,13 +58,13 @@ bool SeenBodies::are_seen(Nanoseconds now) noexcept {
 void SeenBodies::examine(std::vector<Finding>& to) const {
   for (const Body& body : bodies_) {
     FindingList found(body.name);
-    body.intake().examine("the frame that is G", other_frames_than(body.from), found);
+    body.subscriber().examine("the frame that is G", other_frames_than(body.from), found);
     for (Finding& finding : found.take()) to.push_back(std::move(finding));
   }
 }
 
 void SeenBodies::counts(std::vector<std::string>& to) const {
-  for (const Body& body : bodies_) to.push_back(fmt::format("{}: {}", body.name, body.intake().counts()));
+  for (const Body& body : bodies_) to.push_back(fmt::format("{}: {}", body.name, body.subscriber().counts()));
 }
 
 }  // namespace sightline::dds

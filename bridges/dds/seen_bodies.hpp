@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bridges/dds/link_end.hpp"
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline::dds {
@@ -35,10 +35,10 @@ class SeenBodies {
     std::size_t index, x;  // its place in the team, where its state begins
     PosesFrom from;
     SeenVelocity velocity;
-    std::unique_ptr<PoseIntake> poses;
+    std::unique_ptr<PoseSubscriber> poses;
     std::unique_ptr<LinkEnd> robot{};  // of another part: its link, to which we listen; then `poses` is none
 
-    PoseIntake& intake() const { return robot ? robot->intake() : *poses; }
+    PoseSubscriber& subscriber() const { return robot ? robot->subscriber() : *poses; }
   };
   std::vector<Body> bodies_;
 };

@@ -26,19 +26,19 @@ Nanoseconds stamp_of(const RosHeader& header) { return of_ros(header.stamp.sec, 
 
 /// Takes poses in one frame; in any where it has no name.
 struct PoseTaker {
-  PoseIntake& intake;
+  PoseSubscriber& subscriber;
   std::string frame;
   Attitude attitude;
 
   void operator()(const RosHeader& header, const RosPose& pose, const Arrival& arrival) const noexcept {
     if (!frame.empty() && frame != text_in(header.frame_id)) {
-      intake.take_other_frame();
+      subscriber.take_other_frame();
       return;
     }
     const auto& [p, q] = pose;
-    intake.take_pose({p.x, p.y, p.z},
-                     attitude == Attitude::ignored ? upright({1, 0}) : normalised({q.w, q.x, q.y, q.z}),
-                     stamp_of(header), arrival.monotonic);
+    subscriber.take_pose({p.x, p.y, p.z},
+                         attitude == Attitude::ignored ? upright({1, 0}) : normalised({q.w, q.x, q.y, q.z}),
+                         stamp_of(header), arrival.monotonic);
   }
 };
 
@@ -49,9 +49,10 @@ struct OtherNames {
   bool found = false;
 };
 
-void read_named(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
+void read_named(PoseSubscriber& subscriber, dds_entity_t participant, const PosesFrom& from,
+                Attitude attitude) {
   const auto others = std::make_shared<OtherNames>();
-  intake.explain_by([others, name = from.name] {
+  subscriber.explain_by([others, name = from.name] {
     const std::scoped_lock lock(others->lock);
     if (others->found) return std::string(too_seldom);
     return others->names.empty()
@@ -59,11 +60,11 @@ void read_named(PoseIntake& intake, dds_entity_t participant, const PosesFrom& f
                : fmt::format("no body \"{}\", there is {}", name, fmt::join(others->names, ", "));
   });
   using Array = motion_capture_tracking_interfaces_msg_dds__NamedPoseArray_;
-  intake.read_by(std::make_unique<RawReader>(
+  subscriber.read_by(std::make_unique<RawReader>(
       participant, motion_capture_tracking_interfaces_msg_dds__NamedPoseArray__desc, from.topic, of_sensors,
       std::nullopt, Writers::first,
-      [others, name = from.name, take = PoseTaker{intake, from.frame, attitude}](const void* m,
-                                                                                 const Arrival& a) {
+      [others, name = from.name, take = PoseTaker{subscriber, from.frame, attitude}](const void* m,
+                                                                                     const Arrival& a) {
         const auto& array = *static_cast<const Array*>(m);
         const std::span bodies(array.poses._buffer, array.poses._length);
         const auto body = std::find_if(bodies.begin(), bodies.end(),
@@ -89,9 +90,10 @@ FrameTransform transform_of(const geometry_msgs_msg_dds__TransformStamped_& t, c
           {q.w, q.x, q.y, q.z},       stamp_of(t.header),        arrival.writer};
 }
 
-void read_transforms(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
+void read_transforms(PoseSubscriber& subscriber, dds_entity_t participant, const PosesFrom& from,
+                     Attitude attitude) {
   const auto seen = std::make_shared<SeenTransforms>(from);
-  intake.explain_by([seen, from] {
+  subscriber.explain_by([seen, from] {
     const std::scoped_lock lock(seen->lock);
     const std::string end = seen->chain.ends_at();
     if (end.empty()) return std::string(too_seldom);
@@ -103,47 +105,48 @@ void read_transforms(PoseIntake& intake, dds_entity_t participant, const PosesFr
     const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(m);
     return std::span(message.transforms._buffer, message.transforms._length);
   };
-  intake.read_by(std::make_unique<RawReader>(
+  subscriber.read_by(std::make_unique<RawReader>(
       participant, tf2_msgs_msg_dds__TFMessage__desc, "/tf", of_tf, std::nullopt, Writers::all,
-      [seen, each, attitude, &intake](const void* m, const Arrival& a) {
+      [seen, each, attitude, &subscriber](const void* m, const Arrival& a) {
         const std::scoped_lock lock(seen->lock);
         bool moved = false;
         for (const auto& transform : each(m)) {
           const TransformChain::Taken taken = seen->chain.take(transform_of(transform, a));
           moved = moved || taken == TransformChain::Taken::moved;
-          if (taken == TransformChain::Taken::second_writer) intake.take_second_writer();
+          if (taken == TransformChain::Taken::second_writer) subscriber.take_second_writer();
         }
         const auto pose = moved ? seen->chain.pose() : std::nullopt;
         if (!pose) return;
         const Quaternion q = attitude == Attitude::ignored ? upright({1, 0}) : pose->q;
-        intake.take_pose(pose->p, q, pose->stamp, a.monotonic);
+        subscriber.take_pose(pose->p, q, pose->stamp, a.monotonic);
       }));
-  intake.read_by(std::make_unique<RawReader>(participant, tf2_msgs_msg_dds__TFMessage__desc, "/tf_static",
-                                             of_static_tf, std::nullopt, Writers::all,
-                                             [seen, each](const void* m, const Arrival& a) {
-                                               const std::scoped_lock lock(seen->lock);
-                                               for (const auto& transform : each(m))
-                                                 seen->chain.take_static(transform_of(transform, a));
-                                             }));
+  subscriber.read_by(std::make_unique<RawReader>(participant, tf2_msgs_msg_dds__TFMessage__desc, "/tf_static",
+                                                 of_static_tf, std::nullopt, Writers::all,
+                                                 [seen, each](const void* m, const Arrival& a) {
+                                                   const std::scoped_lock lock(seen->lock);
+                                                   for (const auto& transform : each(m))
+                                                     seen->chain.take_static(transform_of(transform, a));
+                                                 }));
 }
 
 }  // namespace
 
-void read_pose_stamped(PoseIntake& intake, dds_entity_t participant, const std::string& topic,
+void read_pose_stamped(PoseSubscriber& subscriber, dds_entity_t participant, const std::string& topic,
                        const std::string& frame, Attitude attitude) {
-  intake.read_by(std::make_unique<RawReader>(
+  subscriber.read_by(std::make_unique<RawReader>(
       participant, geometry_msgs_msg_dds__PoseStamped__desc, topic, of_sensors, std::nullopt, Writers::first,
-      [take = PoseTaker{intake, frame, attitude}](const void* m, const Arrival& a) {
+      [take = PoseTaker{subscriber, frame, attitude}](const void* m, const Arrival& a) {
         const auto& pose = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(m);
         take(pose.header, pose.pose, a);
       }));
 }
 
-void read_seen_poses(PoseIntake& intake, dds_entity_t participant, const PosesFrom& from, Attitude attitude) {
-  if (from.source == PoseSource::tf) return read_transforms(intake, participant, from, attitude);
-  if (!from.name.empty()) return read_named(intake, participant, from, attitude);
-  intake.explain_by([] { return std::string(too_seldom); });
-  read_pose_stamped(intake, participant, from.topic, from.frame, attitude);
+void read_seen_poses(PoseSubscriber& subscriber, dds_entity_t participant, const PosesFrom& from,
+                     Attitude attitude) {
+  if (from.source == PoseSource::tf) return read_transforms(subscriber, participant, from, attitude);
+  if (!from.name.empty()) return read_named(subscriber, participant, from, attitude);
+  subscriber.explain_by([] { return std::string(too_seldom); });
+  read_pose_stamped(subscriber, participant, from.topic, from.frame, attitude);
 }
 
 std::string other_frames_than(const PosesFrom& from) {

@@ -1,9 +1,9 @@
-#include "bridges/dds/stand_in_body.hpp"
+#include "bridges/dds/simulated_body.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "bridges/dds/stand_in.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -21,22 +21,23 @@ double takeoff_speed(double height, double altitude) noexcept {
 
 double landing_speed(double height) noexcept { return height > near_ground ? -sink : -sink / 2; }
 
-StandInBody::StandInBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
-                         Commands commands)
+SimulatedBody::SimulatedBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
+                             Commands commands)
     : rotorcraft_(rotors ? std::make_unique<Rotorcraft>(*rotors, commands) : nullptr),
       motion_{p, upright({std::cos(heading), std::sin(heading)}), {}, 0.0} {
   rest();
 }
 
-void StandInBody::rest() noexcept {
+void SimulatedBody::rest() noexcept {
   motion_.r = 0.0;
-  motion_.v = on_ground() ? Vec3<double>{} : motion_.v + Vec3<double>{0, 0, -gravity * StandIn::period};
-  motion_.p = motion_.p + StandIn::period * motion_.v;
+  motion_.v =
+      on_ground() ? Vec3<double>{} : motion_.v + Vec3<double>{0, 0, -gravity * VehicleSimulator::period};
+  motion_.p = motion_.p + VehicleSimulator::period * motion_.v;
   if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
   if (rotorcraft_) rotorcraft_->begin(motion_.p, heading(rotation(motion_.q)), motion_.v, 0.0);
 }
 
-void StandInBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r) noexcept {
+void SimulatedBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r) noexcept {
   if (rotorcraft_) {
     const Vehicle& vehicle = rotorcraft_->vehicle();  // its velocity loops make of this the acceleration too
     const Vec2<double> d = rotorcraft_->heading();
@@ -46,7 +47,7 @@ void StandInBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r)
     return;
   }
   // Exact under a command that is held for a period: the velocity at its end, and its mean.
-  constexpr double dt = StandIn::period;
+  constexpr double dt = VehicleSimulator::period;
   struct Step {
     double end, mean;
   };
@@ -70,10 +71,11 @@ void StandInBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r)
   if (motion_.p.z < 0) motion_.p.z = 0, motion_.v = {};
 }
 
-void StandInBody::tilt(const std::array<double, 4>& u) noexcept { fly(u); }
+void SimulatedBody::tilt(const std::array<double, 4>& u) noexcept { fly(u); }
 
-void StandInBody::fly(const std::array<double, 4>& u) noexcept {
-  for (std::int64_t i = std::llround(StandIn::period / rotorcraft_step); i > 0; --i) rotorcraft_->step(u, {});
+void SimulatedBody::fly(const std::array<double, 4>& u) noexcept {
+  for (std::int64_t i = std::llround(VehicleSimulator::period / rotorcraft_step); i > 0; --i)
+    rotorcraft_->step(u, {});
   motion_ = {rotorcraft_->body().p, rotorcraft_->body().q, rotorcraft_->body().v,
              rotorcraft_->heading_rate()};
 }

@@ -13,13 +13,13 @@ namespace sightline::dds {
 double takeoff_speed(double height, double altitude) noexcept;
 double landing_speed(double height) noexcept;
 
-/// In G, over the ground z = 0, by steps of StandIn::period.
-class StandInBody {
+/// In G, over the ground z = 0, by steps of VehicleSimulator::period.
+class SimulatedBody {
  public:
   /// On the ground.
   /// @param rotors  none: the point, whose velocity lags by 0.3 s
-  StandInBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
-              Commands commands = Commands::velocity);
+  SimulatedBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
+                Commands commands = Commands::velocity);
 
   /// With motors off: it stands, or falls.
   void rest() noexcept;

@@ -1,4 +1,4 @@
-#include "bridges/dds/stand_in_cameras.hpp"
+#include "bridges/dds/simulated_cameras.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,8 +10,8 @@
 #include <optional>
 #include <utility>
 
-#include "bridges/dds/stand_in.hpp"
 #include "bridges/dds/tag_frames.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/scenario/read_camera.hpp"
@@ -39,7 +39,7 @@ std::vector<int> faces_by_sight(const Tags& tags, const RigidPose& pose) {
 }  // namespace
 
 /// All bodies where they are, as a world that knows them.
-struct StandInCameras::Truth final : World {
+struct SimulatedCameras::Truth final : World {
   explicit Truth(const Scenario& scenario)
       : team_(scenario.team),
         x(scenario.x0),
@@ -62,7 +62,7 @@ struct StandInCameras::Truth final : World {
   std::vector<Quaternion> attitudes;
 };
 
-struct StandInCameras::Eye {
+struct SimulatedCameras::Eye {
   /// A message and all that it points to.
   struct Picture {
     std::deque<std::string> names;
@@ -77,8 +77,8 @@ struct StandInCameras::Eye {
   std::int64_t pictures = 0;
 };
 
-StandInCameras::StandInCameras(dds_entity_t participant, const Scenario& scenario,
-                               const std::vector<Faults*>& faults)
+SimulatedCameras::SimulatedCameras(dds_entity_t participant, const Scenario& scenario,
+                                   const std::vector<Faults*>& faults)
     : vision_(camera_options(scenario)) {
   if (vision_.cameras.empty() || vision_.tags.empty()) return;
   const auto& links = scenario.fleet->links;
@@ -93,7 +93,7 @@ StandInCameras::StandInCameras(dds_entity_t participant, const Scenario& scenari
     if (link == links.end()) continue;
     Faults* const its = faults[static_cast<std::size_t>(link - links.begin())];
     eyes_.push_back(std::make_unique<Eye>(
-        Eye{camera, its, RandomStream(vision_.seed, Chance::fault, 1000 + camera.observer.index),
+        Eye{camera, its, RandomStream(vision_.seed, StreamId::fault, 1000 + camera.observer.index),
             std::make_unique<FaultyWriter>(participant, tf2_msgs_msg_dds__TFMessage__desc, "/tf",
                                            Quality{.reliable = true, .depth = 100}, *its)}));
   }
@@ -103,10 +103,10 @@ StandInCameras::StandInCameras(dds_entity_t participant, const Scenario& scenari
                                            std::make_unique<SyntheticDetections>(scenario.team, vision_));
 }
 
-StandInCameras::~StandInCameras() = default;
+SimulatedCameras::~SimulatedCameras() = default;
 
-void StandInCameras::step(std::int64_t number, std::span<const Motion> robots,
-                          std::span<const double> states) {
+void SimulatedCameras::step(std::int64_t number, std::span<const Motion> robots,
+                            std::span<const double> states) {
   if (!cameras_) return;
   std::copy(states.begin(), states.end(), truth_->x.begin());
   for (std::size_t i = 0; i < robots.size(); ++i) {
@@ -114,7 +114,7 @@ void StandInCameras::step(std::int64_t number, std::span<const Motion> robots,
     truth_->attitudes[size(bodies_[i])] = robots[i].q;
   }
   times_[static_cast<std::size_t>(number) % times_.size()] = realtime_now();
-  const Measured now = cameras_->measure(static_cast<double>(number) * StandIn::period);
+  const Measured now = cameras_->measure(static_cast<double>(number) * VehicleSimulator::period);
   // What one camera found in one picture arrives together.
   for (const auto& eye : eyes_) {
     std::vector<Detection> found;
@@ -127,9 +127,9 @@ void StandInCameras::step(std::int64_t number, std::span<const Motion> robots,
   }
 }
 
-void StandInCameras::send(Eye& eye, std::span<const Detection> found) {
+void SimulatedCameras::send(Eye& eye, std::span<const Detection> found) {
   if (eye.faults->on(LinkFaultKind::blind)) return;
-  const auto exposed = static_cast<std::size_t>(std::llround(found[0].stamp / StandIn::period));
+  const auto exposed = static_cast<std::size_t>(std::llround(found[0].stamp / VehicleSimulator::period));
   const RosTime stamp = to_ros(times_[exposed % times_.size()]);
   if (!eye.faults->on(LinkFaultKind::frozen))
     eye.frozen.reset();
@@ -162,7 +162,7 @@ void StandInCameras::send(Eye& eye, std::span<const Detection> found) {
   ++eye.pictures;
 }
 
-std::string StandInCameras::counts() const {
+std::string SimulatedCameras::counts() const {
   std::vector<std::string> words;
   for (const auto& eye : eyes_) words.push_back(fmt::format("{} of {}", eye->pictures, eye->camera.frame));
   return words.empty() ? "" : fmt::format("pictures with tags: {}", fmt::join(words, ", "));

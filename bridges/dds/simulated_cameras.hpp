@@ -19,13 +19,13 @@ namespace sightline::dds {
 /// What each camera finds in its pictures goes out on /tf as apriltag_ros says it: a transform to each tag from the camera's optical
 /// frame, at the time of the exposure. Pictures are those of the simulation: detections with their noise, rate and latency; the tags are
 /// those that the camera sees best.
-class StandInCameras {
+class SimulatedCameras {
  public:
   /// @param faults  of the robot of each link, which outlive this: what they do to messages they do to pictures too
-  StandInCameras(dds_entity_t participant, const Scenario& scenario, const std::vector<Faults*>& faults);
-  ~StandInCameras();
+  SimulatedCameras(dds_entity_t participant, const Scenario& scenario, const std::vector<Faults*>& faults);
+  ~SimulatedCameras();
 
-  /// Sends what is due at that number of periods (StandIn::period).
+  /// Sends what is due at that number of periods (VehicleSimulator::period).
   /// @param robots  in the order of the links
   /// @param states  of the team; those of other bodies count
   void step(std::int64_t number, std::span<const Motion> robots, std::span<const double> states);

@@ -1,4 +1,4 @@
-#include "bridges/dds/stand_in_poses.hpp"
+#include "bridges/dds/simulated_poses.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -51,12 +51,12 @@ Sequence lent(std::vector<Item>& items) {
 
 }  // namespace
 
-struct StandInPoses::Ends {
+struct SimulatedPoses::Ends {
   std::map<std::string, std::unique_ptr<RawWriter>> topics;  // of motion capture
   std::unique_ptr<RawWriter> tf, static_tf;
 };
 
-StandInPoses::StandInPoses(dds_entity_t participant, const Scenario& scenario)
+SimulatedPoses::SimulatedPoses(dds_entity_t participant, const Scenario& scenario)
     : x_(scenario.x0),
       u_(size(scenario.team.nu())),
       motions_(scenario.team, seen_motions(scenario), scenario.simulation.seed),
@@ -107,15 +107,15 @@ StandInPoses::StandInPoses(dds_entity_t participant, const Scenario& scenario)
   (void)ends_->static_tf->write(&message);
 }
 
-StandInPoses::~StandInPoses() = default;
+SimulatedPoses::~SimulatedPoses() = default;
 
-Motion StandInPoses::motion_of(const Seen& seen, std::span<const Motion> robots) const {
+Motion SimulatedPoses::motion_of(const Seen& seen, std::span<const Motion> robots) const {
   if (seen.robot >= 0) return robots[size(seen.robot)];
   const double* const x = &x_[seen.x];
   return {{x[0], x[1], x[2]}, upright({1, 0}), {}, 0.0};
 }
 
-void StandInPoses::step(double period, std::span<const Motion> robots) {
+void SimulatedPoses::step(double period, std::span<const Motion> robots) {
   if (seen_.empty()) return;
   for (std::size_t i = 0; i < models_.size(); ++i) models_[i].write(robots[i], &x_[places_[i]]);
   motions_.steer(time_, period, u_, x_);
@@ -128,7 +128,7 @@ void StandInPoses::step(double period, std::span<const Motion> robots) {
   send(robots);
 }
 
-void StandInPoses::send(std::span<const Motion> robots) {
+void SimulatedPoses::send(std::span<const Motion> robots) {
   const RosTime now = to_ros(realtime_now());
   for (const auto& [topic, writer] : ends_->topics) {
     std::vector<SentNamed> bodies;
@@ -167,7 +167,7 @@ void StandInPoses::send(std::span<const Motion> robots) {
   ++sent_;
 }
 
-std::string StandInPoses::counts() const {
+std::string SimulatedPoses::counts() const {
   if (seen_.empty()) return {};
   std::vector<std::string> names;
   for (const Seen& seen : seen_) names.push_back(seen.name);

@@ -17,10 +17,10 @@ namespace sightline::dds {
 
 /// Targets and obstacles move as the scenario says. Bodies on /tf are said in a frame of their own, "NAME_start", which lies in
 /// G by /tf_static.
-class StandInPoses {
+class SimulatedPoses {
  public:
-  StandInPoses(dds_entity_t participant, const Scenario& scenario);
-  ~StandInPoses();
+  SimulatedPoses(dds_entity_t participant, const Scenario& scenario);
+  ~SimulatedPoses();
 
   /// Moves on by a period [s], and says where all are.
   /// @param robots  in the order of the links

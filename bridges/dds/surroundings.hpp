@@ -40,7 +40,7 @@ inline std::string why_nothing_comes(const RawReader& reader, const Surroundings
 }
 
 /// Why nobody hears us, likewise.
-inline std::string why_unheard(const RawWriter& writer, const Surroundings& around) {
+inline std::string why_stale(const RawWriter& writer, const Surroundings& around) {
   const auto other =
       std::find_if(around.readers.begin(), around.readers.end(), [&](const SeenWriter& reader) {
         return reader.topic == writer.topic() && reader.type != writer.type();
@@ -49,10 +49,10 @@ inline std::string why_unheard(const RawWriter& writer, const Surroundings& arou
 }
 
 /// Looks around as often as one likes. One thread.
-class Lookout {
+class DiscoveryMonitor {
  public:
   /// @throws std::runtime_error where nobody says
-  explicit Lookout(dds_entity_t participant)
+  explicit DiscoveryMonitor(dds_entity_t participant)
       : writers_(participant), readers_(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION) {}
   Surroundings look() { return {writers_.look(), readers_.look()}; }
 

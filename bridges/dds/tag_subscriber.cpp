@@ -1,4 +1,4 @@
-#include "bridges/dds/tag_intake.hpp"
+#include "bridges/dds/tag_subscriber.hpp"
 
 #include <fmt/format.h>
 
@@ -76,7 +76,7 @@ bool pose_of_body(const WatchedCamera& eye, const Tags& tags, const FoundBody& b
   const Camera& camera = eye.camera.camera;
   const auto found = std::span(body.tags).first(body.count);
   const std::optional<TagPose> said = pose_of(camera, tags, found, up_in_S(eye));
-  if (!said || !(said->rms <= TagIntake::misfit_most)) return false;
+  if (!said || !(said->rms <= TagSubscriber::misfit_most)) return false;
   PoseInformation information(camera, tags, said->pose);
   for (const FoundTag& tag : found) {
     const double depth = (said->pose.p + said->pose.R.to_G(tags.centre(tag.face))).x;
@@ -94,8 +94,8 @@ bool pose_of_body(const WatchedCamera& eye, const Tags& tags, const FoundBody& b
 
 }  // namespace
 
-TagIntake::TagIntake(const Scenario& scenario, const std::vector<WatchedCamera>& cameras,
-                     dds_entity_t participant)
+TagSubscriber::TagSubscriber(const Scenario& scenario, const std::vector<WatchedCamera>& cameras,
+                             dds_entity_t participant)
     : vision_(scenario.vision), ring_(room, Seen{}) {
   for (const WatchedCamera& camera : cameras) eyes_.emplace_back(camera);
   taken_.reserve(most);
@@ -104,7 +104,7 @@ TagIntake::TagIntake(const Scenario& scenario, const std::vector<WatchedCamera>&
       Writers::all, [this](const void* message, const Arrival& arrival) { on_transforms(message, arrival); });
 }
 
-void TagIntake::on_transforms(const void* message, const Arrival& arrival) noexcept {
+void TagSubscriber::on_transforms(const void* message, const Arrival& arrival) noexcept {
   const auto tags = tags_of_message(message);
   const Nanoseconds real_ahead = realtime_now() - monotonic_now();
   for (Eye& eye : eyes_) {
@@ -132,13 +132,13 @@ void TagIntake::on_transforms(const void* message, const Arrival& arrival) noexc
   }
 }
 
-bool TagIntake::is_new(Eye& eye, Nanoseconds stamp) const noexcept {
+bool TagSubscriber::is_new(Eye& eye, Nanoseconds stamp) const noexcept {
   if (std::find(eye.stamps.begin(), eye.stamps.end(), stamp) != eye.stamps.end()) return false;
   eye.stamps[eye.next++ % eye.stamps.size()] = stamp;
   return true;
 }
 
-void TagIntake::look(Eye& eye, const void* message, Nanoseconds stamp, Nanoseconds arrived) noexcept {
+void TagSubscriber::look(Eye& eye, const void* message, Nanoseconds stamp, Nanoseconds arrived) noexcept {
   const auto is_ours = [&](const SeenTag& tag) { return eye.of.camera.frame == bare(tag.header.frame_id); };
   for (const SeenTag& tag : tags_of_message(message)) {
     if (!is_ours(tag)) continue;
@@ -182,7 +182,7 @@ void TagIntake::look(Eye& eye, const void* message, Nanoseconds stamp, Nanosecon
   }
 }
 
-std::span<const Detection> TagIntake::take(Nanoseconds origin) noexcept {
+std::span<const Detection> TagSubscriber::take(Nanoseconds origin) noexcept {
   taken_.clear();
   for (; taken_.size() < most && ring_.front() != nullptr; ring_.pop()) {
     const Seen& seen = *ring_.front();
@@ -193,17 +193,17 @@ std::span<const Detection> TagIntake::take(Nanoseconds origin) noexcept {
   return taken_;
 }
 
-void TagIntake::forget() noexcept {
+void TagSubscriber::forget() noexcept {
   while (ring_.front() != nullptr) ring_.pop();
 }
 
-const TagIntake::Eye* TagIntake::eye_of(BodyId robot) const {
+const TagSubscriber::Eye* TagSubscriber::eye_of(BodyId robot) const {
   const auto found = std::find_if(eyes_.begin(), eyes_.end(),
                                   [&](const Eye& eye) { return eye.of.camera.observer == robot; });
   return found != eyes_.end() ? &*found : nullptr;
 }
 
-void TagIntake::examine(BodyId robot, const Surroundings& around, FindingList& to) const {
+void TagSubscriber::examine(BodyId robot, const Surroundings& around, FindingList& to) const {
   const Eye* const eye = eye_of(robot);
   if (eye == nullptr) return;
   const RobotCamera& camera = eye->of.camera;
@@ -239,7 +239,7 @@ void TagIntake::examine(BodyId robot, const Surroundings& around, FindingList& t
          f.rate, 1e3 * f.delay_median, camera.camera.rate, camera.camera.latency[0], longest);
 }
 
-std::string TagIntake::counts(BodyId robot) const {
+std::string TagSubscriber::counts(BodyId robot) const {
   const Eye* const eye = eye_of(robot);
   if (eye == nullptr) return {};
   return fmt::format(

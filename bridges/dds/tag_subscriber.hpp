@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridges/dds/link_end.hpp"
-#include "sightline/run/ring.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/detection.hpp"
 
@@ -18,7 +18,7 @@ namespace sightline::dds {
 /// A camera whose pictures are searched by somebody else.
 struct WatchedCamera {
   RobotCamera camera{};
-  const PoseIntake* own = nullptr;  ///< of its robot's odometry, by which it leans; outlives the intake
+  const PoseSubscriber* own = nullptr;  ///< of its robot's odometry, by which it leans; outlives the intake
 };
 
 /// A message of apriltag_ros is a picture: transforms from the camera's optical frame to the tags that were found in it, with the time of
@@ -27,7 +27,7 @@ struct WatchedCamera {
 ///
 /// Counted and left out: what is not finite or no unit quaternion; tags that no body has; a time more than 5 ms ahead of ours or 1 s old; a
 /// picture that was there already; a second writer of the same camera; tags that do not fit to one body; what finds no room.
-class TagIntake {
+class TagSubscriber {
  public:
   static constexpr std::size_t room = 256;                     ///< detections that wait
   static constexpr std::size_t most = 64;                      ///< that one period takes
@@ -35,9 +35,10 @@ class TagIntake {
   static constexpr double misfit_most = 3.0;                   ///< of corners [px]
 
   /// @throws std::runtime_error where /tf cannot be had
-  TagIntake(const Scenario& scenario, const std::vector<WatchedCamera>& cameras, dds_entity_t participant);
-  TagIntake(const TagIntake&) = delete;  // its reader points into it
-  TagIntake& operator=(const TagIntake&) = delete;
+  TagSubscriber(const Scenario& scenario, const std::vector<WatchedCamera>& cameras,
+                dds_entity_t participant);
+  TagSubscriber(const TagSubscriber&) = delete;  // its reader points into it
+  TagSubscriber& operator=(const TagSubscriber&) = delete;
 
   /// Of the control thread: what came since the last time, in the order of arrival. Valid until the next call.
   /// @param origin  time 0 of the stamps, of the monotonic clock
@@ -59,7 +60,7 @@ class TagIntake {
     explicit Eye(const WatchedCamera& one) : of(one) {}
 
     WatchedCamera of;
-    Arrivals arrivals{};
+    LatencyMonitor arrivals{};
     std::atomic<std::int64_t> pictures{0}, garbled{0}, other_tags{0}, ahead{0}, old{0}, repeated{0},
         foreign{0}, misfits{0}, lost{0};
     // Of the thread that receives.
@@ -76,7 +77,7 @@ class TagIntake {
 
   CameraOptions vision_;
   std::deque<Eye> eyes_;
-  Ring<Seen> ring_;
+  SpscQueue<Seen> ring_;
   std::vector<Detection> taken_;
   std::unique_ptr<RawReader> reader_;  // last: it ends before what it fills
 };

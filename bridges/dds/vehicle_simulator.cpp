@@ -1,4 +1,4 @@
-#include "bridges/dds/stand_in.hpp"
+#include "bridges/dds/vehicle_simulator.hpp"
 
 #include <fmt/format.h>
 
@@ -27,8 +27,8 @@ const Scenario& of_fleet(const Scenario& scenario) {
 
 }  // namespace
 
-std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link,
-                                       Faults& faults) {
+std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
+                                                 const Link& link, Faults& faults) {
   const Team& team = scenario.team;
   const Model& model = team.model(link.robot);
   const std::vector<double> rest(size(model.nu()));
@@ -76,7 +76,7 @@ std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario&
       faults);
 }
 
-DdsStandIns::DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domain)
+DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain)
     : scenario_(of_fleet(scenario)), domain_(std::move(domain)), poses_(domain_->participant(), scenario_) {
   for (const Link& link : scenario_.fleet->links) {
     Robot& robot = robots_.emplace_back(link, std::string(scenario_.team.name(link.robot)),
@@ -86,12 +86,12 @@ DdsStandIns::DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domai
   }
   std::vector<Faults*> faults;
   for (Robot& robot : robots_) faults.push_back(&robot.faults);
-  cameras_ = std::make_unique<StandInCameras>(domain_->participant(), scenario_, faults);
+  cameras_ = std::make_unique<SimulatedCameras>(domain_->participant(), scenario_, faults);
   follow_plan(0, {});  // what is wrong from the start on
   for (Robot& robot : robots_) make(robot);
 }
 
-void DdsStandIns::make(Robot& robot) {
+void DdsVehicleSimulators::make(Robot& robot) {
   using K = LinkFaultKind;
   (void)robot.faults.changed(K::restart), (void)robot.faults.changed(K::wrong_release);
   Link link = robot.link;
@@ -101,75 +101,75 @@ void DdsStandIns::make(Robot& robot) {
     const int next = own < px4_last ? own + 1 : px4_first;
     px4->release = static_cast<Px4Release>((wanted >= px4_first ? wanted : next) - px4_first);
   }
-  robot.stand_in = made_stand_in(domain_->participant(), scenario_, link, robot.faults);
+  robot.vehicle_simulator = made_simulator(domain_->participant(), scenario_, link, robot.faults);
 }
 
-void DdsStandIns::follow_plan(std::int64_t number, const TellPerson& tell) {
-  const double t = static_cast<double>(number) * StandIn::period;
+void DdsVehicleSimulators::follow_plan(std::int64_t number, const PrintMessage& print) {
+  const double t = static_cast<double>(number) * VehicleSimulator::period;
   constexpr double same = 1e-6;  // [s]
   for (Planned& one : plan_) {
     if (one.now == Planned::after) continue;
     double from = one.fault.at;
     if (one.fault.since == FaultClock::flight) {
       if (!one.robot->steered_from) continue;
-      from += static_cast<double>(*one.robot->steered_from) * StandIn::period;
+      from += static_cast<double>(*one.robot->steered_from) * VehicleSimulator::period;
     }
     if (one.now == Planned::before && t > from - same) {
       one.now = Planned::during;
       one.robot->faults.begin(one.fault.kind, one.fault.size);
-      if (tell) tell(fmt::format("{}: {} begins", one.robot->name, text_of(one.fault.kind).name));
+      if (print) print(fmt::format("{}: {} begins", one.robot->name, text_of(one.fault.kind).name));
     }
     if (one.now == Planned::during && t > from + one.fault.duration - same) {
       one.now = Planned::after;
       one.robot->faults.end(one.fault.kind);
-      if (tell) tell(fmt::format("{}: {} ends", one.robot->name, text_of(one.fault.kind).name));
+      if (print) print(fmt::format("{}: {} ends", one.robot->name, text_of(one.fault.kind).name));
     }
   }
 }
 
-void DdsStandIns::step(Robot& robot, std::int64_t number) {
+void DdsVehicleSimulators::step(Robot& robot, std::int64_t number) {
   using K = LinkFaultKind;
   const bool restarts = robot.faults.changed(K::restart) && robot.faults.on(K::restart),
              reflashed = robot.faults.changed(K::wrong_release);
-  if ((restarts || reflashed) && robot.stand_in) {
-    robot.earlier.push_back(robot.stand_in->counts());
-    robot.stand_in.reset();
+  if ((restarts || reflashed) && robot.vehicle_simulator) {
+    robot.earlier.push_back(robot.vehicle_simulator->counts());
+    robot.vehicle_simulator.reset();
     robot.begins_anew =
-        number + (restarts ? std::llround(robot.faults.size(K::restart) / StandIn::period) : 0);
+        number + (restarts ? std::llround(robot.faults.size(K::restart) / VehicleSimulator::period) : 0);
   }
   if (restarts) robot.faults.end(K::restart);
-  if (!robot.stand_in && number >= robot.begins_anew) make(robot);
-  if (robot.stand_in) {
-    robot.stand_in->step(number);
-    if (!robot.steered_from && robot.stand_in->is_steered()) robot.steered_from = number;
+  if (!robot.vehicle_simulator && number >= robot.begins_anew) make(robot);
+  if (robot.vehicle_simulator) {
+    robot.vehicle_simulator->step(number);
+    if (!robot.steered_from && robot.vehicle_simulator->is_steered()) robot.steered_from = number;
   }
   robot.faults.pass_on();
 }
 
-void DdsStandIns::run(double duration, const Interrupts& interrupts, const TellPerson& tell) {
-  const std::int64_t period = std::llround(1e9 * StandIn::period);
+void DdsVehicleSimulators::run(double duration, const Interrupts& interrupts, const PrintMessage& print) {
+  const std::int64_t period = std::llround(1e9 * VehicleSimulator::period);
   const std::int64_t flown = std::llround(1e9 * scenario_.horizon.dt);
-  const std::int64_t steps = std::llround(std::min(duration, 1e9) / StandIn::period);
+  const std::int64_t steps = std::llround(std::min(duration, 1e9) / VehicleSimulator::period);
   // Between the beginnings of the periods of those who fly: which pose one has does not hang on a race.
   const std::int64_t begin = next_multiple(monotonic_now(), flown) + std::min(period, flown) / 2;
   for (std::int64_t k = 0; k < steps && interrupts == 0; ++k) {
     sleep_until(begin + k * period);
-    follow_plan(k, tell);
+    follow_plan(k, print);
     for (Robot& robot : robots_) step(robot, k);
     motions_.clear();
     places_.clear();
     for (Robot& robot : robots_) {
-      if (robot.stand_in) robot.at = robot.stand_in->motion();
+      if (robot.vehicle_simulator) robot.at = robot.vehicle_simulator->motion();
       const bool by_others = robot.link.poses.by_others();
       places_.push_back(robot.at);
       motions_.push_back(by_others ? robot.faults.said(robot.at) : robot.at);
     }
-    poses_.step(StandIn::period, motions_);
+    poses_.step(VehicleSimulator::period, motions_);
     cameras_->step(k, places_, poses_.states());
   }
 }
 
-std::string DdsStandIns::toggle(std::size_t robot, LinkFaultKind kind) {
+std::string DdsVehicleSimulators::toggle(std::size_t robot, LinkFaultKind kind) {
   const LinkFaultText& text = text_of(kind);
   if (robot >= robots_.size())
     return fmt::format("there is no robot {}, expected 1 to {}", robot + 1, robots_.size());
@@ -183,13 +183,14 @@ std::string DdsStandIns::toggle(std::size_t robot, LinkFaultKind kind) {
                      begins ? "begins" : "ends");
 }
 
-std::vector<std::string> DdsStandIns::counts() const {
+std::vector<std::string> DdsVehicleSimulators::counts() const {
   std::vector<std::string> lines;
   for (const Robot& robot : robots_) {
     for (const std::string& words : robot.earlier)
       lines.push_back(fmt::format("{}, before it began anew: {}", robot.name, words));
     const std::string faults = in_words(robot.faults.counts());
-    lines.push_back(fmt::format("{}: {}{}{}", robot.name, robot.stand_in ? robot.stand_in->counts() : "gone",
+    lines.push_back(fmt::format("{}: {}{}{}", robot.name,
+                                robot.vehicle_simulator ? robot.vehicle_simulator->counts() : "gone",
                                 faults.empty() ? "" : "; ", faults));
   }
   for (std::string line : {poses_.counts(), cameras_->counts()})

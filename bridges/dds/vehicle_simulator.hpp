@@ -10,18 +10,18 @@
 #include "bridges/dds/conversion.hpp"
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/faults.hpp"
-#include "bridges/dds/stand_in_cameras.hpp"
-#include "bridges/dds/stand_in_poses.hpp"
+#include "bridges/dds/simulated_cameras.hpp"
+#include "bridges/dds/simulated_poses.hpp"
 #include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
 
 /// One robot of its own: it moves, and speaks as its link's kind does.
-class StandIn {
+class VehicleSimulator {
  public:
   static constexpr double period = 0.01;  // [s]
 
-  virtual ~StandIn() = default;
+  virtual ~VehicleSimulator() = default;
   /// Moves on by a period, and says what it says at that number of periods.
   virtual void step(std::int64_t number) = 0;
   /// Whether somebody steers it.
@@ -34,19 +34,19 @@ class StandIn {
 /// @param faults  of this robot; they outlive it. What it says goes out by FaultyWriter, poses as Faults::said() has them; restarts and
 ///                a wrong release are its owner's
 /// @throws std::invalid_argument for a kind that nothing stands in for
-std::unique_ptr<StandIn> made_stand_in(dds_entity_t participant, const Scenario& scenario, const Link& link,
-                                       Faults& faults);
+std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
+                                                 const Link& link, Faults& faults);
 
 /// Those of all links, stepped by one thread.
-class DdsStandIns final : public StandIns {
+class DdsVehicleSimulators final : public VehicleSimulators {
  public:
-  DdsStandIns(const Scenario& scenario, std::shared_ptr<Domain> domain);
+  DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain);
 
-  void run(double duration, const Interrupts& interrupts, const TellPerson& tell) override;
+  void run(double duration, const Interrupts& interrupts, const PrintMessage& print) override;
   std::string toggle(std::size_t robot, LinkFaultKind kind) override;
   std::vector<std::string> counts() const override;
   /// It ends with a restart.
-  StandIn& of(std::size_t robot) { return *robots_[robot].stand_in; }
+  VehicleSimulator& of(std::size_t robot) { return *robots_[robot].vehicle_simulator; }
   Faults& faults(std::size_t robot) { return robots_[robot].faults; }
 
  private:
@@ -57,11 +57,11 @@ class DdsStandIns final : public StandIns {
     Link link;
     std::string name;
     Faults faults;
-    std::unique_ptr<StandIn> stand_in;         // none: until it begins anew
-    Motion at{};                               // where it is, or was last
-    std::vector<std::string> earlier;          // what those before it did, in words
-    std::int64_t begins_anew = 0;              // at this number of periods
-    std::optional<std::int64_t> steered_from;  // the number of periods
+    std::unique_ptr<VehicleSimulator> vehicle_simulator;  // none: until it begins anew
+    Motion at{};                                          // where it is, or was last
+    std::vector<std::string> earlier;                     // what those before it did, in words
+    std::int64_t begins_anew = 0;                         // at this number of periods
+    std::optional<std::int64_t> steered_from;             // the number of periods
   };
   struct Planned {
     LinkFault fault;
@@ -70,7 +70,7 @@ class DdsStandIns final : public StandIns {
   };
 
   void step(Robot& robot, std::int64_t number);
-  void follow_plan(std::int64_t number, const TellPerson& tell);
+  void follow_plan(std::int64_t number, const PrintMessage& print);
   void make(Robot& robot);
 
   Scenario scenario_;
@@ -79,8 +79,8 @@ class DdsStandIns final : public StandIns {
   std::vector<Planned> plan_;
   std::vector<Motion> motions_;  // of each, as others see it
   std::vector<Motion> places_;   // of each, as it truly is
-  StandInPoses poses_;
-  std::unique_ptr<StandInCameras> cameras_;  // last: its writers end before the faults that they ask
+  SimulatedPoses poses_;
+  std::unique_ptr<SimulatedCameras> cameras_;  // last: its writers end before the faults that they ask
 };
 
 }  // namespace sightline::dds

@@ -103,7 +103,7 @@ chain() {
 robot = "multirotor"
 start = { p = [$(awk "BEGIN { printf \"%.1f, 0.0, %.1f\", 0.5 + 1.5 * $i, 1.2 + 0.5 * $i }")], heading = 3.14 }
 R = [0.1, 0.1, 0.1, 0.1]
-localized_by = "view"
+localization = "vision"
 [agent.uav$i.sensor]
 pitch = 0.5
 offset = 0.17
@@ -135,7 +135,7 @@ TOML
 
 # Without the tags' yaw and a compass nothing tells a heading: it is refused before flight. With a compass it flies.
 compass() {
-  local said blind=(--set 'agent.uav0.camera.tells="position"')
+  local said blind=(--set 'agent.uav0.camera.output="position"')
   for command in check explain; do
     said=$("$sightline" "$command" "$scenario" "${blind[@]}" 2>&1) && { echo "$command does not refuse it"; return 1; }
     grep -q 'the heading of uav0 is unobservable' <<<"$said" || { echo "$said"; return 1; }

@@ -223,7 +223,7 @@ shape = [ { chain = ["uav{0..$((n - 1))}"], felt_by = "observer", potentials = [
 duration = $2
 settle = 4.0
 [log]
-paths = 10.0
+prediction_period = 10.0
 [partition]
 TOML
   for ((i = 0; i < n; i += of)); do

@@ -31,7 +31,7 @@ random() {
 
 # Full disks, no memory, no descriptors, handlers that throw, logs that are stuck, floods of messages: no flight ends by them.
 outside() {
-  ctests '^(base\.(CCallback|Failure|ServiceThread)|house\.Threads|record\.(Log|Mcap)|run\.LoopSink|server\.(Outside|PageServer|Tuning)|dds\.(ChannelOwner|Flood)|cli\.Memory)\.'
+  ctests '^(base\.(CCallback|Failure|ServiceThread)|record\.(Log|Mcap)|run\.LoopSink|server\.(Outside|PageServer|Tuning)|dds\.(ChannelOwner|Flood)|cli\.Memory)\.|^house\.lint$'
 }
 
 mutants() { scripts/mutants.sh "$build" barrier verdicts gate; }

@@ -20,7 +20,7 @@ using testing::Not;
 /// A scenario of a robot like this template, without the key that nobody reads yet.
 Scenario like(const std::string& text, int nx) {
   const std::string known = std::regex_replace(text, std::regex("command_delay[^\n]*\n"), "");
-  return alone("like = \"uav\"", nx, "", known);
+  return alone("inherits = \"uav\"", nx, "", known);
 }
 
 TEST(IdentificationText, TheTemplateIsTheRobotThatWasFound) {

@@ -1,4 +1,4 @@
-#include "sightline/analysis/verdict_words.hpp"
+#include "sightline/analysis/verdict_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -93,7 +93,7 @@ TEST(ViewBand, OfRobotsThatTurnByAChoiceItIsSaidWhatTheyCannotKnow) {
 
 TEST(ViewBand, WhoIsLocalizedByViewKnowsItsPlaceByTagsThatAreThere) {
   std::string text(observer_text);
-  text.replace(text.find("camera = {}"), 11, "camera = {}\nlocalized_by = \"view\"");
+  text.replace(text.find("camera = {}"), 11, "camera = {}\nlocalization = \"vision\"");
   EXPECT_THAT(unobservable_robots(test::scenario_of(text + std::string(view_text))), IsEmpty());
   text.replace(text.find("tags = {}"), 9, "tags = {}\npresent = false");
   const std::string later = "[[event]]\nat = 5.0\nadd = \"c\"\n";

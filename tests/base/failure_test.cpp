@@ -33,11 +33,11 @@ void record_in(Failure& failure, const Thrown& thrown) {
 TEST(Failure, IsReportedOnceWithWhatWasThrownFirst) {
   const ReportHere here;
   Failure failure;
-  EXPECT_FALSE(failure.happened());
+  EXPECT_FALSE(failure.occurred());
   EXPECT_EQ(failure.sentence(), "");
   record_in(failure, std::bad_alloc());
   record_in(failure, std::runtime_error("another"));
-  EXPECT_TRUE(failure.happened());
+  EXPECT_TRUE(failure.occurred());
   EXPECT_EQ(failure.sentence(), "the page has ended: there is not enough memory");
   EXPECT_EQ(reported, "sightline: the page has ended: there is not enough memory\n");
 }

@@ -71,7 +71,7 @@ class Given final : public ParameterSource {
                               std::string_view) const override {
     const auto found = values.find(key);
     if (found == values.end() || (length != any_length && found->second.size() != length))
-      refuse(std::string(key) + " of another length");
+      throw_invalid(std::string(key) + " of another length");
     return found->second;
   }
   std::vector<double> rising(std::string_view key) const override {
@@ -83,7 +83,7 @@ class Given final : public ParameterSource {
   std::size_t word(std::string_view key, std::span<const std::string_view>) const override {
     return static_cast<std::size_t>(numbers(key, 1, any_finite, "")[0]);
   }
-  [[noreturn]] void refuse(std::string_view sentence) const override {
+  [[noreturn]] void throw_invalid(std::string_view sentence) const override {
     throw std::invalid_argument(std::string(sentence));
   }
 };

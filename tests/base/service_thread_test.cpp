@@ -12,15 +12,15 @@
 namespace sightline {
 namespace {
 
-std::string told;
+std::string reported;
 
 /// While it lives, lines of failures go to `told`.
-struct ReportsToTold {
-  ReportsToTold() {
-    told.clear();
-    report_failures_to([](std::string_view line) noexcept { told += line; });
+struct ReportsToReported {
+  ReportsToReported() {
+    reported.clear();
+    report_failures_to([](std::string_view line) noexcept { reported += line; });
   }
-  ~ReportsToTold() { report_failures_to(nullptr); }
+  ~ReportsToReported() { report_failures_to(nullptr); }
 };
 
 /// While it lives, the machine has no thread for this process: none has room for such a stack.
@@ -41,7 +41,7 @@ class NoThreads {
 };
 
 TEST(ServiceThread, WhatItsFunctionThrowsEndsTheServiceAloneAndIsReportedOnce) {
-  const ReportsToTold here;
+  const ReportsToReported here;
   std::atomic<bool> stopped = false;
   ServiceThread thread("the page");
   thread.start([] { throw std::bad_alloc(); }, [&] { stopped = true; });
@@ -49,11 +49,11 @@ TEST(ServiceThread, WhatItsFunctionThrowsEndsTheServiceAloneAndIsReportedOnce) {
   EXPECT_TRUE(thread.failed());
   EXPECT_TRUE(stopped);
   EXPECT_EQ(thread.failure(), "the page has ended: there is not enough memory");
-  EXPECT_EQ(told, "sightline: the page has ended: there is not enough memory\n");
+  EXPECT_EQ(reported, "sightline: the page has ended: there is not enough memory\n");
 }
 
 TEST(ServiceThread, WhatIsNoExceptionAndWhatStoppingThrowsEndNothingElse) {
-  const ReportsToTold here;
+  const ReportsToReported here;
   ServiceThread thread("the log");
   thread.start([] { throw 7; }, [] { throw std::runtime_error("in vain"); });
   thread.join();
@@ -61,7 +61,7 @@ TEST(ServiceThread, WhatIsNoExceptionAndWhatStoppingThrowsEndNothingElse) {
 }
 
 TEST(ServiceThread, WithoutAThreadOfTheMachineTheServiceIsStoppedAndReported) {
-  const ReportsToTold here;
+  const ReportsToReported here;
   bool ran = false, stopped = false;
   {
     const NoThreads none;
@@ -76,7 +76,7 @@ TEST(ServiceThread, WithoutAThreadOfTheMachineTheServiceIsStoppedAndReported) {
   }
   EXPECT_FALSE(ran);
   EXPECT_TRUE(stopped);
-  EXPECT_TRUE(told.starts_with("sightline: the page has ended: ")) << told;
+  EXPECT_TRUE(reported.starts_with("sightline: the page has ended: ")) << reported;
 }
 
 TEST(ServiceThread, JoinsAtItsEnd) {

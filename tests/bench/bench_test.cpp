@@ -146,11 +146,11 @@ TEST(Bench, ATeamThatChangesIsTimedBeforeAndAfter) {
 }
 
 TEST(Bench, FiltersAreTimedByTheSampleAndByTheLateSighting) {
-  int believed = 0;
+  int estimated = 0;
   const std::vector<BenchRow> rows = run_estimate_bench(
-      {.updates = 600, .allocations = cli::allocations, .progress = [&](int count) { believed = count; }});
+      {.updates = 600, .allocations = cli::allocations, .progress = [&](int count) { estimated = count; }});
   ASSERT_EQ(rows.size(), 4U);
-  EXPECT_GE(believed, 150) << "of 180 pictures, 5 % of them lost";
+  EXPECT_GE(estimated, 150) << "of 180 pictures, 5 % of them lost";
   expect_timed_without_allocations(rows);
   EXPECT_LT(rows[0].median_us, rows[1].median_us) << "a late sighting applies samples again";
 }

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/seeing_world.hpp"
 #include "tests/support/small_campaign.hpp"
@@ -46,13 +46,13 @@ TEST(Campaign, RowsAreTheSameWhateverTheNumberOfThreads) {
 }
 
 TEST(Campaign, FliesInARegisteredWorldThatGivesDetections) {
-  Parts parts;
-  parts.worlds.add("seeing", [](const Scenario& flown) {
+  Registry registry;
+  registry.worlds.add("seeing", [](const Scenario& flown) {
     return std::make_unique<test::SeeingWorld>(flown.team, flown.x0, plant_options(flown),
                                                sensor_options(flown));
   });
   const std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
-  Scenario scenario = parse_scenario(text + "\n[world]\nkind = \"seeing\"\n", "seeing.toml", parts);
+  Scenario scenario = parse_scenario(text + "\n[world]\nkind = \"seeing\"\n", "seeing.toml", registry);
   scenario.campaign->duration = 1.0;
   EXPECT_EQ(flown(scenario, 2), flown(small_campaign(), 2));
 }
@@ -66,7 +66,7 @@ Scenario shipped_with_campaign(const std::string& name, const std::string& more,
 }
 
 TEST(Campaign, ATeamThatChangesIsJudgedByThoseWhoAreThere) {
-  // Others join and leave, and who watches whom changes.
+  // Others join and leave, and who observes whom changes.
   const Scenario scenario =
       shipped_with_campaign("scenarios/join_and_leave.toml", "", "agent.uav1.start.p[1]");
   const Rows one = flown(scenario, 1, 6);
@@ -106,7 +106,7 @@ TEST(Campaign, ARunAloneIsTheRunAmongOthers) {
   const Variants variants(scenario, *scenario.campaign);
   for (const int index : {23, 0, 11}) {
     const RunDraw run = draw_run(*scenario.campaign, 1, index);
-    Pilot alone(variants, *scenario.campaign);
+    RunWorker alone(variants, *scenario.campaign);
     EXPECT_EQ(numbers(run, alone.fly(run)), rows[static_cast<std::size_t>(index)]);
   }
 }
@@ -130,12 +130,12 @@ TEST(Campaign, APilotFliesManyTeamsAsNewPilotsWould) {
   scenario.campaign->duration = 0.2;
   scenario.campaign->draws.push_back({"couple[0].weight", {.values = {0.5, 2.0}}});
   scenario.campaign->draws.push_back(
-      {"horizon.stages", {.kind = Distribution::Kind::choice, .values = {10, 20}, .shares = {0.5, 0.5}}});
+      {"horizon.stages", {.kind = Distribution::Kind::choice, .values = {10, 20}, .fractions = {0.5, 0.5}}});
   const Rows rows = flown(scenario, 1, 12);
   const Variants variants(scenario, *scenario.campaign);
   for (int index = 0; index < 12; ++index) {
     const RunDraw run = draw_run(*scenario.campaign, 1, index);
-    EXPECT_EQ(numbers(run, Pilot(variants, *scenario.campaign).fly(run)),
+    EXPECT_EQ(numbers(run, RunWorker(variants, *scenario.campaign).fly(run)),
               rows[static_cast<std::size_t>(index)]);
   }
 }

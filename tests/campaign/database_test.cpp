@@ -29,16 +29,16 @@ TEST(Database, WhatIsBoundIsReadBack) {
     }
   }
   Database database(file, Database::Open::as_it_is);
-  Statement ask(database, "SELECT i, x, s FROM t");
+  Statement request(database, "SELECT i, x, s FROM t");
   for (const double x : {1.5, -1e300, 5e-324}) {
-    ASSERT_TRUE(ask.step());
-    EXPECT_EQ(ask.integer(0), -7);
-    EXPECT_EQ(ask.number(1), x);
-    EXPECT_EQ(ask.text(2), "it's \"µ\"");
+    ASSERT_TRUE(request.step());
+    EXPECT_EQ(request.integer(0), -7);
+    EXPECT_EQ(request.number(1), x);
+    EXPECT_EQ(request.text(2), "it's \"µ\"");
   }
-  ASSERT_TRUE(ask.step());
-  EXPECT_FALSE(ask.number(1).has_value()) << "not a number is null";
-  EXPECT_FALSE(ask.step());
+  ASSERT_TRUE(request.step());
+  EXPECT_FALSE(request.number(1).has_value()) << "not a number is null";
+  EXPECT_FALSE(request.step());
 }
 
 TEST(Database, AnewRemovesWhatWasThere) {
@@ -80,10 +80,10 @@ TEST(Database, AnyValueIsReadBackOfItsKind) {
       insert.step();
     }
   }
-  Statement ask(database, "SELECT x FROM t");
+  Statement request(database, "SELECT x FROM t");
   for (const Database::Value& value : values) {
-    ASSERT_TRUE(ask.step());
-    EXPECT_EQ(ask.value(0), value);
+    ASSERT_TRUE(request.step());
+    EXPECT_EQ(request.value(0), value);
   }
 }
 
@@ -91,9 +91,9 @@ TEST(Database, ANameIsQuotedWhateverItHolds) {
   Database database(test::fresh_folder() / "a.sqlite", Database::Open::anew);
   const std::string name = "agent.\"a\".p[0]; DROP";
   database.execute("CREATE TABLE t(" + sql_name(name) + ")");
-  Statement ask(database, "SELECT name FROM pragma_table_info('t')");
-  ASSERT_TRUE(ask.step());
-  EXPECT_EQ(ask.text(0), name);
+  Statement request(database, "SELECT name FROM pragma_table_info('t')");
+  ASSERT_TRUE(request.step());
+  EXPECT_EQ(request.text(0), name);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ class Watch final : public Sink<Sample> {
   bool refused = false, holds = false;
 
  private:
-  Judge judge_;
+  RunEvaluator judge_;
   Sample* sample_ = nullptr;
   double period_;
 };
@@ -149,7 +149,7 @@ TEST(Degenerate, EachStartEndsAsItShould) {
   CampaignPlan plan = *scenario.campaign;
   plan.d_hard = 0.0;
   scenario.simulation.duration = plan.duration;
-  scenario.log.paths = 0;
+  scenario.log.prediction_period = 0;
   const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
   const Controllers controllers = {*solver};
   for (const Start& start : starts()) {
@@ -183,8 +183,8 @@ TEST(Degenerate, EachStartEndsAsItShould) {
     EXPECT_TRUE(start.end != End::separated || watch.after(5.0) > 0.5)
         << start.name << ": " << watch.after(5.0) << " m";
     EXPECT_TRUE(start.end != End::approached || flown > far_flight) << start.name << ": " << flown << " m";
-    const bool told = watch.refused && watch.holds;
-    EXPECT_EQ(told, start.end == End::held) << start.name;
+    const bool reported = watch.refused && watch.holds;
+    EXPECT_EQ(reported, start.end == End::held) << start.name;
     EXPECT_TRUE(start.end != End::held || !(std::abs(flown) > 0.5)) << start.name << ": " << flown << " m";
   }
 }

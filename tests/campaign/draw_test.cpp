@@ -17,7 +17,7 @@ constexpr int many = 20'000;
 std::vector<double> drawn(const Distribution& distribution, int count = many) {
   std::vector<double> values;
   for (int i = 0; i < count; ++i) {
-    RandomStream random(5, Chance::draw, i);
+    RandomStream random(5, StreamId::draw, i);
     values.push_back(draw(distribution, random));
   }
   return values;
@@ -49,8 +49,9 @@ TEST(Draw, NormalNumbersHaveTheirMeanAndDeviation) {
 }
 
 TEST(Draw, ChoicesComeInTheirSharesAndNothingElseDoes) {
-  const std::vector<double> values = drawn(
-      {.kind = Distribution::Kind::choice, .values = {4.0, -1.0, 7.0, 9.0}, .shares = {0.2, 0.5, 0.3, 0.0}});
+  const std::vector<double> values = drawn({.kind = Distribution::Kind::choice,
+                                            .values = {4.0, -1.0, 7.0, 9.0},
+                                            .fractions = {0.2, 0.5, 0.3, 0.0}});
   EXPECT_NEAR(share(values, [](double v) { return v == 4.0; }), 0.2, chance_of(0.2));
   EXPECT_NEAR(share(values, [](double v) { return v == -1.0; }), 0.5, chance_of(0.5));
   EXPECT_NEAR(share(values, [](double v) { return v == 7.0; }), 0.3, chance_of(0.3));
@@ -58,7 +59,7 @@ TEST(Draw, ChoicesComeInTheirSharesAndNothingElseDoes) {
 }
 
 TEST(Draw, TheExactValueComesInItsShare) {
-  const std::vector<double> values = drawn({.values = {-pi, pi}, .exactly = pi, .share = 0.1});
+  const std::vector<double> values = drawn({.values = {-pi, pi}, .constant = pi, .fraction = 0.1});
   EXPECT_NEAR(share(values, [](double v) { return v == pi; }), 0.1, chance_of(0.1));
   EXPECT_NEAR(share(values, [](double v) { return v < 0; }), 0.45, chance_of(0.45));
 }

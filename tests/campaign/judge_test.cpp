@@ -61,7 +61,7 @@ class Flown {
  private:
   CampaignPlan plan_;
   Scenario scenario_;
-  std::optional<Judge> judge_;
+  std::optional<RunEvaluator> judge_;
   std::int64_t updates_ = 0;
 };
 
@@ -71,10 +71,10 @@ CampaignPlan judged_plan() { return {.duration = 1.0, .view_within = 0.5, .d_har
 template <class... Owners>
 constexpr bool all_stay = ((!std::is_copy_constructible_v<Owners> && !std::is_move_constructible_v<Owners> &&
                             !std::is_copy_assignable_v<Owners> && !std::is_move_assignable_v<Owners>)&&...);
-static_assert(
-    all_stay<Guard, Supervisor, Search, Loop, ClosedLoop, Judge, TeamSwitcher, Crew, ServiceThread>);
+static_assert(all_stay<Guard, Supervisor, Search, Loop, ClosedLoop, RunEvaluator, TeamSwitcher, ThreadPool,
+                       ServiceThread>);
 
-TEST(Judge, InViewInTimeAndAtTheEndIsRecovered) {
+TEST(RunEvaluator, InViewInTimeAndAtTheEndIsRecovered) {
   Flown flown(judged_plan());
   for (int i = 0; i < 30; ++i) flown.fly(-2.0);
   for (int i = 0; i < 30; ++i) flown.fly(2.0);
@@ -88,7 +88,7 @@ TEST(Judge, InViewInTimeAndAtTheEndIsRecovered) {
   EXPECT_EQ(result.violations, 0);
 }
 
-TEST(Judge, TooLateNotAtTheEndAndNeverAreLost) {
+TEST(RunEvaluator, TooLateNotAtTheEndAndNeverAreLost) {
   Flown late(judged_plan()), gone(judged_plan()), never(judged_plan());
   for (int i = 0; i < 51; ++i) late.fly(-2.0);
   late.fly_to_end(2.0);
@@ -103,7 +103,7 @@ TEST(Judge, TooLateNotAtTheEndAndNeverAreLost) {
   EXPECT_TRUE(std::isnan(never.result().time_to_first_view));
 }
 
-TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
+TEST(RunEvaluator, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
   Flown close(judged_plan());
   close.fly(2.0);
   for (int i = 0; i < 3; ++i) close.fly(0.5);
@@ -135,7 +135,7 @@ TEST(Judge, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
   EXPECT_EQ(slower.result().outcome, Outcome::too_close);
 }
 
-TEST(Judge, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
+TEST(RunEvaluator, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
   Flown wider(judged_plan(), 1.0), narrower(judged_plan(), 0.3);
   for (Flown* flown : {&wider, &narrower}) {
     flown->fly(2.0);
@@ -148,7 +148,7 @@ TEST(Judge, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
   EXPECT_EQ(narrower.result().outcome, Outcome::recovered);
 }
 
-TEST(Judge, WithoutAHardDistanceNothingIsTooClose) {
+TEST(RunEvaluator, WithoutAHardDistanceNothingIsTooClose) {
   CampaignPlan free = judged_plan();
   free.d_hard = 0.0;
   Flown flown(free);
@@ -159,7 +159,7 @@ TEST(Judge, WithoutAHardDistanceNothingIsTooClose) {
   EXPECT_EQ(flown.result().min_distance, 0.01);
 }
 
-TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
+TEST(RunEvaluator, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
   for (const double u : {1.0000001, -2.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     Flown flown(judged_plan());
     flown.fly(2.0, u);
@@ -187,7 +187,7 @@ TEST(Judge, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
   EXPECT_EQ(short_run.result().outcome, Outcome::failed) << "broken off";
 }
 
-TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
+TEST(RunEvaluator, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
   for (const int failed : {50, 51}) {
     Flown flown(judged_plan());
     for (int i = 0; i < 100; ++i) {
@@ -199,7 +199,7 @@ TEST(Judge, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
   }
 }
 
-TEST(Judge, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
+TEST(RunEvaluator, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
   const auto outcome = [](const Walls& walls, std::size_t state, double place) {
     Flown flown(judged_plan(), {}, walls);
     flown.fly(2.0);
@@ -217,7 +217,7 @@ TEST(Judge, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
   EXPECT_EQ(outcome({.world = 3.0}, 0, 3.001), Outcome::failed);
 }
 
-TEST(Judge, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
+TEST(RunEvaluator, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
   Flown good(judged_plan()), lost(judged_plan());
   good.fly_to_end(2.0);
   lost.fly_to_end(-2.0);
@@ -250,7 +250,7 @@ TEST(Judge, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
   EXPECT_EQ(brief.result().reason, "the run broke off");
 }
 
-TEST(Judge, TheLargestShareOfConflictsOfABarrierIsToldWhereThereIsOne) {
+TEST(RunEvaluator, TheLargestShareOfConflictsOfABarrierIsToldWhereThereIsOne) {
   Flown without(judged_plan());
   without.fly_to_end(2.0);
   EXPECT_TRUE(std::isnan(without.result().barrier_conflict));
@@ -264,7 +264,7 @@ TEST(Judge, TheLargestShareOfConflictsOfABarrierIsToldWhereThereIsOne) {
   EXPECT_EQ(with.result().outcome, Outcome::recovered);
 }
 
-TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {
+TEST(RunEvaluator, ChatterAndDriftAreToldAndAreNoOutcome) {
   CampaignPlan longer = judged_plan();
   longer.duration = 20.0;
   const auto result_of = [&](double climb_rate, double jump) {
@@ -285,7 +285,7 @@ TEST(Judge, ChatterAndDriftAreToldAndAreNoOutcome) {
   EXPECT_TRUE(std::isnan(brief.result().drift));
 }
 
-TEST(Judge, EnergyAndStatusesAreSummed) {
+TEST(RunEvaluator, EnergyAndStatusesAreSummed) {
   Flown flown(judged_plan());
   for (int i = 0; i < 100; ++i) {
     flown.sample().u = {0.0, 0.5, -0.25, 1.0};

@@ -54,7 +54,7 @@ RunResult judged(const Scenario& scenario) {
   const auto world = make_world(scenario);
   SimulatedClock clock;
   const CampaignPlan plan{.duration = scenario.simulation.duration, .d_hard = 0.1, .braking = 100.0};
-  Judge judge(scenario, plan, sized_sample(*world, controls.controllers()));
+  RunEvaluator judge(scenario, plan, sized_sample(*world, controls.controllers()));
   const LoopOutcome outcome = ClosedLoop(scenario, *world, controls.controllers(), clock, judge).fly();
   return judge.result(outcome);
 }
@@ -179,7 +179,7 @@ TEST(JudgedFlight, ACampaignAndASummaryClaimTheSameOfTheSameFlightWhateverChange
     const auto input =
         static_cast<std::size_t>(scenario.team.input_offset(scenario.team.find(narrowed ? "tuned" : "a")));
     for (const double tampered : {0.0, narrowed ? 0.6 : 1e3, std::nan("")}) {
-      Judge judge(scenario, plan, sized);
+      RunEvaluator judge(scenario, plan, sized);
       Summary summary(scenario, controls.controllers().size());
       for (std::size_t k = 0; k < kept.samples.size(); ++k) {
         Sample& sample = *judge.claim();

@@ -21,7 +21,7 @@ CampaignPlan shown_plan() {
                   .bearing = {.values = {-3.0, 3.0}},
                   .height = {.values = {-1.0, 2.0}}}};
   some.draws = {{"simulation.disturbance.yaw_lag",
-                 {.kind = Distribution::Kind::choice, .values = {0.0, 0.5}, .shares = {0.5, 0.5}}}};
+                 {.kind = Distribution::Kind::choice, .values = {0.0, 0.5}, .fractions = {0.5, 0.5}}}};
   return some;
 }
 

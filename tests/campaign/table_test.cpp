@@ -61,12 +61,12 @@ TEST(RunTable, ARowIsCommittedWithinASecondWithoutAnother) {
   const fs::path file = test::fresh_folder() / "a.sqlite";
   const Scenario scenario = small_campaign();
   const Variants variants(scenario, *scenario.campaign);
-  Pilot pilot(variants, *scenario.campaign);
+  RunWorker pilot(variants, *scenario.campaign);
   const auto rows = [&] {
     Database database(file, Database::Open::as_it_is);
-    Database::Statement ask(database, "SELECT count(*) FROM runs");
-    ask.step();
-    return ask.integer(0);
+    Database::Statement request(database, "SELECT count(*) FROM runs");
+    request.step();
+    return request.integer(0);
   };
   RunTable table(file, scenario, *scenario.campaign, 9);
   EXPECT_EQ(rows(), 0) << "the file appears with its tables";
@@ -81,7 +81,7 @@ TEST(RunTable, ARowThatWasThereHoldsItsRunAndNoOther) {
   const fs::path file = flown_table(test::fresh_folder() / "a.sqlite", 1);
   const Scenario scenario = small_campaign();
   const Variants variants(scenario, *scenario.campaign);
-  Pilot pilot(variants, *scenario.campaign);
+  RunWorker pilot(variants, *scenario.campaign);
   RunTable table(file, scenario, *scenario.campaign, 9);
   EXPECT_EQ(table.rows(), 20);
   int outcomes = 0;
@@ -175,7 +175,7 @@ TEST(RunTable, RunsThatFlyOtherwiseNowDoNotGoOn) {
   const Scenario scenario = small_campaign();
   const CampaignPlan& plan = *scenario.campaign;
   const Variants variants(scenario, plan);
-  Pilot pilot(variants, plan);
+  RunWorker pilot(variants, plan);
   const RunDraw run = draw_run(plan, 9, 0);
   for (const double by : {0.0, 1e-9}) {
     fs::remove(file);
@@ -229,7 +229,7 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
   const fs::path file = flown_table(test::fresh_folder() / "a.sqlite", 1);
   const Scenario scenario = small_campaign();
   const Variants variants(scenario, *scenario.campaign);
-  Pilot pilot(variants, *scenario.campaign);
+  RunWorker pilot(variants, *scenario.campaign);
   Database database(file, Database::Open::as_it_is);
   Database::Statement rows(database, "SELECT * FROM runs ORDER BY \"index\"");
   for (int i = 0; i < 20; ++i) {
@@ -273,9 +273,9 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
 TEST(RunTable, OfARobotThatIsLocalizedByViewARowHasErrorAndConsistency) {
   const fs::path file = test::fresh_folder() / "a.sqlite";
   const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml",
-                                          parts_of_sightline(), {"campaign.duration=8.0"});
+                                          built_in_registry(), {"campaign.duration=8.0"});
   const Variants variants(scenario, *scenario.campaign);
-  Pilot pilot(variants, *scenario.campaign);
+  RunWorker pilot(variants, *scenario.campaign);
   const RunDraw run = draw_run(*scenario.campaign, 9, 0);
   const RunResult result = pilot.fly(run);
   ASSERT_EQ(result.localizations.size(), 1U);

@@ -33,7 +33,7 @@ compare = ["cgmres"]
 )";
 
 Distribution always(double value) {
-  return {.kind = Distribution::Kind::choice, .values = {value}, .shares = {1.0}};
+  return {.kind = Distribution::Kind::choice, .values = {value}, .fractions = {1.0}};
 }
 
 StartDraw start(double range, double bearing, double height) {
@@ -184,7 +184,7 @@ TEST(Variant, NumbersOfATemplateAreDrawnForAllThatAreLikeIt) {
 robot = "multirotor"
 R = [0.5, 0.5, 0.5, 0.5]
 [agent."r{0..1}"]
-like = "t"
+inherits = "t"
 start = { p = { place = "line", from = [0.0, 0.0, 1.0], to = [3.0, 0.0, 1.0] } }
 [campaign]
 duration = 5.0

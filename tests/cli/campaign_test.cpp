@@ -32,8 +32,8 @@ std::string with_runs_of(const std::string& duration, const fs::path& folder) {
 
 std::string one(const fs::path& file, const std::string& sql) {
   Database database(file, Database::Open::as_it_is);
-  Database::Statement ask(database, sql);
-  return ask.step() ? ask.text(0) : "nothing";
+  Database::Statement request(database, sql);
+  return request.step() ? request.text(0) : "nothing";
 }
 
 TEST(Campaign, TheShippedOneFindsItsTargetFromEveryStart) {
@@ -183,7 +183,7 @@ TEST(Campaign, ThePageSaysHowToFlyARunAgainInWordsOfTheShell) {
 
 TEST(Campaign, AnotherScenarioBesideFliesTheSameDraws) {
   const fs::path folder = fresh_folder();
-  const std::string campaign = "campaign " + with_runs_of("1.0", folder) + " --runs 12 --beside " +
+  const std::string campaign = "campaign " + with_runs_of("1.0", folder) + " --runs 12 --compare-with " +
                                "scenarios/paper_7_1.toml -o " + (folder / "a").string();
   const auto flown = sightline(campaign, folder);
   EXPECT_LE(flown.code, 1) << flown.err;
@@ -200,9 +200,10 @@ TEST(Campaign, AnotherScenarioBesideFliesTheSameDraws) {
 
 TEST(Campaign, KeepingATargetInASharpConeTakesLessEnergyThanPointingAtItInMostRuns) {
   const fs::path folder = fresh_folder(), out = folder / "out";
-  const auto done = sightline(
-      "campaign scenarios/energy.toml --beside scenarios/energy_pointing.toml --runs 40 -o " + out.string(),
-      folder);
+  const auto done =
+      sightline("campaign scenarios/energy.toml --compare-with scenarios/energy_pointing.toml --runs 40 -o " +
+                    out.string(),
+                folder);
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("energy_pointing, compared with energy"));
   EXPECT_THAT(read_file(out / "campaign.html"), HasSubstr("Energy of energy_pointing, compared with energy"));
@@ -283,8 +284,8 @@ TEST(Campaign, ShardsOfAScenarioBesideAloneHaveThePageOfTheOneThatDraws) {
   const fs::path folder = fresh_folder();
   const std::string paper = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/paper_7_1.toml");
   std::ofstream(folder / "plain.toml") << paper.substr(0, paper.find("[campaign]"));
-  const std::string campaign =
-      "campaign " + with_runs_of("0.5", folder) + " --runs 4 --beside " + (folder / "plain.toml").string();
+  const std::string campaign = "campaign " + with_runs_of("0.5", folder) + " --runs 4 --compare-with " +
+                               (folder / "plain.toml").string();
   std::string folders;
   for (const char* shard : {"1", "2"}) {
     (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
@@ -298,7 +299,7 @@ TEST(Campaign, ShardsOfAScenarioBesideAloneHaveThePageOfTheOneThatDraws) {
 TEST(Campaign, ShardsWithAScenarioBesideArePairedAsOneProcessPairsThem) {
   const fs::path folder = fresh_folder();
   const std::string campaign =
-      "campaign " + with_runs_of("1.0", folder) + " --runs 12 --beside scenarios/paper_7_1.toml";
+      "campaign " + with_runs_of("1.0", folder) + " --runs 12 --compare-with scenarios/paper_7_1.toml";
   const auto whole = sightline(campaign + " -o " + (folder / "whole").string(), folder);
   std::string folders;
   for (const char* shard : {"1", "2"}) {
@@ -361,9 +362,9 @@ TEST(Campaign, BadInputEndsWithTwoAndSaysWhat) {
   };
   EXPECT_EQ(refused("scenarios/yaw_step.toml"),
             "scenarios/yaw_step.toml:1: campaign is missing, expected [campaign] with what is drawn\n");
-  EXPECT_THAT(refused(shipped + " --beside scenarios/yaw_step.toml"),
+  EXPECT_THAT(refused(shipped + " --compare-with scenarios/yaw_step.toml"),
               HasSubstr("scenarios/yaw_step.toml:1: agent."));
-  EXPECT_THAT(refused(shipped + " --beside scenarios/handover.toml"),
+  EXPECT_THAT(refused(shipped + " --compare-with scenarios/handover.toml"),
               HasSubstr("scenarios/handover.toml:1: obstacle.uav1.p[0] is missing"));
   EXPECT_THAT(refused("none.toml"), HasSubstr("none.toml:1: cannot be read"));
   for (const char* options : {"--runs 0", "--runs x", "--threads 0", "--only -1", "--seed -1"})

@@ -63,7 +63,7 @@ TEST(Evasions, FollowedByTheHandTheRobotCirclesTheTargetFacingIt) {
 TEST(Evasions, TheCampaignOfOursBesideThePapersPrintsTheirTables) {
   const auto folder = test::fresh_folder();
   const auto run = test::sightline(
-      "campaign scenarios/paper_7_3_ours.toml --beside scenarios/paper_7_3.toml --runs "
+      "campaign scenarios/paper_7_3_ours.toml --compare-with scenarios/paper_7_3.toml --runs "
       "10 -o " +
           (folder / "out").string(),
       folder);

@@ -8,7 +8,7 @@
 
 #include "cli/allocations.hpp"
 #include "cli/partition.hpp"
-#include "sightline/record/event_words.hpp"
+#include "sightline/record/event_description.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
@@ -251,9 +251,10 @@ Scenario cell(const Row& row, const Column& column) {
 }
 
 /// Judges each sample as it comes, from what the samples say alone and beside what the loop knows.
-class Judge final : public Sink<Sample> {
+class RunEvaluator final : public Sink<Sample> {
  public:
-  Judge(const Scenario& scenario, const Controllers& controllers, const Row& row, TeamSwitcher* team_switcher)
+  RunEvaluator(const Scenario& scenario, const Controllers& controllers, const Row& row,
+               TeamSwitcher* team_switcher)
       : scenario_(scenario),
         row_(row),
         team_switcher_(team_switcher),
@@ -362,7 +363,7 @@ TEST_P(EventTable, EveryKindOfEventKeepsEveryLaw) {
     const Controls controls(scenario);
     SimulatedClock clock;
     const Controllers controllers = controls.controllers();
-    Judge judge(scenario, controllers, row, controls.team_switcher());
+    RunEvaluator judge(scenario, controllers, row, controls.team_switcher());
     const auto world = make_world(scenario);
     ClosedLoop loop(scenario, *world, controllers, clock, judge, cli::allocations, controls.team_switcher());
     const LoopOutcome outcome = loop.fly();

@@ -10,7 +10,7 @@ std::vector<std::pair<std::size_t, LinkFaultKind>> asked_by(std::string_view key
   FaultTyping typing;
   std::vector<std::pair<std::size_t, LinkFaultKind>> all;
   for (const char key : keys)
-    if (const auto asked = typing.take(key)) all.emplace_back(asked->robot, asked->kind);
+    if (const auto requested = typing.take(key)) all.emplace_back(requested->robot, requested->kind);
   return all;
 }
 

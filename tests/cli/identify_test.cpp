@@ -33,8 +33,8 @@ TEST(IdentifyCommand, FliesAnExcitationAndPrintsATemplate) {
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("\n[template.uav0]\nrobot = \"hover_multirotor\"\nparameters = { b_z = "));
   EXPECT_THAT(done.out, HasSubstr("\ncommand_delay = 0.1"));
-  const json told = json::parse(read_file(folder / "out/identify.json"));
-  EXPECT_EQ(told.at("best").at("structure"), "(24) + delay + Coriolis + lags");
+  const json reported = json::parse(read_file(folder / "out/identify.json"));
+  EXPECT_EQ(reported.at("best").at("structure"), "(24) + delay + Coriolis + lags");
   EXPECT_THAT(read_file(folder / "out/identify.html"), HasSubstr("<svg"));
 }
 
@@ -43,10 +43,10 @@ TEST(IdentifyCommand, ReadsTheLogOfARun) {
   ASSERT_NE(sightline("run " + scenario(folder).string() + " -o " + out.string(), folder).code, 2);
   const auto done = sightline("identify " + out.string() + " --agent uav0 --json", folder);
   EXPECT_EQ(done.code, 0) << done.err;
-  const json told = json::parse(done.out);
-  EXPECT_EQ(told.at("robot"), "uav0");
-  EXPECT_NEAR(told.at("seconds").get<double>(), 12.0, 0.02);
-  EXPECT_FALSE(told.at("missing").empty()) << "a task is no excitation";
+  const json reported = json::parse(done.out);
+  EXPECT_EQ(reported.at("robot"), "uav0");
+  EXPECT_NEAR(reported.at("seconds").get<double>(), 12.0, 0.02);
+  EXPECT_FALSE(reported.at("missing").empty()) << "a task is no excitation";
   EXPECT_EQ(read_file(out / "identify.json"), done.out);
 }
 

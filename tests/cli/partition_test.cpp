@@ -42,14 +42,14 @@ TEST(RunInParts, FliesTheChainOfEightWithinOnePercentOfTheCostOfTheWholeByOneExc
                                        order + " -o " + out.string(),
                                    folder);
         EXPECT_EQ(run.code, 0) << run.err;
-        const json told = json::parse(read_file(out / "partition.json"));
-        EXPECT_EQ(told.at("parts").size(), parts == halves ? 2u : 4u);
-        EXPECT_EQ(told.at("order"), order);
-        EXPECT_EQ(told.at("exchanges"), 1);
-        EXPECT_LE(std::abs(told.at("cost_excess").get<double>()), 0.01) << parts << " " << order;
+        const json reported = json::parse(read_file(out / "partition.json"));
+        EXPECT_EQ(reported.at("parts").size(), parts == halves ? 2u : 4u);
+        EXPECT_EQ(reported.at("order"), order);
+        EXPECT_EQ(reported.at("exchanges"), 1);
+        EXPECT_LE(std::abs(reported.at("cost_excess").get<double>()), 0.01) << parts << " " << order;
         const json summary = json::parse(read_file(out / "summary.json"));
         EXPECT_EQ(summary.at("solver"), "partitioned");
-        EXPECT_EQ(summary.at("cost"), told.at("cost"));
+        EXPECT_EQ(summary.at("cost"), reported.at("cost"));
         EXPECT_EQ(summary.at("allocations_per_update"), 0);
         for (const json& pair : summary.at("pairs")) EXPECT_EQ(pair.at("in_view_fraction"), 1.0) << pair;
       }
@@ -65,9 +65,9 @@ TEST(RunInParts, TellsHowFarItIsFromTheOptimumOfTheWholeSweepBySweep) {
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_NE(run.out.find("4 subteams, gauss_seidel order, exchanges per update: 2\n"), std::string::npos)
       << run.out;
-  const json told = json::parse(read_file(out / "partition.json"));
-  EXPECT_GE(told.at("moments"), 20);
-  const json& sweeps = told.at("sweeps");
+  const json reported = json::parse(read_file(out / "partition.json"));
+  EXPECT_GE(reported.at("moments"), 20);
+  const json& sweeps = reported.at("sweeps");
   ASSERT_GE(sweeps.size(), 4u);
   for (std::size_t i = 1; i < sweeps.size(); ++i) {
     EXPECT_EQ(sweeps[i].at("sweep"), i + 1);

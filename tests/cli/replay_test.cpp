@@ -73,12 +73,12 @@ TEST(Replay, WithAnotherSolverOrOtherValuesTellsHowFarTheCommandsAre) {
   fly("paper_7_1", "8.0", folder);
   const auto solver = sightline(replay(folder, " --solver cmscgmres --json"), folder);
   EXPECT_EQ(solver.code, 0) << solver.err;
-  const json told = json::parse(solver.out);
-  EXPECT_EQ(told.at("solver"), "cmscgmres");
-  EXPECT_EQ(told.at("updates"), 800);
-  EXPECT_GT(told.at("differing"), 1000);
-  EXPECT_EQ(told.at("robots").size(), 2U);
-  EXPECT_GT(told.at("robots")[0].at("rms").get<double>(), 1e-4);
+  const json reported = json::parse(solver.out);
+  EXPECT_EQ(reported.at("solver"), "cmscgmres");
+  EXPECT_EQ(reported.at("updates"), 800);
+  EXPECT_GT(reported.at("differing"), 1000);
+  EXPECT_EQ(reported.at("robots").size(), 2U);
+  EXPECT_GT(reported.at("robots")[0].at("rms").get<double>(), 1e-4);
   const auto set = sightline(replay(folder, " --set 'couple[0].weight=0.8' --set horizon.stages=10"), folder);
   EXPECT_EQ(set.code, 0) << set.err;
   EXPECT_THAT(set.out, HasSubstr("1600 commands, 1600 differ\nupdate 0 at 0 s: "));

@@ -80,7 +80,7 @@ TEST(Set, AFlightIsNotStoppedByACampaignThatDrawsWhatIsReplaced) {
 TEST(Set, ACampaignHoldsOfBothScenariosAndTellsItWhereARunFliesAgain) {
   const fs::path folder = fresh_folder();
   const std::string words = "campaign " + pair +
-                            " --beside scenarios/paper_7_1.toml --set campaign.duration=1 "
+                            " --compare-with scenarios/paper_7_1.toml --set campaign.duration=1 "
                             "--set campaign.view_within=1 --runs 2 -o " +
                             (folder / "out").string();
   const auto flown = sightline(words, folder);

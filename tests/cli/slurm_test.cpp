@@ -38,12 +38,12 @@ TEST(Slurm, TheCommandComesBeforeTheEnvironment) {
   CampaignCommand command = of_a_campaign();
   command.slurm.partition = "short";
   command.slurm.time = "10:00";
-  command.beside = "/x/y.toml";
+  command.compare_with = "/x/y.toml";
   ::setenv("SBATCH_CPUS_PER_TASK", "3", 1);
   EXPECT_THAT(slurm_script(command, 7, "c", "/out/d"),
               AllOf(HasSubstr("#SBATCH --cpus-per-task=3\n"), HasSubstr("--threads 3"),
                     HasSubstr("#SBATCH --partition=short\n"), HasSubstr("#SBATCH --time=10:00\n"),
-                    HasSubstr("--beside /x/y.toml")));
+                    HasSubstr("--compare-with /x/y.toml")));
   command.slurm.cpus = 2;
   EXPECT_THAT(slurm_script(command, 7, "c", "/out/d"), HasSubstr("#SBATCH --cpus-per-task=2\n"));
   ::unsetenv("SBATCH_CPUS_PER_TASK");

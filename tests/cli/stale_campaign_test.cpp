@@ -216,7 +216,7 @@ TEST_P(StaleData, NoMessageMakesACommandThatIsNotFiniteOrTooLarge) {
   Plant plant(team, flown.x0);
   const std::vector<double> plan_ages(2, 0.0);
   std::vector<double> measured, u(nu), stamps(2);
-  RandomStream chance(1, Chance::fault, 0);
+  RandomStream chance(1, StreamId::fault, 0);
   const auto pick = [&](std::size_t n) {
     return std::min(n - 1, static_cast<std::size_t>(chance.uniform() * static_cast<double>(n)));
   };
@@ -237,14 +237,14 @@ TEST_P(StaleData, NoMessageMakesACommandThatIsNotFiniteOrTooLarge) {
     };
     if (k % 2 == 0) spoil(field, bad[(static_cast<std::size_t>(k) / (nx + 2)) % bad.size()]);
     if (k % 4 == 0) spoil(pick(nx + 2), bad[pick(bad.size())]);
-    const ValidStates& believed = guard.believe(t, measured, stamps);
-    ASSERT_TRUE(all_finite(believed));
+    const ValidStates& estimated = guard.accept_measurement(t, measured, stamps);
+    ASSERT_TRUE(all_finite(estimated));
     if (guard.knows_all()) {
-      const auto plan = solver->solve(t, believed).u;
+      const auto plan = solver->solve(t, estimated).u;
       u.assign(plan.begin(), plan.end());
     }
-    guard.fall_back(t, believed, plan_ages, std::vector<double>(u.size()), u);
-    guard.keep_distances(t, believed, std::vector<double>(u.size()), u);
+    guard.fall_back(t, estimated, plan_ages, std::vector<double>(u.size()), u);
+    guard.keep_distances(t, estimated, std::vector<double>(u.size()), u);
     guard.record(t, u);
     for (const double value : u) ASSERT_TRUE(std::abs(value) <= 1.0) << k;
     ASSERT_TRUE(plant.step(u, 0.01));

@@ -39,15 +39,15 @@ TEST(View, BadInputIsRefusedBeforeAnythingIsServed) {
   const fs::path folder = fresh_folder();
   const std::string file = view_file(folder);
   const auto refused = [&](const std::string& arguments, const std::string& sentence) {
-    const CommandResult told = sightline("view " + arguments + " --seconds 1", folder);
-    EXPECT_EQ(told.code, 2) << arguments;
-    EXPECT_EQ(told.out, "") << arguments;
-    EXPECT_THAT(told.err, HasSubstr(sentence)) << arguments;
+    const CommandResult reported = sightline("view " + arguments + " --seconds 1", folder);
+    EXPECT_EQ(reported.code, 2) << arguments;
+    EXPECT_EQ(reported.out, "") << arguments;
+    EXPECT_THAT(reported.err, HasSubstr(sentence)) << arguments;
   };
   refused("/nowhere.toml", "nowhere.toml");
   refused(folder.string(), "no run.mcap");
-  refused(file + " --listen localhost", "expected an IPv4 address");
-  refused(file + " --listen 192.0.2.1", "192.0.2.1:8765 cannot be listened to");
+  refused(file + " --bind localhost", "expected an IPv4 address");
+  refused(file + " --bind 192.0.2.1", "192.0.2.1:8765 cannot be listened to");
   refused(file + " --set agent.uav0.Q=1", "agent.uav0.Q");
   refused(file + " --speed 0", "--speed");
   const Served first("view " + file + " --port 0 --seconds 2");
@@ -60,8 +60,8 @@ TEST(View, AFlightIsServedWhileItIsFlownAndUntilTheEnd) {
   ASSERT_NE(served.port(), 0);
   PageClient client(served.port());
   client.watch();
-  EXPECT_THAT(client.hear("\"t\":0.990"), HasSubstr("\"t\":0.990"));
-  EXPECT_THAT(PageClient(served.port()).ask("GET /scene.json"), HasSubstr("\"name\":\"look\""));
+  EXPECT_THAT(client.receive("\"t\":0.990"), HasSubstr("\"t\":0.990"));
+  EXPECT_THAT(PageClient(served.port()).request("GET /scene.json"), HasSubstr("\"name\":\"look\""));
   EXPECT_THAT(served.end(), HasSubstr("the flight is over"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "it writes no files";
 }
@@ -70,8 +70,8 @@ TEST(View, APausedFlightShowsItsFirstMomentAndWaits) {
   Served served("view " + view_file(fresh_folder()) + " --port 0 --paused --seconds 3 < /dev/null");
   PageClient client(served.port());
   client.watch();
-  EXPECT_THAT(client.hear("\"t\":0.000"), HasSubstr("\"t\":0.000"));
-  EXPECT_EQ(client.hear("{\"t\"", 0.3).find("{\"t\""), std::string::npos);
+  EXPECT_THAT(client.receive("\"t\":0.000"), HasSubstr("\"t\":0.000"));
+  EXPECT_EQ(client.receive("{\"t\"", 0.3).find("{\"t\""), std::string::npos);
   EXPECT_THAT(served.end(), HasSubstr("paused, Enter flies on"));
 }
 
@@ -83,7 +83,7 @@ TEST(View, ALogIsServedWithAllItsMoments) {
   EXPECT_EQ(set.code, 2);
   EXPECT_THAT(set.err, HasSubstr("it is flown already"));
   Served served("view " + out + " --port 0 --seconds 1");
-  EXPECT_THAT(PageClient(served.port()).ask("GET /moments.json"), HasSubstr("{\"t\":0.990,"));
+  EXPECT_THAT(PageClient(served.port()).request("GET /moments.json"), HasSubstr("{\"t\":0.990,"));
   EXPECT_THAT(served.end(), HasSubstr("1 connections, 0 refused"));
 }
 
@@ -96,7 +96,7 @@ TEST(View, ARunThatIsLookedAtFliesTheSameBytes) {
     Served served("run " + file + " -o " + shown + " --realtime --view --port 0");
     PageClient client(served.port());
     client.watch();
-    EXPECT_THAT(client.hear("\"t\":0.5"), HasSubstr("\"t\":0.5"));
+    EXPECT_THAT(client.receive("\"t\":0.5"), HasSubstr("\"t\":0.5"));
     EXPECT_THAT(served.end(), HasSubstr("run.mcap"));
   }
   const CommandResult again = sightline("run " + file + " -o " + shown + " --view --port 0", folder);
@@ -107,15 +107,15 @@ TEST(View, ARunThatIsLookedAtFliesTheSameBytes) {
 }
 
 TEST(View, OthersGetAToken) {
-  Served served("view " + view_file(fresh_folder()) + " --port 0 --listen 127.0.0.2 --seconds 1");
+  Served served("view " + view_file(fresh_folder()) + " --port 0 --bind 127.0.0.2 --seconds 1");
   EXPECT_THAT(served.url(), testing::ContainsRegex("^http://127.0.0.2:[0-9]+/[?]token=[0-9a-f]{48}$"));
 }
 
 /// Sends a message and waits for the answer to it.
 std::string tune(PageClient& client, const std::string& message, const std::string& id) {
   client.say(PageClient::masked(1, message));
-  (void)client.hear("\"" + id + "\",", 5.0);
-  return client.hear("]", 5.0);
+  (void)client.receive("\"" + id + "\",", 5.0);
+  return client.receive("]", 5.0);
 }
 
 // Tuned, logged, replayed, written, flown again: one flight.
@@ -128,7 +128,7 @@ TEST(View, ATunedFlightIsReplayedAndFlownAgainWithTheSameCommands) {
     Served served("view " + file.string() + " --tune -o " + out + " --port 0 --seconds 60");
     PageClient client(served.port());
     client.watch();
-    (void)client.hear("\"t\":0.", 5.0);
+    (void)client.receive("\"t\":0.", 5.0);
     EXPECT_EQ(
         tune(client, R"({"id":"w","event":{"retune":{"couple":"bearing","weight":0.4}}})", "w").substr(0, 5),
         "true,");
@@ -146,11 +146,11 @@ TEST(View, ATunedFlightIsReplayedAndFlownAgainWithTheSameCommands) {
     EXPECT_EQ(tune(client, R"({"id":"a","event":{"wind":{"acceleration":[0.2,0,0]}}})", "a").substr(0, 5),
               "true,");
     EXPECT_TRUE(soon([&] {
-      return PageClient(served.port()).ask("GET /tuned.toml").find("wind = {") != std::string::npos;
+      return PageClient(served.port()).request("GET /tuned.toml").find("wind = {") != std::string::npos;
     }));
-    client.hear("\"t\":2.9", 10.0);
-    written = PageClient(served.port()).ask("GET /tuned.toml");
-    final = PageClient(served.port()).ask("GET /final.toml");
+    client.receive("\"t\":2.9", 10.0);
+    written = PageClient(served.port()).request("GET /tuned.toml");
+    final = PageClient(served.port()).request("GET /final.toml");
   }
   const auto body = [](const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); };
   const CommandResult replayed = sightline("replay " + out, folder);
@@ -175,11 +175,11 @@ TEST(View, AnotherSeedBeginsAnewOnTheSamePort) {
   Served served("view " + file.string() + " --tune -o " + out.string() + " --port 0 --seconds 60");
   PageClient client(served.port());
   client.watch();
-  (void)client.hear("\"t\":0.", 5.0);
+  (void)client.receive("\"t\":0.", 5.0);
   client.say(PageClient::masked(1, R"({"id":"s","seed":7})"));
   EXPECT_TRUE(soon([&] { return fs::exists(next / "run.mcap"); }));
   EXPECT_TRUE(soon([&] {
-    return PageClient(served.port()).ask("GET /scene.json").find("\"live\":true") != std::string::npos;
+    return PageClient(served.port()).request("GET /scene.json").find("\"live\":true") != std::string::npos;
   }));
 }
 
@@ -187,9 +187,9 @@ TEST(View, TuningIsRefusedWhereItCannotBe) {
   const fs::path folder = fresh_folder();
   const std::string file = view_file(folder);
   const auto refused = [&](const std::string& arguments, const std::string& sentence) {
-    const CommandResult told = sightline(arguments, folder);
-    EXPECT_EQ(told.code, 2) << arguments;
-    EXPECT_THAT(told.err, HasSubstr(sentence)) << arguments;
+    const CommandResult reported = sightline(arguments, folder);
+    EXPECT_EQ(reported.code, 2) << arguments;
+    EXPECT_THAT(reported.err, HasSubstr(sentence)) << arguments;
   };
   refused("run " + file + " --view --tune --port 0", "expected beside --realtime");
   refused("view " + file + " --seconds 1 -o x", "expected beside --tune");
@@ -201,8 +201,8 @@ TEST(View, WithoutTuneItIsReadOnlyAndSaysHowManyWereRefused) {
   PageClient client(served.port());
   client.watch();
   client.say(PageClient::masked(1, R"({"pause":true})"));
-  EXPECT_THAT(client.hear("\"t\":0.9"), HasSubstr("\"t\":0.9"));
-  EXPECT_THAT(PageClient(served.port()).ask("GET /tune.json"), HasSubstr("{\"tune\":false}"));
+  EXPECT_THAT(client.receive("\"t\":0.9"), HasSubstr("\"t\":0.9"));
+  EXPECT_THAT(PageClient(served.port()).request("GET /tune.json"), HasSubstr("{\"tune\":false}"));
   EXPECT_THAT(served.end(), HasSubstr("1 messages that would change the flight were refused"));
 }
 

@@ -8,11 +8,11 @@
 #include <type_traits>
 
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/goal_intake.hpp"
+#include "bridges/dds/goal_subscriber.hpp"
 #include "bridges/dds/link_telemetry.hpp"
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 #include "bridges/dds/services.hpp"
-#include "bridges/dds/tag_intake.hpp"
+#include "bridges/dds/tag_subscriber.hpp"
 #include "sightline/base/failure.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/page_client.hpp"
@@ -31,7 +31,8 @@ constexpr Quality reliable = {.reliable = true, .transient_local = false, .depth
 template <class... Owners>
 constexpr bool all_stay = ((!std::is_copy_constructible_v<Owners> && !std::is_move_constructible_v<Owners> &&
                             !std::is_copy_assignable_v<Owners> && !std::is_move_assignable_v<Owners>)&&...);
-static_assert(all_stay<RawReader, RawWriter, GoalIntake, PoseIntake, TagIntake, OperatorServices>);
+static_assert(
+    all_stay<RawReader, RawWriter, GoalSubscriber, PoseSubscriber, TagSubscriber, OperatorServices>);
 
 /// Entities of a participant, those of its writers' publishers included.
 int entities(dds_entity_t of) {

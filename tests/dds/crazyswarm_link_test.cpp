@@ -46,7 +46,7 @@ Scenario crazyflies(std::size_t count, double duration) {
 CrazyflieVehicle& crazyflie_of(Rig& rig, std::size_t i) { return rig.as<CrazyflieVehicle>(i); }
 
 void expect_untouched(Rig& rig, std::size_t i) {
-  const CrazyflieCounts n = crazyflie_of(rig, i).told();
+  const CrazyflieCounts n = crazyflie_of(rig, i).reported();
   EXPECT_EQ(n.setpoints, 0) << i;
   EXPECT_EQ(n.arm_requests, 0) << i;
   EXPECT_EQ(n.takeoff_requests, 0) << i;
@@ -54,7 +54,7 @@ void expect_untouched(Rig& rig, std::size_t i) {
 
 /// Took off and landed once, and was told nothing that it could not follow.
 void expect_well_flown(Rig& rig, std::size_t i) {
-  const CrazyflieCounts n = crazyflie_of(rig, i).told();
+  const CrazyflieCounts n = crazyflie_of(rig, i).reported();
   EXPECT_EQ(n.arm_requests, 1) << i;
   EXPECT_EQ(n.takeoff_requests, 1) << i;
   EXPECT_EQ(n.land_requests, 1) << i;
@@ -72,16 +72,16 @@ TEST(CrazyswarmLink, CrazyfliesTakeOffFlyTheirTaskAndLandAndServicesAreBelievedB
   Rig rig(crazyflies({"multirotor", "point_mass", "multirotor"}, 2.5));
   crazyflie_of(rig, 2).serve(Serving::without_answer);
   const LoopOutcome outcome = rig.fly();
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 3; ++i) {
     if (i < 2) expect_well_flown(rig, i);
-    EXPECT_GT(crazyflie_of(rig, i).told().setpoints, 200) << i;
+    EXPECT_GT(crazyflie_of(rig, i).reported().setpoints, 200) << i;
     const Motion m = crazyflie_of(rig, i).motion();  // where its circle ended, or near by
     EXPECT_NEAR(norm(m.p.x - 2.0 * static_cast<double>(i), m.p.y), 0.3, 0.2) << i;
   }
-  EXPECT_EQ(crazyflie_of(rig, 2).told().locked_out, 0);
+  EXPECT_EQ(crazyflie_of(rig, 2).reported().locked_out, 0);
   EXPECT_LT(crazyflie_of(rig, 2).motion().p.z, 0.02);
 }
 
@@ -95,11 +95,11 @@ TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {
                                                      crazyflie_interfaces_msg_dds__Hover__desc,
                                                      "/cf4/cmd_hover", of_ros_commands);
   EXPECT_FALSE(rig.take_off());
-  EXPECT_THAT(rig.told, Contains("cf0: its battery has 3.60 V, expected 3.7 V"));
-  EXPECT_THAT(rig.told, Contains("cf1: its power is in state 3, expected 0: the battery is low"));
-  EXPECT_THAT(rig.told, Contains(HasSubstr("cf2: rt/cf2/pose: ")));
-  EXPECT_THAT(rig.told, Contains("cf3: it has tumbled"));
-  EXPECT_THAT(rig.told, Contains("cf4: rt/cf4/cmd_hover: another program writes set-points"));
+  EXPECT_THAT(rig.reported, Contains("cf0: its battery has 3.60 V, expected 3.7 V"));
+  EXPECT_THAT(rig.reported, Contains("cf1: its power is in state 3, expected 0: the battery is low"));
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("cf2: rt/cf2/pose: ")));
+  EXPECT_THAT(rig.reported, Contains("cf3: it has tumbled"));
+  EXPECT_THAT(rig.reported, Contains("cf4: rt/cf4/cmd_hover: another program writes set-points"));
   for (std::size_t i = 0; i < 5; ++i) expect_untouched(rig, i);
 }
 
@@ -107,11 +107,11 @@ TEST(CrazyswarmLink, WithoutAServerItSaysWhatIsMissing) {
   const Scenario scenario = crazyflies(1, 1.0);
   DdsWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network), {.ready = 0.5});
   const Interrupts none{0};
-  Fields told;
-  EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { told.emplace_back(s); }));
+  Fields reported;
+  EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
   for (const char* sentence : {"cf0: rt/cf0/cmd_full_state: nobody reads it", "cf0: /cf0/takeoff: no server",
                                "cf0: /cf0/land: no server", "cf0: /cf0/notify_setpoints_stop: no server"})
-    EXPECT_THAT(told, Contains(sentence));
+    EXPECT_THAT(reported, Contains(sentence));
 }
 
 TEST(CrazyswarmLink, WhereArmingDoesNothingTheOthersLand) {
@@ -119,7 +119,7 @@ TEST(CrazyswarmLink, WhereArmingDoesNothingTheOthersLand) {
   crazyflie_of(rig, 0).serve(Serving::not_at_all);
   EXPECT_FALSE(rig.take_off());
   EXPECT_THAT(rig.world->faults(), Contains("cf0: it did not arm in time"));
-  EXPECT_EQ(crazyflie_of(rig, 0).told().setpoints, 0);
+  EXPECT_EQ(crazyflie_of(rig, 0).reported().setpoints, 0);
   EXPECT_LT(crazyflie_of(rig, 1).motion().p.z, 0.02);
 }
 
@@ -134,7 +134,7 @@ TEST(CrazyswarmLink, OneThatRefusesToTakeOffIsDisarmedAndTheOthersLand) {
   EXPECT_FALSE(rig.take_off());
   weaken.join();
   EXPECT_THAT(rig.world->faults(), Contains("cf0: it refused what it was asked"));
-  EXPECT_EQ(crazyflie_of(rig, 0).told().setpoints, 0);
+  EXPECT_EQ(crazyflie_of(rig, 0).reported().setpoints, 0);
   EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), can_be_armed);
   EXPECT_EQ(rig.state(0), LinkState::done);
   EXPECT_LT(crazyflie_of(rig, 1).motion().p.z, 0.02);
@@ -175,9 +175,9 @@ TEST(CrazyswarmLink, WithoutItsFlyerItLevelsOutAndThenStopsItsMotors) {
   ASSERT_TRUE(rig.take_off());
   rig.interrupts = 2;  // hands over: nothing is sent any more
   rig.land();
-  const std::int64_t sent = crazyflie_of(rig, 0).told().setpoints;
+  const std::int64_t sent = crazyflie_of(rig, 0).reported().setpoints;
   std::this_thread::sleep_for(std::chrono::milliseconds(2300));
-  const CrazyflieCounts n = crazyflie_of(rig, 0).told();
+  const CrazyflieCounts n = crazyflie_of(rig, 0).reported();
   EXPECT_EQ(n.setpoints, sent);
   EXPECT_EQ(n.land_requests, 0);
   EXPECT_NEAR(n.levelled_after, 0.5, 0.05);
@@ -199,15 +199,15 @@ TEST(CrazyswarmLink, OneThatArmsItselfFliesToo) {
       brushed.step(k);
   });
   {
-    DdsWorld world(scenario, domain, of_stand_ins({}));
-    Fields told;
-    const auto tell = [&](std::string_view s) { told.emplace_back(s); };
-    EXPECT_TRUE(world.take_off(Arming::real, none, tell)) << fmt::format("{}", fmt::join(told, "\n"));
+    DdsWorld world(scenario, domain, of_vehicle_simulators({}));
+    Fields reported;
+    const auto tell = [&](std::string_view s) { reported.emplace_back(s); };
+    EXPECT_TRUE(world.take_off(Arming::real, none, tell)) << fmt::format("{}", fmt::join(reported, "\n"));
     world.land(none, tell);
     EXPECT_THAT(world.faults(), IsEmpty());
   }
-  EXPECT_EQ(brushed.told().arm_requests, 0);
-  EXPECT_EQ(brushed.told().takeoff_requests, 1);
+  EXPECT_EQ(brushed.reported().arm_requests, 0);
+  EXPECT_EQ(brushed.reported().takeoff_requests, 1);
   EXPECT_LT(brushed.motion().p.z, 0.02);
   none = 1;
   stepping.join();

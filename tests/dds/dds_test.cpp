@@ -9,10 +9,10 @@ namespace sightline {
 namespace {
 
 TEST(Dds, IsTheBridgeOfThePartsThatItIsAddedToOnce) {
-  Parts parts;
-  add_dds(parts);
-  EXPECT_NE(parts.bridge, nullptr);
-  EXPECT_EQ(refusal_of([&] { add_dds(parts); }), "there is a bridge already, expected one");
+  Registry registry;
+  add_dds(registry);
+  EXPECT_NE(registry.bridge, nullptr);
+  EXPECT_EQ(refusal_of([&] { add_dds(registry); }), "there is a bridge already, expected one");
 }
 
 }  // namespace

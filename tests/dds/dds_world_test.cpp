@@ -30,7 +30,7 @@ using testing::IsEmpty;
 TEST(DdsWorld, AFleetOfAllReleasesTakesOffFliesItsTaskAndLands) {
   Rig rig(row_of({"1.14", "1.15", "1.16", "1.17", "1.18"}, 4.0));
   const LoopOutcome outcome = rig.fly();
-  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_TRUE(outcome.finite);
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
@@ -66,11 +66,11 @@ TEST(DdsWorld, AMixedFleetFliesAndDrives) {
              "model", "off");
   Rig rig(scenario);
   const LoopOutcome outcome = rig.fly();
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   EXPECT_EQ(outcome.max_allocations, 0);
   for (std::size_t i = 1; i < 4; ++i) {
-    const auto& driven = dynamic_cast<Ros2Rover&>(rig.stand_ins.of(i));
+    const auto& driven = dynamic_cast<Ros2Rover&>(rig.vehicle_simulators.of(i));
     const Motion m = driven.motion();
     EXPECT_NEAR(m.p.x, 3.0 * static_cast<double>(i) - 2.0, 0.2) << i;
     EXPECT_NEAR(m.p.y, 5.5, 0.2) << i;
@@ -90,8 +90,8 @@ TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
   Rig rig(test::scenario_of(head + robot + "map\"\n"), test::scenario_of(head + robot + "odom\"\n"),
           {.ready = 1.5});
   EXPECT_FALSE(rig.take_off());
-  EXPECT_THAT(rig.told, Contains(HasSubstr("poses in other frames than frame, body_frame say")));
-  EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.stand_ins.of(0)).commands(), 0);
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("poses in other frames than frame, body_frame say")));
+  EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.vehicle_simulators.of(0)).commands(), 0);
 }
 
 // Who is there is discovered while it is listened to: a rover has no other states in which another writer could be noticed before it moves.
@@ -109,8 +109,8 @@ TEST(DdsWorld, AnotherWriterThatIsDiscoveredLateKeepsARoverWhereItIs) {
   });
   EXPECT_FALSE(rig.take_off());
   later.join();
-  EXPECT_THAT(rig.told, Contains(HasSubstr("another program writes")));
-  EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.stand_ins.of(0)).commands(), 0);
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("another program writes")));
+  EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.vehicle_simulators.of(0)).commands(), 0);
 }
 
 TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
@@ -126,7 +126,7 @@ TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
     EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done);
     EXPECT_EQ(rig.told_of(i).arm_requests, 0);
     EXPECT_THAT(
-        rig.told,
+        rig.reported,
         Contains(HasSubstr(fmt::format("uav{}: it looks like PX4 {}, by vehicle_status", i, spoken[i]))))
         << flown[i];
   }
@@ -135,7 +135,7 @@ TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
 TEST(DdsWorld, ADryRunArmsNothing) {
   Rig rig(row_of({"1.16", "1.16"}, 1.0));
   EXPECT_FALSE(rig.take_off(Arming::dry_run));
-  EXPECT_THAT(rig.told, Contains("all are ready, none is armed: a dry run"));
+  EXPECT_THAT(rig.reported, Contains("all are ready, none is armed: a dry run"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(rig.told_of(i).arm_requests, 0);
@@ -147,8 +147,8 @@ TEST(DdsWorld, AnotherFlightOfTheSameVehicleIsAsTheFirst) {
   Rig rig(row_of({"1.16"}, 1.0));
   for (const int flight : {1, 2}) {
     rig.world.reset();  // one flyer at a time
-    rig.world = std::make_unique<DdsWorld>(rig.scenario, rig.domain, of_stand_ins({}));
-    EXPECT_TRUE(rig.take_off()) << flight << fmt::format("{}", fmt::join(rig.told, "\n"));
+    rig.world = std::make_unique<DdsWorld>(rig.scenario, rig.domain, of_vehicle_simulators({}));
+    EXPECT_TRUE(rig.take_off()) << flight << fmt::format("{}", fmt::join(rig.reported, "\n"));
     rig.land();
     EXPECT_THAT(rig.world->faults(), IsEmpty()) << flight;
     EXPECT_EQ(rig.told_of(0).arm_requests, flight);
@@ -212,18 +212,19 @@ TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {
   done = true;
   writing.join();
   for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
-  EXPECT_THAT(rig.told,
+  EXPECT_THAT(rig.reported,
               Contains(testing::AllOf(HasSubstr("uav0: "), HasSubstr("another program writes set-points"))));
-  EXPECT_THAT(rig.told, Contains(testing::AllOf(HasSubstr("uav1: "),
-                                                testing::AnyOf(HasSubstr("second writer"),
-                                                               HasSubstr("in frames that are not NED")))));
+  EXPECT_THAT(
+      rig.reported,
+      Contains(testing::AllOf(HasSubstr("uav1: "), testing::AnyOf(HasSubstr("second writer"),
+                                                                  HasSubstr("in frames that are not NED")))));
 }
 
 TEST(DdsWorld, ChecksThatDoNotPassKeepItOnTheGround) {
   Rig rig(row_of({"1.17"}, 1.0), {.ready = 1.5});
   rig.vehicle(0).fail_checks(true);
   EXPECT_FALSE(rig.take_off());
-  EXPECT_THAT(rig.told, Contains("uav0: its own checks before a flight do not pass"));
+  EXPECT_THAT(rig.reported, Contains("uav0: its own checks before a flight do not pass"));
   EXPECT_THAT(rig.world->faults(), Contains("uav0: it was not ready in time"));
   EXPECT_FALSE(rig.vehicle(0).armed());
 }

@@ -37,9 +37,9 @@ TEST(Diagnostics, ALinkIsAsGoodAsWhatIsKnownOfIt) {
   shown.state = LinkState::pilot, shown.reason = LinkReason::pilot;
   EXPECT_EQ(of(shown).level, Health::error);
   EXPECT_EQ(of(shown).message, "pilot: a pilot has it");
-  const Diagnosis unheard = of({});
-  EXPECT_EQ(unheard.level, Health::stale);
-  EXPECT_THAT(unheard.values, Contains(Pair("age of the pose [ms]", "none")));
+  const Diagnosis stale = of({});
+  EXPECT_EQ(stale.level, Health::stale);
+  EXPECT_THAT(stale.values, Contains(Pair("age of the pose [ms]", "none")));
 }
 
 TEST(Diagnostics, ASolverIsAsGoodAsItsLastPlan) {

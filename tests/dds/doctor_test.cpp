@@ -30,8 +30,8 @@ class Ward {
   explicit Ward(const Scenario& fleet) : Ward(fleet, fleet) {}
   Ward(const Scenario& fleet, const Scenario& vehicles)
       : domain(std::make_shared<Domain>(fleet.fleet->network)),
-        stand_ins(vehicles, domain),
-        stepping([this] { stand_ins.run(1e9, done, {}); }),
+        vehicle_simulators(vehicles, domain),
+        stepping([this] { vehicle_simulators.run(1e9, done, {}); }),
         doctor(fleet, domain),
         other(domain->another_participant()) {}
   ~Ward() {
@@ -39,7 +39,7 @@ class Ward {
     stepping.join();
   }
 
-  Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(stand_ins.of(i)); }
+  Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(vehicle_simulators.of(i)); }
 
   /// Waits, at most 8 s, until all that is found is as light as that.
   std::vector<Finding> until(Light light) {
@@ -75,7 +75,7 @@ class Ward {
 
   Interrupts done{0};
   std::shared_ptr<Domain> domain;
-  DdsStandIns stand_ins;
+  DdsVehicleSimulators vehicle_simulators;
   std::thread stepping;
   DdsDoctor doctor;
   dds_entity_t other;
@@ -99,12 +99,12 @@ TEST(Doctor, VehiclesOfEachReleaseAreGreenInAllThatIsLookedAtAndNothingIsSentToT
     EXPECT_EQ(aspects_of(all, name).size(), 14u) << name;  // each aspect of a robot
     EXPECT_TRUE(ward.finds(name, Aspect::release, Light::green,
                            i == 0 ? "cannot be asked before 1.15" : "it takes what we send"));
-    const Px4VehicleCounts n = ward.vehicle(i).told();
+    const Px4VehicleCounts n = ward.vehicle(i).reported();
     EXPECT_EQ(n.setpoints + n.heartbeats + n.arm_requests + n.offboard_requests, 0) << i;
   }
   EXPECT_EQ(aspects_of(all, ""), std::set<Aspect>{Aspect::distance});
   // Nobody could take it for a flyer.
-  const Surroundings around = Lookout(ward.other).look();
+  const Surroundings around = DiscoveryMonitor(ward.other).look();
   for (const char* topic : {"trajectory_setpoint", "offboard_control_mode", "vehicle_command"})
     EXPECT_THAT(around.writers_of(fmt::format("rt/px4_2/fmu/in/{}", topic)), IsEmpty());
   EXPECT_EQ(around.writers_of("rt/px4_2/fmu/in/message_format_request").size(), 1u);
@@ -139,7 +139,7 @@ TEST(Doctor, WhatAVehicleSaysOfItselfIsFound) {
   Px4Vehicle& vehicle = ward.vehicle(1);
   vehicle.aside().set_battery(0.12F);
   EXPECT_TRUE(ward.finds("uav1", Aspect::battery, Light::red, "12 %, 13.4 V, expected battery_min = 20 %"));
-  Faults& faults = ward.stand_ins.faults(1);
+  Faults& faults = ward.vehicle_simulators.faults(1);
   faults.begin(Kind::battery_low);
   EXPECT_TRUE(ward.finds("uav1", Aspect::battery, Light::red, "5 %, 13.2 V, which it says is critical"));
   vehicle.aside().lose_transmitter(true);
@@ -363,7 +363,7 @@ TEST(Doctor, ARoverIsLookedAtByItsTopics) {
     EXPECT_TRUE(ward.finds("r", Aspect::clock, Light::green, "of ours"));
     RawWriter rival(ward.other, geometry_msgs_msg_dds__Twist__desc, "/r/cmd_vel", of_ros_commands);
     EXPECT_TRUE(ward.finds("r", Aspect::writers, Light::red, "another program writes to it"));
-    EXPECT_EQ(dynamic_cast<Ros2Rover&>(ward.stand_ins.of(0)).commands(), 0);
+    EXPECT_EQ(dynamic_cast<Ros2Rover&>(ward.vehicle_simulators.of(0)).commands(), 0);
   }
   Ward ward(test::scenario_of(rover_text("map")), test::scenario_of(rover_text("odom")));
   EXPECT_TRUE(ward.finds("r", Aspect::frames, Light::red, "other frames than frame, body_frame say"));
@@ -389,8 +389,8 @@ TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
     Rig rig(fleet, vehicles, {.ready = 2.5});
     rig.vehicle(1).aside().set_battery(0.1F);
     EXPECT_FALSE(rig.take_off());
-    EXPECT_THAT(rig.told, testing::Contains("uav1: 10 %, 13.4 V, expected battery_min = 20 %"));
-    EXPECT_THAT(rig.told,
+    EXPECT_THAT(rig.reported, testing::Contains("uav1: 10 %, 13.4 V, expected battery_min = 20 %"));
+    EXPECT_THAT(rig.reported,
                 testing::Contains(HasSubstr("fleet: uav0 and uav2 are 0.00 m apart, d_hard = 0.6 m")));
     for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
   }
@@ -398,7 +398,7 @@ TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
   Rig rig(row_of({"1.16"}, 1.0));
   rig.vehicle(0).aside().lose_transmitter(true);
   EXPECT_FALSE(rig.take_off(Arming::dry_run));
-  EXPECT_THAT(rig.told, testing::Contains("all are ready, none is armed: a dry run"));
+  EXPECT_THAT(rig.reported, testing::Contains("all are ready, none is armed: a dry run"));
 }
 
 TEST(Doctor, ARoverWhoseClockIsAheadIsNotDriven) {
@@ -422,12 +422,12 @@ TEST(Doctor, ARoverWhoseClockIsAheadIsNotDriven) {
     }
   });
   DdsWorld world(scenario, domain, {.ready = 2.0});
-  Fields told;
+  Fields reported;
   const Interrupts never{0};
-  EXPECT_FALSE(world.take_off(Arming::real, never, [&](std::string_view s) { told.emplace_back(s); }));
+  EXPECT_FALSE(world.take_off(Arming::real, never, [&](std::string_view s) { reported.emplace_back(s); }));
   done = 1;
   speaking.join();
-  EXPECT_THAT(told, testing::Contains(HasSubstr("s ahead of ours, expected 0.03 s at most")));
+  EXPECT_THAT(reported, testing::Contains(HasSubstr("s ahead of ours, expected 0.03 s at most")));
   EXPECT_EQ(driven, 0);
 }
 

@@ -53,17 +53,17 @@ double off_its_circle(Rig& rig, Kind jump, double size, LoopOutcome& outcome) {
 TEST(FaultMatrix, AJumpThatTheEstimatorCountsIsTakenAsItsFrames) {
   Rig rig(row_of({"1.16", "1.18"}, 5.0));
   LoopOutcome outcome;
-  EXPECT_LT(off_its_circle(rig, Kind::jump_told, 0.25, outcome), 0.1);
+  EXPECT_LT(off_its_circle(rig, Kind::jump_reported, 0.25, outcome), 0.1);
   EXPECT_GE(outcome.updates + outcome.missed, 500);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
-  EXPECT_EQ(rig.happened[static_cast<std::size_t>(EventKind::measurement_jump)], 0);
+  EXPECT_EQ(rig.occurred[static_cast<std::size_t>(EventKind::measurement_jump)], 0);
   EXPECT_THAT(rig.world->counts(), Contains(HasSubstr("1 jumps of its estimator by 0.2")));
   expect_well_treated(rig);
 }
 
 TEST(FaultMatrix, JumpsThatAreCountedButTooFarLandAll) {
   Rig rig(row_of({"1.16", "1.18"}, 20.0));
-  const LoopOutcome outcome = rig.fly(0.5, [&] { rig.faults(0).begin(Kind::jump_told, 0.5); });
+  const LoopOutcome outcome = rig.fly(0.5, [&] { rig.faults(0).begin(Kind::jump_reported, 0.5); });
   EXPECT_LT(outcome.updates, 400);
   EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav0: its estimator jumped too far"));
   expect_well_treated(rig);
@@ -75,7 +75,7 @@ TEST(FaultMatrix, AJumpThatNobodyCountsIsDoubtedAndThenBelieved) {
   LoopOutcome outcome;
   EXPECT_GT(off_its_circle(rig, Kind::jump, 0.5, outcome), 0.1);
   EXPECT_GE(outcome.updates + outcome.missed, 500);
-  EXPECT_GT(rig.happened[static_cast<std::size_t>(EventKind::measurement_jump)], 0);
+  EXPECT_GT(rig.occurred[static_cast<std::size_t>(EventKind::measurement_jump)], 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   expect_well_treated(rig);
 }
@@ -88,7 +88,7 @@ TEST(FaultMatrix, PosesThatFreezeForAWhileAreDoubtedAndTheTaskGoesOn) {
     rig.faults(0).end(Kind::frozen);
   });
   EXPECT_GE(outcome.updates + outcome.missed, 300);
-  EXPECT_GT(rig.happened[static_cast<std::size_t>(EventKind::measurement_frozen)], 0);
+  EXPECT_GT(rig.occurred[static_cast<std::size_t>(EventKind::measurement_frozen)], 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   expect_well_treated(rig);
 }

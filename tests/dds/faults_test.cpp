@@ -121,10 +121,10 @@ TEST(Faults, PosesFreezeJumpAndCeaseToBeNumbers) {
   faults.begin(Kind::jump, 0.5);
   EXPECT_EQ(faults.said(b).p.x, 4.5);
   EXPECT_EQ(faults.resets(), 0);
-  faults.begin(Kind::jump_told, -1.0);
+  faults.begin(Kind::jump_reported, -1.0);
   EXPECT_EQ(faults.said(b).p.x, 3.5);
   EXPECT_EQ(faults.resets(), 1);
-  faults.end(Kind::jump), faults.end(Kind::jump_told);
+  faults.end(Kind::jump), faults.end(Kind::jump_reported);
   EXPECT_EQ(faults.said(b).p.x, 4.0);
   EXPECT_EQ(faults.resets(), 2);
   faults.begin(Kind::not_finite, 0.25);

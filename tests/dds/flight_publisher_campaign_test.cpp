@@ -33,7 +33,7 @@ TEST(TopicsOutCampaign, SixteenVehiclesAreShownForAFewPercentOfACore) {
                                                 "/sightline/markers", of_shown, std::nullopt, Writers::all,
                                                 [&](const void*, const Arrival&) { ++markers; }));
   const LoopOutcome outcome = rig.fly();
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_GT(poses, 16 * 500);
   EXPECT_GT(markers, 150);

@@ -1,4 +1,4 @@
-#include "bridges/dds/topics_out.hpp"
+#include "bridges/dds/flight_publisher.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -149,12 +149,12 @@ const std::string coupled =
     "[\"uav0\"]\nweight = 0.01\n";
 
 // A flight from the ground to the ground, looked on by another participant: names, types, hashes, frames, numbers and rates.
-TEST(TopicsOut, AFlightIsShownAsRosShowsOne) {
+TEST(FlightPublisher, AFlightIsShownAsRosShowsOne) {
   Rig rig(row_of({"1.16", "1.16"}, 4.0, coupled));
   Onlooker onlooker(*rig.domain);
   const auto began = std::chrono::steady_clock::now();
   const LoopOutcome outcome = rig.fly();
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_EQ(outcome.max_allocations, 0);
   const std::string counted = rig.counted(" messages for others, ");
   EXPECT_NE(counted, "");
@@ -216,7 +216,7 @@ TEST(TopicsOut, AFlightIsShownAsRosShowsOne) {
   expect_rate("/rosout", 10, 50);
 }
 
-TEST(TopicsOut, WithoutTopicsNothingIsShownButServicesAreThere) {
+TEST(FlightPublisher, WithoutTopicsNothingIsShownButServicesAreThere) {
   Scenario scenario = row_of({"1.16"}, 1.0);
   scenario.fleet->network.topics = false;
   scenario.fleet->network.node = "/lab/flyer";
@@ -234,19 +234,19 @@ TEST(TopicsOut, WithoutTopicsNothingIsShownButServicesAreThere) {
 }
 
 // More than there is room for, and more lines than a person reads: the producer is not held up, and what is left out is said.
-TEST(TopicsOut, WhatComesTooFastIsLeftOut) {
+TEST(FlightPublisher, WhatComesTooFastIsLeftOut) {
   const Scenario scenario = row_of({"1.16"}, 1.0);
   const auto domain = std::make_shared<Domain>(scenario.fleet->network);
   std::atomic<int> lines{0};
-  std::atomic<bool> told{false};
+  std::atomic<bool> reported{false};
   const RawReader reader(domain->another_participant(), rcl_interfaces_msg_dds__Log__desc, "/rosout",
                          Quality{.reliable = true, .transient_local = true, .depth = 1000}, std::nullopt,
                          Writers::all, taking<LogLine>([&](const LogLine& m, const Arrival&) {
                            ++lines;
-                           told = told || std::string(m.msg).find("lines more in the second before") !=
-                                              std::string::npos;
+                           reported = reported || std::string(m.msg).find(
+                                                      "lines more in the second before") != std::string::npos;
                          }));
-  TopicsOut topics(scenario, domain->participant(), [](std::size_t) { return "none"; });
+  FlightPublisher topics(scenario, domain->participant(), [](std::size_t) { return "none"; });
   Sample sample;
   sample.x = sample.measured = scenario.x0;
   sample.levels = {FallbackLevel::valid};
@@ -256,7 +256,7 @@ TEST(TopicsOut, WhatComesTooFastIsLeftOut) {
   const std::int64_t before = cli::allocations();
   while (std::chrono::steady_clock::now() < end) topics.show(sample);
   EXPECT_EQ(cli::allocations(), before);
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
   EXPECT_GE(lines, 50);
   EXPECT_LE(lines, 4 * 51);
   std::atomic<int> late{0};  // who comes later sees them too
@@ -266,7 +266,7 @@ TEST(TopicsOut, WhatComesTooFastIsLeftOut) {
   EXPECT_TRUE(test::eventually([&] { return late >= 50; }, std::chrono::seconds(10)));
 }
 
-TEST(TopicsOut, NamesThatAreNoneOfRosAreMadeToAndMustDiffer) {
+TEST(FlightPublisher, NamesThatAreNoneOfRosAreMadeToAndMustDiffer) {
   EXPECT_EQ(topic_part("uav-0"), "uav_0");
   EXPECT_EQ(topic_part("7"), "_7");
   std::string text = fmt::format("[fleet]\ndomain = {}\n", test::own_domain());
@@ -278,7 +278,7 @@ TEST(TopicsOut, NamesThatAreNoneOfRosAreMadeToAndMustDiffer) {
         name, name[3] == '-' ? 0 : 3);
   const auto domain = std::make_shared<Domain>(test::own_network());
   const auto refusal = [&](const Scenario& scenario) {
-    return refusal_of([&] { TopicsOut(scenario, domain->participant(), {}); });
+    return refusal_of([&] { FlightPublisher(scenario, domain->participant(), {}); });
   };
   EXPECT_THAT(refusal(test::scenario_of(text)),
               HasSubstr("agent.uav_0 = topics /sightline/uav_0, as of uav-0, expected a name that differs"));

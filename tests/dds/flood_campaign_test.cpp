@@ -36,7 +36,7 @@ TEST(Flood, OfTenThousandMessagesASecondEachIsCountedAndTheFlightGoesOn) {
       for (int i = 0; i < a_second / 1000; ++i) sent += flood(m) ? 1 : 0;
     }
   });
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   EXPECT_EQ(outcome.max_allocations, 0);
   expect_well_treated(rig);

@@ -177,16 +177,16 @@ class GarbledWorld final : public World {
                    [](double s) { return std::isfinite(s); });
     return seen;
   }
-  bool apply(double t, std::span<const double> believed, const sightline::Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const sightline::Command& u, double period,
              std::int64_t periods) noexcept override {
-    for (const double x : believed) finite_ = finite_ && std::isfinite(x);
+    for (const double x : estimated) finite_ = finite_ && std::isfinite(x);
     for (const double x : u) greatest_ = std::isfinite(x) ? std::max(greatest_, std::abs(x)) : 1e300;
     for (Robot& robot : robots_) {
-      const Command c = robot.state.command(&believed[robot.x], u.data() + robot.u, period);
+      const Command c = robot.state.command(&estimated[robot.x], u.data() + robot.u, period);
       for (const double v : {norm(c.v), norm(c.a), norm(c.v_end), std::abs(c.r)})
         fastest_ = std::isfinite(v) ? std::max(fastest_, v) : 1e300;
     }
-    (void)world_.apply(t, believed, u, period, periods);
+    (void)world_.apply(t, estimated, u, period, periods);
     return true;
   }
 

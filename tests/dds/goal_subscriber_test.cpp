@@ -1,4 +1,4 @@
-#include "bridges/dds/goal_intake.hpp"
+#include "bridges/dds/goal_subscriber.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class Operator {
         path_(domain.participant(), nav_msgs_msg_dds__Path__desc, "/" + robot + "/path", {.reliable = true}) {
   }
 
-  bool is_heard() const { return goal_.matched() > 0 && path_.matched() > 0; }
+  bool is_received() const { return goal_.matched() > 0 && path_.matched() > 0; }
   void goal(const Vec3<double>& p, double heading = 0.0, std::string frame = "world", double w_too = 0.0) {
     const geometry_msgs_msg_dds__PoseStamped_ m = {{{}, frame.data()}, pose(p, heading, w_too)};
     (void)goal_.write(&m);
@@ -60,16 +60,16 @@ class Operator {
 
 const GoalsFrom goals_of_uav0 = {.goal_topic = "/uav0/goal", .path_topic = "/uav0/path"};
 
-TEST(GoalIntake, WhatIsRefusedIsCountedAndToldOnce) {
+TEST(GoalSubscriber, WhatIsRefusedIsCountedAndToldOnce) {
   const Domain domain{test::own_network()};
-  GoalIntake intake(domain.participant(), goals_of_uav0, {.world = 5, .floor = 0.3, .ceiling = 3});
+  GoalSubscriber subscriber(domain.participant(), goals_of_uav0, {.world = 5, .floor = 0.3, .ceiling = 3});
   Operator person(domain, "uav0");
   GoalTrack track(Multirotor{}, Constant{{0, 0, 1}, 0.0}, 0.5);
   double t = 0.0;
   const auto refused = [&](const std::string& sentence) {
-    EXPECT_THAT(intake.news(), ElementsAre(HasSubstr(sentence)));
-    EXPECT_THAT(intake.news(), IsEmpty());
-    intake.pass_on(t += 10.0, track);
+    EXPECT_THAT(subscriber.news(), ElementsAre(HasSubstr(sentence)));
+    EXPECT_THAT(subscriber.news(), IsEmpty());
+    subscriber.pass_on(t += 10.0, track);
     EXPECT_EQ(track.messages(), 0u) << sentence;
   };
   person.goal({0, std::nan(""), 1});
@@ -79,30 +79,30 @@ TEST(GoalIntake, WhatIsRefusedIsCountedAndToldOnce) {
   person.goal({6, 0, 1});
   refused("outside |x|, |y| <= 5 m, 0.3 <= z <= 3 m");
   person.goal({0, 0, 0.2});
-  EXPECT_THAT(intake.news(), IsEmpty());
+  EXPECT_THAT(subscriber.news(), IsEmpty());
   person.path({1, 1}, {{0, 0, 1}, {1, 0, 1}});
   refused("a path whose stamps do not rise from that of its header");
   person.path({}, {});
   refused("a path that has not 1 to 64 poses");
   person.path({1, 1.1}, {{0, 0, 1}, {1, 0, 1}});
-  intake.pass_on(900.0, track);
+  subscriber.pass_on(900.0, track);
   EXPECT_EQ(track.messages(), 0u);
-  EXPECT_THAT(intake.news(), ElementsAre(HasSubstr("a path faster than 5 m/s")));
-  EXPECT_THAT(intake.counts(), HasSubstr("0 goals taken, 1 refused: not finite"));
-  EXPECT_THAT(intake.counts(), HasSubstr("2 refused: outside"));
+  EXPECT_THAT(subscriber.news(), ElementsAre(HasSubstr("a path faster than 5 m/s")));
+  EXPECT_THAT(subscriber.counts(), HasSubstr("0 goals taken, 1 refused: not finite"));
+  EXPECT_THAT(subscriber.counts(), HasSubstr("2 refused: outside"));
 }
 
-TEST(GoalIntake, OfGoalsThatComeFasterThanTenASecondTheLastIsTaken) {
+TEST(GoalSubscriber, OfGoalsThatComeFasterThanTenASecondTheLastIsTaken) {
   const Domain domain{test::own_network()};
-  GoalIntake intake(domain.participant(), goals_of_uav0, {});
+  GoalSubscriber subscriber(domain.participant(), goals_of_uav0, {});
   Operator person(domain, "uav0");
   GoalTrack track(Multirotor{}, Constant{{0, 0, 1}, 0.0}, 0.5);
   person.goal({9, 9, 9});
-  intake.forget();
+  subscriber.forget();
   std::vector<Waypoint> said;
   for (int period = 0; period < 100; ++period) {
     if (period < 95) person.goal({0.1 * period, 0, 1});
-    intake.pass_on(0.01 * period, track);
+    subscriber.pass_on(0.01 * period, track);
   }
   EXPECT_LE(track.messages(), 10u);
   EXPECT_GE(track.messages(), 9u);
@@ -110,10 +110,10 @@ TEST(GoalIntake, OfGoalsThatComeFasterThanTenASecondTheLastIsTaken) {
   EXPECT_EQ(said[0].p.x, 0.0);
   track.waypoints(track.messages() - 1, said);
   EXPECT_NEAR(said[0].p.x, 9.4, 0.5);
-  EXPECT_THAT(intake.news(), IsEmpty());
+  EXPECT_THAT(subscriber.news(), IsEmpty());
 }
 
-TEST(GoalIntake, AGoalThatIsSentInFlightMovesTheRobotThereAndARefusedOneDoesNot) {
+TEST(GoalSubscriber, AGoalThatIsSentInFlightMovesTheRobotThereAndARefusedOneDoesNot) {
   std::string text = row_of({"1.16", "1.16"}, 5.0).text;
   const std::string place = "namespace = \"/px4_0\"\n";
   text.insert(text.find(place), "goal_topic = \"/uav0/goal\"\npath_topic = \"/uav0/path\"\n");
@@ -125,13 +125,13 @@ TEST(GoalIntake, AGoalThatIsSentInFlightMovesTheRobotThereAndARefusedOneDoesNot)
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     person.goal({1e6, 0, 1});
   });
-  EXPECT_GE(outcome.updates + outcome.missed, 500) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_GE(outcome.updates + outcome.missed, 500) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   const Motion m = rig.vehicle(0).motion();
   EXPECT_NEAR(m.p.x, -0.8, 0.1);
   EXPECT_NEAR(m.p.y, 0.8, 0.1);
-  EXPECT_THAT(rig.told, Contains(HasSubstr("uav0: a goal is refused: outside")));
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("uav0: a goal is refused: outside")));
   EXPECT_THAT(rig.world->counts(), Contains(HasSubstr("uav0: 1 goals taken, 1 refused: outside")));
   expect_well_treated(rig);
 }
@@ -150,7 +150,7 @@ TEST_F(FlyGoals, AFlightWithGoalsAndAPathIsReplayedBitForBit) {
     const Domain domain{test::own_network()};
     Operator person(domain, "uav1");
     ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err");
-    ASSERT_TRUE(test::eventually([&] { return person.is_heard(); }, std::chrono::seconds(5)));
+    ASSERT_TRUE(test::eventually([&] { return person.is_received(); }, std::chrono::seconds(5)));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     person.goal({0.3, 0.6, 1.2});
     std::this_thread::sleep_for(std::chrono::milliseconds(1000));

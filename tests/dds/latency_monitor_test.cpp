@@ -1,4 +1,4 @@
-#include "bridges/dds/arrivals.hpp"
+#include "bridges/dds/latency_monitor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,15 +7,15 @@ namespace {
 
 constexpr Nanoseconds arrival_ms = 1'000'000;
 
-TEST(Arrivals, OfNoneAllIsZero) {
-  const ArrivalFigures none = Arrivals().figures(5, 7);
+TEST(LatencyMonitor, OfNoneAllIsZero) {
+  const ArrivalFigures none = LatencyMonitor().figures(5, 7);
   EXPECT_EQ(none.count, 0);
   EXPECT_EQ(none.rate, 0.0);
 }
 
 // A clock that is 3 s ahead of our real-time one, which is 1000 s ahead of the monotonic one; every tenth message is late.
-TEST(Arrivals, RateGapsAndDelaysAreThoseOfTheLastTenSeconds) {
-  Arrivals arrivals;
+TEST(LatencyMonitor, RateGapsAndDelaysAreThoseOfTheLastTenSeconds) {
+  LatencyMonitor arrivals;
   Nanoseconds now = 0;
   for (int k = 0; k < 1500; ++k) {
     now = 10 * arrival_ms * k + (k % 10 == 9 ? 7 * arrival_ms : 2 * arrival_ms);
@@ -34,8 +34,8 @@ TEST(Arrivals, RateGapsAndDelaysAreThoseOfTheLastTenSeconds) {
   EXPECT_EQ(arrivals.figures(now + 20'000 * arrival_ms, 0).count, 0);
 }
 
-TEST(Arrivals, AClockThatRunsFasterDrifts) {
-  Arrivals arrivals;
+TEST(LatencyMonitor, AClockThatRunsFasterDrifts) {
+  LatencyMonitor arrivals;
   for (int k = 0; k < 800; ++k)
     arrivals.note(10 * arrival_ms * k + 10 * arrival_ms * k / 500, 10 * arrival_ms * k + arrival_ms);
   EXPECT_NEAR(arrivals.figures(8000 * arrival_ms, 0).drift, -0.002, 2e-5);

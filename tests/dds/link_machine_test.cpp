@@ -47,7 +47,7 @@ TEST(LinkMachine, ARobotThatDoesAsItIsAskedFliesAndLands) {
   EXPECT_EQ(machine.step(t, robot.facts, LinkOrder::hold).setpoint, Setpoint::zero);
   until(LinkState::done, machine, robot, LinkOrder::land, t);
   EXPECT_EQ(machine.state(), LinkState::done);
-  EXPECT_EQ(machine.reason(), LinkReason::as_asked);
+  EXPECT_EQ(machine.reason(), LinkReason::as_requested);
 }
 
 TEST(LinkMachine, NothingIsArmedBeforeItIsAsked) {
@@ -169,7 +169,7 @@ TEST(LinkMachine, AnEmergencyStopsWhatItHadArmedOnceAndNothingElse) {
     }
     EXPECT_EQ(stopped, ours ? 1 : 0) << to_string(from);
     EXPECT_EQ(machine.state(), LinkState::done);
-    EXPECT_EQ(machine.reason(), ours ? LinkReason::emergency : LinkReason::as_asked) << to_string(from);
+    EXPECT_EQ(machine.reason(), ours ? LinkReason::emergency : LinkReason::as_requested) << to_string(from);
   }
 }
 
@@ -194,7 +194,7 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
       if (chance(wild)) f.there = !f.there || chance(0.2);
       if (chance(wild)) f.checked = chance(0.7);
       if (chance(wild))
-        f.unfit = chance(0.6)   ? LinkReason::as_asked
+        f.unfit = chance(0.6)   ? LinkReason::as_requested
                   : chance(0.3) ? LinkReason::battery_low
                   : chance(0.5) ? LinkReason::estimator_invalid
                                 : LinkReason::moved;

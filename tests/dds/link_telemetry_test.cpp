@@ -23,7 +23,7 @@ Scenario localized(double duration, const std::vector<std::string>& set = {}) {
   std::vector<std::string> all = {fmt::format("fleet.domain={}", test::own_domain()),
                                   fmt::format("simulation.duration={}", duration)};
   all.insert(all.end(), set.begin(), set.end());
-  return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml", parts_of_sightline(), all);
+  return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml", built_in_registry(), all);
 }
 
 TEST(LinkTelemetry, ACommandIsTheSameForTheRobotInAnyFrame) {
@@ -67,15 +67,15 @@ TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
   const Quality quality{.reliable = true, .depth = 100};
   RawReader of_estimates(
       at, geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc, "/sightline/uav0/estimate", quality,
-      std::nullopt, Writers::all, [&](const void* told, const Arrival&) {
-        const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseWithCovarianceStamped_*>(told);
+      std::nullopt, Writers::all, [&](const void* reported, const Arrival&) {
+        const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseWithCovarianceStamped_*>(reported);
         ++estimates;
         const double variance = m.pose.covariance[0] + m.pose.covariance[7];
         if (variance > 0 && variance < 0.02 && m.pose.covariance[35] > 0) ++sure;
       });
   RawReader of_cameras(at, sensor_msgs_msg_dds__CameraInfo__desc, "/sightline/uav0/camera_info", quality,
-                       std::nullopt, Writers::all, [&](const void* told, const Arrival&) {
-                         const auto& m = *static_cast<const sensor_msgs_msg_dds__CameraInfo_*>(told);
+                       std::nullopt, Writers::all, [&](const void* reported, const Arrival&) {
+                         const auto& m = *static_cast<const sensor_msgs_msg_dds__CameraInfo_*>(reported);
                          if (m.width == 320 && m.k[0] > 200 && m.k[2] == 160.0) ++cameras;
                        });
   double distance = -1.0;
@@ -84,7 +84,7 @@ TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
     const Motion own = rig.vehicle(0).motion(), seen = rig.vehicle(1).motion();
     distance = norm(own.p - seen.p);
   });
-  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_GT(estimates, 50);
   EXPECT_GT(sure, 0.9 * estimates);
   EXPECT_GT(cameras, 3);

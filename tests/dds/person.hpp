@@ -10,7 +10,7 @@
 
 #include "bridges/dds/channel.hpp"
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/ros_words.hpp"
+#include "bridges/dds/ros_message.hpp"
 #include "bridges/dds/services.hpp"
 #include "tests/support/child.hpp"
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/pose_intake.hpp"
+#include "bridges/dds/pose_subscriber.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@ namespace {
 
 constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms;
 
-TEST(PoseIntake, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
-  PoseIntake poses({{1, 2, 3}, std::numbers::pi / 2});
+TEST(PoseSubscriber, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
+  PoseSubscriber poses({{1, 2, 3}, std::numbers::pi / 2});
   SeenMotion seen;
   EXPECT_FALSE(poses.look(seen));
   EXPECT_FALSE(poses.is_fresh(0, second));
@@ -31,8 +31,8 @@ TEST(PoseIntake, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
   EXPECT_FALSE(poses.is_fresh(second + 120 * ms, 100 * ms));
 }
 
-TEST(PoseIntake, WhatIsNotFiniteOrOfAnotherTimeIsCountedAndNotSeen) {
-  PoseIntake poses;
+TEST(PoseSubscriber, WhatIsNotFiniteOrOfAnotherTimeIsCountedAndNotSeen) {
+  PoseSubscriber poses;
   const Motion good = {{1, 0, 0}, upright({1, 0}), {}, 0};
   Motion bad = good;
   bad.p.y = std::numeric_limits<double>::quiet_NaN();

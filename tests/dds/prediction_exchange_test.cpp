@@ -1,4 +1,4 @@
-#include "bridges/dds/part_talk.hpp"
+#include "bridges/dds/prediction_exchange.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,11 +55,11 @@ struct Computer {
     prediction.sights.assign(size(scenario.horizon.N + 1), there);
     talk.send(0.0, std::vector{prediction});
   }
-  bool hears() const { return talk.is_heard(BodyId{1}); }
+  bool receives_from() const { return talk.is_received(BodyId{1}); }
 
   Scenario scenario;
   Domain* own;
-  PartTalk talk;
+  PredictionExchange talk;
 };
 
 void pass_period() { std::this_thread::sleep_for(std::chrono::milliseconds(10)); }
@@ -71,19 +71,19 @@ struct TwoComputers : testing::Test {
 TEST_F(TwoComputers, HearEachOtherOnceTheyFlyAndNotAnyLongerThanThey) {
   Computer left("left", "", &domain);
   auto right = std::make_unique<Computer>("right", "", &domain);
-  EXPECT_FALSE(left.hears());
+  EXPECT_FALSE(left.receives_from());
   ASSERT_TRUE(test::eventually(
       [&] {
         left.stand(), right->stand(), pass_period();
         return !left.talk.news().empty();
       },
       std::chrono::seconds(10)));
-  EXPECT_FALSE(left.hears()) << "it stands, and does not give way";
+  EXPECT_FALSE(left.receives_from()) << "it stands, and does not give way";
   EXPECT_TRUE(left.talk.all_hold());
   ASSERT_TRUE(test::eventually(
       [&] {
         left.fly(0.0), right->fly(2.0), left.stand(), pass_period();
-        return left.hears();
+        return left.receives_from();
       },
       std::chrono::seconds(10)));
   EXPECT_THAT(left.talk.news(), testing::ElementsAre(HasSubstr("part right: it is heard, its robots fly")));
@@ -91,7 +91,7 @@ TEST_F(TwoComputers, HearEachOtherOnceTheyFlyAndNotAnyLongerThanThey) {
   ASSERT_TRUE(test::eventually(
       [&] {
         left.stand(), pass_period();
-        return !left.hears();
+        return !left.receives_from();
       },
       std::chrono::seconds(10)));
   EXPECT_THAT(left.talk.news(), testing::ElementsAre("part right: it is not heard"));
@@ -145,8 +145,8 @@ TEST_F(TwoComputers, WhatIsPredictedElsewhereIsPlannedWith) {
   struct Planner final : PartExchange {
     void receive(double, Subteam&) noexcept override {}
     void send(double, std::span<const Prediction>) noexcept override {}
-    bool hears(BodyId, BodyId) const noexcept override { return true; }
-    bool is_heard(BodyId) const noexcept override { return true; }
+    bool receives_from(BodyId, BodyId) const noexcept override { return true; }
+    bool is_received(BodyId) const noexcept override { return true; }
   };
   const auto make = [&](const Team& team) {
     return make_solver(left.scenario.solver, team, left.scenario.horizon);
@@ -157,7 +157,7 @@ TEST_F(TwoComputers, WhatIsPredictedElsewhereIsPlannedWith) {
   ASSERT_TRUE(test::eventually(
       [&] {
         right.stand(), right.fly(1.2), left.stand(), pass_period();
-        return left.hears();
+        return left.receives_from();
       },
       std::chrono::seconds(10)));
   left.talk.begin(monotonic_now());
@@ -234,7 +234,7 @@ TEST_F(TwoComputers, ASimulatedNetworkLosesWhatItSaysAndDelaysTheRest) {
   const std::string lossy = "loss = 1.0\nflown_by = \"simulation\"";
   Computer left("left", lossy, &domain), right("right", "", &domain);
   for (int k = 0; k < 50; ++k) left.stand(), right.fly(2.0), pass_period();
-  EXPECT_FALSE(left.hears());
+  EXPECT_FALSE(left.receives_from());
   EXPECT_THAT(left.talk.counts().back(), HasSubstr("part right: 0 predictions"));
 }
 

@@ -52,17 +52,17 @@ struct NullSink final : Sink<Sample> {
   Sample* claim() noexcept override { return &sample; }
   void publish() noexcept override {
     for (int i = 0; i < sample.event_count; ++i)
-      happened.at(static_cast<std::size_t>(sample.events[static_cast<std::size_t>(i)].kind)) += 1;
+      occurred.at(static_cast<std::size_t>(sample.events[static_cast<std::size_t>(i)].kind)) += 1;
   }
   void close() noexcept override {}
   Sample sample;
-  std::array<int, event_kinds> happened{};
+  std::array<int, event_kinds> occurred{};
 };
 
 /// Stand-ins have said all of themselves, and take set-points, sooner than a vehicle.
-inline LinkTimes of_stand_ins(LinkTimes times) {
+inline LinkTimes of_vehicle_simulators(LinkTimes times) {
   times.listened = 0.8;
-  times.heard = 0.3;
+  times.received = 0.3;
   return times;
 }
 
@@ -73,9 +73,9 @@ class Rig {
   Rig(const Scenario& flown, const Scenario& vehicles, const LinkTimes& times)
       : scenario(flown),
         domain(std::make_shared<Domain>(flown.fleet->network)),
-        stand_ins(vehicles, domain),
-        stepping([this] { stand_ins.run(1e9, stepped, {}); }),
-        world(std::make_unique<DdsWorld>(scenario, domain, of_stand_ins(times))) {}
+        vehicle_simulators(vehicles, domain),
+        stepping([this] { vehicle_simulators.run(1e9, stepped, {}); }),
+        world(std::make_unique<DdsWorld>(scenario, domain, of_vehicle_simulators(times))) {}
   ~Rig() {
     world.reset();
     stepped = 1;
@@ -84,13 +84,13 @@ class Rig {
 
   bool take_off(Arming arming = Arming::real) {
     return world->take_off(arming, interrupts,
-                           [this](std::string_view sentence) { told.emplace_back(sentence); });
+                           [this](std::string_view sentence) { reported.emplace_back(sentence); });
   }
   void land() {
-    world->land(interrupts, [this](std::string_view sentence) { told.emplace_back(sentence); });
+    world->land(interrupts, [this](std::string_view sentence) { reported.emplace_back(sentence); });
   }
   /// Takes off, flies the task, lands; meanwhile `happens` after so long of the task [s].
-  LoopOutcome fly(double after = 0, const std::function<void()>& happens = {}, Arming arming = Arming::real) {
+  LoopOutcome fly(double after = 0, const std::function<void()>& occurs = {}, Arming arming = Arming::real) {
     const Controls controls(scenario);
     SteadyClock clock;
     NullSink sink(sized_sample(*world, controls.controllers()));
@@ -100,23 +100,23 @@ class Rig {
     if (!take_off(arming)) return outcome;
     std::thread other([&] {
       std::this_thread::sleep_for(std::chrono::duration<double>(after));
-      if (happens) happens();
+      if (occurs) occurs();
     });
     outcome = loop.fly();
     other.join();
-    happened = sink.happened;
-    if (dynamic_cast<Px4Vehicle*>(&stand_ins.of(0)) != nullptr) after_task = told_of(0);
+    occurred = sink.occurred;
+    if (dynamic_cast<Px4Vehicle*>(&vehicle_simulators.of(0)) != nullptr) after_task = told_of(0);
     land();
     return outcome;
   }
 
   template <class S>
   S& as(std::size_t i) {
-    return dynamic_cast<S&>(stand_ins.of(i));
+    return dynamic_cast<S&>(vehicle_simulators.of(i));
   }
-  Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(stand_ins.of(i)); }
-  Faults& faults(std::size_t i) { return stand_ins.faults(i); }
-  Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).told(); }
+  Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(vehicle_simulators.of(i)); }
+  Faults& faults(std::size_t i) { return vehicle_simulators.faults(i); }
+  Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).reported(); }
   /// The first line of the flyer's counts that has these words; empty: none.
   std::string counted(std::string_view words) const {
     for (const std::string& line : world->counts())
@@ -129,11 +129,11 @@ class Rig {
   Interrupts interrupts{0}, stepped{0};
   std::atomic<bool> stop{false};
   std::shared_ptr<Domain> domain;
-  DdsStandIns stand_ins;
+  DdsVehicleSimulators vehicle_simulators;
   std::thread stepping;
   std::unique_ptr<DdsWorld> world;
-  Fields told;
-  std::array<int, event_kinds> happened{};  // events of the task, by kind
+  Fields reported;
+  std::array<int, event_kinds> occurred{};  // events of the task, by kind
   Px4VehicleCounts after_task;
 };
 

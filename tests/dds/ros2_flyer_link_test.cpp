@@ -51,11 +51,11 @@ Ros2Flyer& flyer_of(Rig& rig, std::size_t i) { return rig.as<Ros2Flyer>(i); }
 TEST(Ros2FlyerLink, EachKindTakesOffFliesItsTaskAndLands) {
   Rig rig(flyers({by_topics, ar_drone, by_services, by_trigger}, 2.0));
   const LoopOutcome outcome = rig.fly();
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 4; ++i) {
-    const Ros2FlyerCounts n = flyer_of(rig, i).told();
+    const Ros2FlyerCounts n = flyer_of(rig, i).reported();
     EXPECT_EQ(n.takeoffs, 1) << i;
     EXPECT_EQ(n.landings, 1) << i;
     EXPECT_EQ(n.commands_outside, 0) << i;
@@ -69,11 +69,11 @@ TEST(Ros2FlyerLink, EachKindTakesOffFliesItsTaskAndLands) {
 
 TEST(Ros2FlyerLink, WhatItIsRefusedItDoesNotAskAgain) {
   Rig rig(flyers({by_trigger, by_topics}, 5.0));
-  flyer_of(rig, 0).refuse(true);
+  flyer_of(rig, 0).throw_invalid(true);
   EXPECT_FALSE(rig.take_off());
   EXPECT_THAT(rig.world->faults(), Contains("uav0: it refused what it was asked"));
-  EXPECT_EQ(flyer_of(rig, 0).told().takeoffs, 1);
-  EXPECT_EQ(flyer_of(rig, 0).told().commands_outside, 0);
+  EXPECT_EQ(flyer_of(rig, 0).reported().takeoffs, 1);
+  EXPECT_EQ(flyer_of(rig, 0).reported().commands_outside, 0);
   EXPECT_TRUE(test::eventually([&] { return flyer_of(rig, 1).state() == Ros2State::landed; }));
 }
 
@@ -84,7 +84,7 @@ TEST(Ros2FlyerLink, OneThatSomebodyElseLandsIsLeftToThem) {
   EXPECT_EQ(rig.state(0), LinkState::pilot);
   EXPECT_EQ(rig.state(1), LinkState::done);
   EXPECT_THAT(rig.world->faults(), Contains("uav0: a pilot has it"));
-  EXPECT_EQ(flyer_of(rig, 0).told().landings, 0);
+  EXPECT_EQ(flyer_of(rig, 0).reported().landings, 0);
   EXPECT_EQ(flyer_of(rig, 1).state(), Ros2State::landed);
 }
 
@@ -93,7 +93,7 @@ TEST(Ros2FlyerLink, WhereItFallsSilentItIsAskedToLand) {
   const LoopOutcome outcome = rig.fly(0.5, [&] { rig.faults(0).begin(Kind::silent); });
   EXPECT_FALSE(outcome.finite);
   EXPECT_THAT(rig.world->faults(), Contains("uav0: nothing came from it any more"));
-  EXPECT_GE(flyer_of(rig, 0).told().landings, 1);
+  EXPECT_GE(flyer_of(rig, 0).reported().landings, 1);
   EXPECT_EQ(flyer_of(rig, 0).state(), Ros2State::landed);
 }
 

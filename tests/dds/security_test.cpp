@@ -64,7 +64,7 @@ class Talker {
   Talker(dds_entity_t participant, std::uint64_t number)
       : number_(number),
         in_(participant, px4_msgs_msg_dds__VehicleOdometry__desc, "/talk", of_sensors, 114, Writers::all,
-            taking<Odometry>([this](const Odometry& m, const Arrival&) { ++heard_.at(m.timestamp); })),
+            taking<Odometry>([this](const Odometry& m, const Arrival&) { ++received_.at(m.timestamp); })),
         out_(participant, px4_msgs_msg_dds__VehicleOdometry__desc, "/talk", of_px4_output) {}
 
   void say() {
@@ -72,11 +72,11 @@ class Talker {
     m.timestamp = number_;
     out_(m);
   }
-  int heard(std::uint64_t other) const { return heard_.at(other); }
+  int received(std::uint64_t other) const { return received_.at(other); }
 
  private:
   std::uint64_t number_;
-  std::array<std::atomic<int>, 5> heard_{};
+  std::array<std::atomic<int>, 5> received_{};
   RawReader in_;
   Writer<Odometry> out_;
 };
@@ -100,20 +100,20 @@ TEST_F(Security, AStrangerAndOneOfAnotherAuthorityExchangeNothingWithTheFleet) {
   ASSERT_TRUE(test::eventually(
       [&] {
         talk();
-        return all[0]->heard(1) > 0 && all[1]->heard(0) > 0;
+        return all[0]->received(1) > 0 && all[1]->received(0) > 0;
       },
       std::chrono::seconds(20)))
       << last_complaint();
   for (int k = 0; k < 200; ++k) talk();
-  EXPECT_GT(all[0]->heard(1), 100);
-  EXPECT_GT(all[1]->heard(0), 100);
+  EXPECT_GT(all[0]->received(1), 100);
+  EXPECT_GT(all[1]->received(0), 100);
   // Strangers hear each other: it is the keys that keep them out.
-  EXPECT_GT(all[2]->heard(4), 100);
-  EXPECT_GT(all[4]->heard(2), 100);
+  EXPECT_GT(all[2]->received(4), 100);
+  EXPECT_GT(all[4]->received(2), 100);
   for (const std::uint64_t ours : {0U, 1U}) {
     for (const std::uint64_t other : {2U, 3U, 4U}) {
-      EXPECT_EQ(all.at(ours)->heard(other), 0) << other << " to " << ours;
-      EXPECT_EQ(all.at(other)->heard(ours), 0) << ours << " to " << other;
+      EXPECT_EQ(all.at(ours)->received(other), 0) << other << " to " << ours;
+      EXPECT_EQ(all.at(other)->received(ours), 0) << ours << " to " << other;
     }
   }
   for (auto& one : all) one.reset();
@@ -219,10 +219,10 @@ TEST_F(SecureFlight, VehiclesWithoutKeysAreNobodyToAFlyerWithKeys) {
   const Scenario scenario = read_scenario(fleet_with("keys", "1.0"));
   DdsWorld flyer(scenario, std::make_shared<Domain>(with(fleet_keys())), {.ready = 2.5});
   const Interrupts none{0};
-  std::vector<std::string> told;
-  EXPECT_FALSE(flyer.take_off(Arming::real, none, [&](std::string_view s) { told.emplace_back(s); }));
-  EXPECT_THAT(told, testing::Contains("uav0: done, it was not ready in time"));
-  EXPECT_THAT(told, testing::Contains(HasSubstr("vehicle_odometry: no message of PX4 1.16")));
+  std::vector<std::string> reported;
+  EXPECT_FALSE(flyer.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
+  EXPECT_THAT(reported, testing::Contains("uav0: done, it was not ready in time"));
+  EXPECT_THAT(reported, testing::Contains(HasSubstr("vehicle_odometry: no message of PX4 1.16")));
   vehicles->end(SIGINT);
   EXPECT_THAT(said("vehicles.out"), HasSubstr("uav0: 0 set-points"));
   EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));

@@ -25,7 +25,7 @@ using testing::IsEmpty;
 struct Seeing {
   Seeing(const Domain& on, const PosesFrom& poses_from, Attitude attitude = Attitude::needed)
       : from(poses_from), domain(on) {
-    read_seen_poses(intake, domain.participant(), from, attitude);
+    read_seen_poses(subscriber, domain.participant(), from, attitude);
   }
   std::unique_ptr<RawWriter> writer() const {
     const dds_topic_descriptor_t& type =
@@ -55,7 +55,7 @@ struct Seeing {
   /// What is red.
   std::vector<std::string> said() const {
     FindingList findings("");
-    intake.examine("the frame that is G", other_frames_than(from), findings);
+    subscriber.examine("the frame that is G", other_frames_than(from), findings);
     std::vector<std::string> sentences;
     for (const Finding& finding : findings.take())
       if (finding.light == Light::red) sentences.push_back(finding.sentence);
@@ -65,7 +65,7 @@ struct Seeing {
   PosesFrom from;
   const Domain& domain;
   const Nanoseconds begin = realtime_now();
-  PoseIntake intake;
+  PoseSubscriber subscriber;
 };
 
 const PosesFrom by_stamped = {PoseSource::mocap, "/body/pose", "", "world"},
@@ -83,10 +83,10 @@ TEST(SeenPoses, APoseOfMotionCaptureHasItsVelocity) {
     other.send_named(*array, "world", "cf2", {9, 9, 9}, k);
   }
   SeenMotion seen;
-  ASSERT_TRUE(one.intake.look(seen)) << fmt::format("{}", one.said());
+  ASSERT_TRUE(one.subscriber.look(seen)) << fmt::format("{}", one.said());
   EXPECT_EQ(seen.motion.p.x, 0.19);
   EXPECT_NEAR(seen.motion.v.x, 1.0, 0.1);
-  ASSERT_TRUE(other.intake.look(seen)) << fmt::format("{}", other.said());
+  ASSERT_TRUE(other.subscriber.look(seen)) << fmt::format("{}", other.said());
   EXPECT_NEAR(seen.motion.v.y, 2.0, 0.2);
   EXPECT_THAT(one.said(), IsEmpty());
   EXPECT_THAT(other.said(), IsEmpty());
@@ -101,7 +101,7 @@ TEST(SeenPoses, WhatDoesNotHoldHasASentence) {
   EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: 1 poses that are not finite"));
   one.send(*writer, "map", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 poses in a frame that is not pose_frame, \"world\""));
-  EXPECT_TRUE(one.intake.in_other_frames());
+  EXPECT_TRUE(one.subscriber.in_other_frames());
   const auto rival = one.writer();
   one.send(*rival, "world", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 messages of a second writer"));
@@ -131,7 +131,7 @@ TEST(SeenPoses, ASingleMarkerIsEnoughForABodyWithoutAHeading) {
   for (int k = 0; k < 5; ++k)
     one.send(*writer, "world", {0, 0, 1}, {std::nan(""), std::nan(""), std::nan(""), std::nan("")}, k);
   SeenMotion seen;
-  EXPECT_TRUE(one.intake.look(seen));
+  EXPECT_TRUE(one.subscriber.look(seen));
 }
 
 TEST(SeenPoses, TransformsLeadFromTheBodyToTheWorldOrTheSentenceSaysWhereTheyEnd) {
@@ -161,7 +161,7 @@ TEST(SeenPoses, TransformsLeadFromTheBodyToTheWorldOrTheSentenceSaysWhereTheyEnd
   send(*fixed, "world", "odom", 5, 0);
   for (int k = 1; k < 9; ++k) send(*tf, "odom", "base", 0.01 * k, k);
   SeenMotion seen;
-  ASSERT_TRUE(one.intake.look(seen)) << fmt::format("{}", one.said());
+  ASSERT_TRUE(one.subscriber.look(seen)) << fmt::format("{}", one.said());
   EXPECT_NEAR(seen.motion.p.x, 5.08, 1e-12);
   EXPECT_NEAR(seen.motion.v.x, 1.0, 0.1);
   EXPECT_THAT(one.said(), IsEmpty());
@@ -191,7 +191,7 @@ TEST(SeenPoses, AFleetFliesByWhatOthersSeeOfItAndOfOtherBodies) {
                "[obstacle.box]\np = [1.5, -3.0, 1.0]\n"
                "[obstacle.box.link]\nposes = \"tf\"\npose_name = \"box\"\n"));
   const LoopOutcome outcome = rig.fly();
-  EXPECT_GE(outcome.updates + outcome.missed, 350) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_GE(outcome.updates + outcome.missed, 350) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_EQ(outcome.max_allocations, 0);
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 2; ++i) {
@@ -218,13 +218,13 @@ TEST(SeenPoses, ABodyThatNobodySeesAWrongFrameAndATurnedEstimatorKeepAFleetOnThe
   text.replace(heading, 13, "heading = 1.4");
   Rig rig(flown, test::scenario_of(text), {.ready = 1.5});
   EXPECT_FALSE(rig.take_off());
-  EXPECT_THAT(rig.told, Contains(HasSubstr("lamp: rt/lamp: no message")));
-  EXPECT_THAT(rig.told,
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("lamp: rt/lamp: no message")));
+  EXPECT_THAT(rig.reported,
               Contains(testing::AllOf(HasSubstr("uav0: rt/p0: "),
                                       HasSubstr(" poses in a frame that is not pose_frame, \"map\""))));
-  EXPECT_THAT(rig.told,
+  EXPECT_THAT(rig.reported,
               Contains(HasSubstr("uav1: its estimator's heading is -1.00 rad from the one that is seen")))
-      << fmt::format("{}", fmt::join(rig.told, "\n"));
+      << fmt::format("{}", fmt::join(rig.reported, "\n"));
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
 }
 

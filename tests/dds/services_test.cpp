@@ -96,10 +96,10 @@ TEST_F(CalledFlight, StartedByACallAndStoppedByACallItIsNoFailure) {
   });
   const LoopOutcome outcome = rig.fly(0, {}, Arming::on_call);
   operator_.join();
-  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.told, "\n"));
+  EXPECT_TRUE(outcome.finite) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_GT(outcome.updates, 0);
   EXPECT_LT(outcome.updates, 2000);
-  EXPECT_THAT(rig.told, Contains("all are ready: /sightline/start lets them take off"));
+  EXPECT_THAT(rig.reported, Contains("all are ready: /sightline/start lets them take off"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   EXPECT_EQ(call(rig, "land"), "no: the flight is over");
   for (std::size_t i = 0; i < 2; ++i) {

@@ -1,4 +1,4 @@
-#include "bridges/dds/stand_in_body.hpp"
+#include "bridges/dds/simulated_body.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@ namespace {
 
 const std::vector<std::optional<Vehicle>> bodies = {std::nullopt, Vehicle::crazyflie(), Vehicle::x500()};
 
-TEST(StandInBody, TakesOffFollowsAVelocityTurnsAndStandsWhereItLanded) {
+TEST(SimulatedBody, TakesOffFollowsAVelocityTurnsAndStandsWhereItLanded) {
   for (const auto& rotors : bodies) {
-    StandInBody body({1, 2, 0}, 0.5, rotors);
+    SimulatedBody body({1, 2, 0}, 0.5, rotors);
     body.rest();
     EXPECT_TRUE(body.on_ground());
     EXPECT_EQ(norm(body.motion().v), 0.0);
@@ -29,8 +29,8 @@ TEST(StandInBody, TakesOffFollowsAVelocityTurnsAndStandsWhereItLanded) {
 }
 
 // v = v_sp (1 - exp(-t / 0.3)), and the place is its integral; likewise the heading.
-TEST(StandInBody, ThePointFollowsWithTheLagsThatAreSaid) {
-  StandInBody body({0, 0, 5}, 0.0, std::nullopt);
+TEST(SimulatedBody, ThePointFollowsWithTheLagsThatAreSaid) {
+  SimulatedBody body({0, 0, 5}, 0.0, std::nullopt);
   for (int k = 0; k < 40; ++k) body.follow({0.5, 0, 0}, {}, 0.6);
   const double t = 0.4, gone = 1 - std::exp(-t / 0.3), turned = 1 - std::exp(-t / 0.1);
   EXPECT_NEAR(body.motion().v.x, 0.5 * gone, 1e-12);
@@ -40,11 +40,11 @@ TEST(StandInBody, ThePointFollowsWithTheLagsThatAreSaid) {
   EXPECT_NEAR(std::atan2(d.y, d.x), 0.6 * (t - 0.1 * turned), 1e-12);
 }
 
-TEST(StandInBody, ComesUpToItsAltitudeAndDownToTheGroundAsPx4DoesByDefault) {
+TEST(SimulatedBody, ComesUpToItsAltitudeAndDownToTheGroundAsPx4DoesByDefault) {
   EXPECT_EQ(takeoff_speed(0.0, 5.0), 1.5);
   EXPECT_EQ(takeoff_speed(5.5, 5.0), 0.0);
   EXPECT_EQ(landing_speed(1.0), -0.7);
-  StandInBody body({}, 0.0, std::nullopt);
+  SimulatedBody body({}, 0.0, std::nullopt);
   for (int k = 0; k < 300; ++k) body.follow({0, 0, takeoff_speed(body.motion().p.z, 1.0)}, {}, 0.0);
   EXPECT_NEAR(body.motion().p.z, 1.0, 0.1);
   for (int k = 0; k < 200; ++k) body.follow({0, 0, landing_speed(body.motion().p.z)}, {}, 0.0);
@@ -52,9 +52,9 @@ TEST(StandInBody, ComesUpToItsAltitudeAndDownToTheGroundAsPx4DoesByDefault) {
 }
 
 // p = g t^2 / 2, then still.
-TEST(StandInBody, WithMotorsOffItFalls) {
+TEST(SimulatedBody, WithMotorsOffItFalls) {
   for (const auto& rotors : bodies) {
-    StandInBody body({}, 0.0, rotors);
+    SimulatedBody body({}, 0.0, rotors);
     for (int k = 0; k < 400; ++k) body.follow({0, 0, 0.5}, {}, 0.0);
     for (int k = 0; k < 200; ++k) body.follow({}, {}, 0.0);
     const double height = body.motion().p.z;
@@ -67,8 +67,8 @@ TEST(StandInBody, WithMotorsOffItFalls) {
 }
 
 // Half of the commands that tilt it forward is half of the tilt: g tan(tilt) less drag.
-TEST(StandInBody, TiltsAsTheInputsSay) {
-  StandInBody body({}, 0.0, Vehicle::ar_drone(), Commands::tilt);
+TEST(SimulatedBody, TiltsAsTheInputsSay) {
+  SimulatedBody body({}, 0.0, Vehicle::ar_drone(), Commands::tilt);
   for (int k = 0; k < 200; ++k) body.tilt({0, 0, 0.5, 0});
   for (int k = 0; k < 100; ++k) body.tilt({0.5, 0, 0, 0});
   EXPECT_GT(body.motion().v.x, 0.4);

@@ -39,7 +39,7 @@ TEST(TagFrames, CornersOfATagAreThoseOfTheBody) {
 }
 
 TEST(TagFrames, ThereAndBackIsTheSame) {
-  RandomStream chance(3, Chance::gust, 0);
+  RandomStream chance(3, StreamId::gust, 0);
   for (int k = 0; k < 100; ++k) {
     const RigidPose pose = {chance.normals(), turn_by(chance.normals())};
     const OpticalPose seen = in_optical(pose);

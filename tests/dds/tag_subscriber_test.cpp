@@ -1,4 +1,4 @@
-#include "bridges/dds/tag_intake.hpp"
+#include "bridges/dds/tag_subscriber.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,30 +52,30 @@ struct Pictures {
   std::vector<geometry_msgs_msg_dds__TransformStamped_> tags;
 };
 
-struct TagIntakeTest : testing::Test {
+struct TagSubscriberTest : testing::Test {
   OpticalPose tag(int face) const {
     const RigidPose on_body = tag_on_body(scenario.vision.tags[0].tags, face);
     return in_optical({body.p + body.R.to_G(on_body.p), compose(body.R, on_body.R)});
   }
   std::string child(int face) const { return scenario.vision.tag_frames[0][static_cast<std::size_t>(face)]; }
-  std::string counts() const { return intake.counts(BodyId{0}); }
+  std::string counts() const { return subscriber.counts(BodyId{0}); }
 
   const Scenario scenario = shipped();
   const Domain domain{test::own_network()};
-  PoseIntake own;
-  TagIntake intake{scenario, {{scenario.vision.cameras[0], &own}}, domain.participant()};
+  PoseSubscriber own;
+  TagSubscriber subscriber{scenario, {{scenario.vision.cameras[0], &own}}, domain.participant()};
   Pictures pictures{domain};
   const std::string camera = scenario.vision.cameras[0].frame;
   // uav1 turned so that two of its tags are seen.
   const RigidPose body = {{1.5, 0.1, 0.05}, turn_by({0, 0, 2.5})};
 };
 
-TEST_F(TagIntakeTest, TheTagsOfAPictureAreOnePoseWithItsCovariance) {
+TEST_F(TagSubscriberTest, TheTagsOfAPictureAreOnePoseWithItsCovariance) {
   const Nanoseconds origin = monotonic_now();
   pictures.add(camera, child(0), tag(0));
   pictures.add(camera, child(1), tag(1));
   pictures.send();
-  const auto found = intake.take(origin);
+  const auto found = subscriber.take(origin);
   const double end = 1e-9 * static_cast<double>(monotonic_now() - origin);
   ASSERT_EQ(found.size(), 1u) << counts();
   EXPECT_EQ(found[0].observer, scenario.team.find("uav0"));
@@ -87,10 +87,10 @@ TEST_F(TagIntakeTest, TheTagsOfAPictureAreOnePoseWithItsCovariance) {
   // However long writing took; the two clocks are read one after the other.
   EXPECT_THAT(found[0].stamp, AllOf(Ge(-0.051), Le(end - 0.049)));
   EXPECT_THAT(found[0].arrival, AllOf(Ge(0.0), Le(end)));
-  EXPECT_TRUE(intake.take(origin).empty());
+  EXPECT_TRUE(subscriber.take(origin).empty());
 }
 
-TEST_F(TagIntakeTest, WhatCannotBeMeantIsCountedAndLeftOut) {
+TEST_F(TagSubscriberTest, WhatCannotBeMeantIsCountedAndLeftOut) {
   const auto alone = [&](const OpticalPose& pose, const std::string& name, Nanoseconds age = 50'000'000) {
     pictures.add(camera, name, pose, age);
     pictures.send();
@@ -112,32 +112,32 @@ TEST_F(TagIntakeTest, WhatCannotBeMeantIsCountedAndLeftOut) {
   pictures.send();
   pictures.add("another_camera", child(0), tag(0));
   pictures.send();
-  EXPECT_TRUE(intake.take(0).empty());
+  EXPECT_TRUE(subscriber.take(0).empty());
   EXPECT_EQ(counts(),
             "6 pictures with tags, 2 tags not finite or no poses, 1 of no body, 1 pictures of the future, 1 "
             "too old, 0 repeated, 0 of a second writer, 1 bodies that did not fit, 0 lost");
   Pictures rival(domain);
   rival.add(camera, child(0), tag(0));
   rival.send();
-  EXPECT_TRUE(intake.take(0).empty());
+  EXPECT_TRUE(subscriber.take(0).empty());
   EXPECT_THAT(counts(), HasSubstr("1 of a second writer"));
 }
 
-TEST_F(TagIntakeTest, WhatIsTooMuchIsLostAndAPeriodTakesNoMoreThanItSays) {
+TEST_F(TagSubscriberTest, WhatIsTooMuchIsLostAndAPeriodTakesNoMoreThanItSays) {
   for (int k = 0; k < 300; ++k) {
     pictures.add(camera, child(0), tag(0), 10'000'000 + 1000 * k);
     pictures.send();
   }
-  EXPECT_EQ(intake.take(0).size(), TagIntake::most);
+  EXPECT_EQ(subscriber.take(0).size(), TagSubscriber::most);
   EXPECT_THAT(counts(), HasSubstr("44 lost"));
-  intake.forget();
-  EXPECT_TRUE(intake.take(0).empty());
+  subscriber.forget();
+  EXPECT_TRUE(subscriber.take(0).empty());
 }
 
-TEST_F(TagIntakeTest, TheFindingsSayWhetherTagsComeAndWhen) {
+TEST_F(TagSubscriberTest, TheFindingsSayWhetherTagsComeAndWhen) {
   const auto said = [&] {
     FindingList list("uav0");
-    intake.examine(BodyId{0}, {}, list);
+    subscriber.examine(BodyId{0}, {}, list);
     return list.take();
   };
   ASSERT_EQ(said().size(), 2u);

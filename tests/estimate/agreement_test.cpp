@@ -8,9 +8,9 @@ namespace sightline {
 namespace {
 
 /// What a robot on a circle means at a time, and its dead reckoning, in a frame turned by a radian and moved.
-Meaning on_circle(double t) {
+PoseHypothesis on_circle(double t) {
   const auto place = [](double s) { return Vec3<double>{std::cos(s), std::sin(s), 1.0}; };
-  Meaning m{
+  PoseHypothesis m{
       .stamp = t, .p = place(t), .psi = wrap(t + 0.5 * std::numbers::pi), .sigma = 0.01, .psi_sigma = 0.01};
   m.reckoned.p = turn_z(1.0) * m.p + Vec3<double>{5, -3, 2};
   m.reckoned.psi = wrap(m.psi + 1.0);
@@ -25,10 +25,10 @@ TEST(Agreement, AllThatOneMovingRobotMeansAgrees) {
 TEST(Agreement, WhatMeansAnotherPlaceOrHeadingDoesNotCount) {
   Agreement agreement;
   EXPECT_EQ(agreement.add(on_circle(1.0)), 1);
-  Meaning elsewhere = on_circle(1.1);
+  PoseHypothesis elsewhere = on_circle(1.1);
   elsewhere.p.x += 0.5;
   EXPECT_EQ(agreement.add(elsewhere), 1);
-  Meaning turned = on_circle(1.2);
+  PoseHypothesis turned = on_circle(1.2);
   turned.psi += 0.5;
   EXPECT_EQ(agreement.add(turned), 1);
   EXPECT_EQ(agreement.add(on_circle(1.3)), 2);
@@ -54,7 +54,7 @@ TEST(Agreement, MoreThanItRemembersAreNoFault) {
 }
 
 TEST(Agreement, DeadReckoningIsTheMotionItIsTold) {
-  Reckoned reckoned;
+  DeadReckoning reckoned;
   MotionSample u{.v_V = {1, 0, 0.5}, .yaw_rate = 1.0};
   for (int k = 0; k < 62832; ++k) reckoned.advance(u, 1e-4);
   EXPECT_LE(norm(reckoned.p - Vec3<double>{0, 0, 0.5 * 6.2832}), 1e-3);

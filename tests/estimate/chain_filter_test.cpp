@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "sightline/estimate/delayed.hpp"
 #include "sightline/estimate/heading_filter.hpp"
+#include "sightline/estimate/out_of_sequence_filter.hpp"
 #include "tests/support/filter_derivatives.hpp"
 #include "tests/support/synthetic_chain.hpp"
 
@@ -48,7 +48,7 @@ TEST(ChainFilter, TheCovarianceGoesOnAsTheStateDoesAndInnovationsAsHSays) {
   EXPECT_LT(of.R(0, 0), filter.innovation(s, test::random_sighting(random), u).R(0, 0) + 1.0);
   // The error of the other is as likely as it tells, after a while.
   auto later = s;
-  filter.hear(later, z);
+  filter.receive(later, z);
   for (int k = 0; k < 2000; ++k) filter.advance(later, u, 0.01);
   EXPECT_LE(test::greatest(block<4, 4>(later.P, 10, 10) - z.P_other), 1e-6);
 }

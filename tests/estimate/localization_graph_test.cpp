@@ -27,12 +27,12 @@ TEST(LocalizationGraph, AChainHasATierForEachHop) {
 TEST(LocalizationGraph, ARobotIsAboveAllThatItIsLocalizedBy) {
   Random random(1);
   for (int k = 0; k < 200; ++k) {
-    // Any robot watches some of those before it.
+    // Any robot observes some of those before it.
     std::vector<Localized> robots = chain(12);
     for (int i = 1; i < 12; ++i) {
       robots[static_cast<std::size_t>(i)].is_anchor = uniform(random, 0, 1) < 0.2;
       for (int j = 0; j < i; ++j)
-        if (uniform(random, 0, 1) < 0.3) robots[static_cast<std::size_t>(i)].watches.push_back(j);
+        if (uniform(random, 0, 1) < 0.3) robots[static_cast<std::size_t>(i)].observes.push_back(j);
     }
     const LocalizationGraph graph(robots);
     int before = 0;
@@ -48,7 +48,7 @@ TEST(LocalizationGraph, ARobotIsAboveAllThatItIsLocalizedBy) {
 
 TEST(LocalizationGraph, ACircleIsRefusedByItsRobotsNames) {
   std::vector<Localized> robots = chain(4);
-  robots[1].watches = {0, 3};
+  robots[1].observes = {0, 3};
   EXPECT_EQ(
       refusal_of([&] { return LocalizationGraph(robots); }),
       "robots are localized in a circle, \"uav1\" by \"uav3\", \"uav3\" by \"uav2\", \"uav2\" by \"uav1\", "
@@ -57,7 +57,7 @@ TEST(LocalizationGraph, ACircleIsRefusedByItsRobotsNames) {
 
 TEST(LocalizationGraph, WithinACircleThatIsAllowedNothingIsSupposedOfTheErrors) {
   std::vector<Localized> robots = chain(5);
-  robots[1].watches = {0, 2};
+  robots[1].observes = {0, 2};
   const LocalizationGraph graph(robots, Cycles::intersected);
   EXPECT_EQ(graph.error_of(1, 2), OtherError::unknown);
   EXPECT_EQ(graph.error_of(2, 1), OtherError::unknown);
@@ -74,8 +74,8 @@ TEST(LocalizationGraph, ARobotWithoutAPathToAnAnchorIsRefused) {
             "\"uav0\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
             "is known");
   robots = chain(3);
-  robots[1].watches = {2};
-  robots[2].watches = {1};
+  robots[1].observes = {2};
+  robots[2].observes = {1};
   EXPECT_EQ(refusal_of([&] { return LocalizationGraph(robots, Cycles::intersected); }),
             "\"uav1\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
             "is known");
@@ -83,12 +83,12 @@ TEST(LocalizationGraph, ARobotWithoutAPathToAnAnchorIsRefused) {
 
 TEST(LocalizationGraph, WhomNobodyKnowsIsRefused) {
   std::vector<Localized> robots = chain(3);
-  robots[2].watches = {7};
+  robots[2].observes = {7};
   EXPECT_EQ(refusal_of([&] { return LocalizationGraph(robots); }),
-            "\"uav2\" watches robot 7, expected 0 to 2");
-  robots[2].watches = {2};
+            "\"uav2\" observes robot 7, expected 0 to 2");
+  robots[2].observes = {2};
   EXPECT_EQ(refusal_of([&] { return LocalizationGraph(robots); }),
-            "\"uav2\" watches itself, expected another robot");
+            "\"uav2\" observes itself, expected another robot");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "sightline/estimate/delayed.hpp"
+#include "sightline/estimate/out_of_sequence_filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ struct Happened {
   std::vector<MotionSample> motion;
   std::vector<Measurement> measured;
 };
-Happened happened(SyntheticOptions options, double duration) {
+Happened occurred(SyntheticOptions options, double duration) {
   options.dropout = 0.0;
   SyntheticFlight flight(options);
   Happened all;
@@ -39,10 +39,10 @@ Happened happened(SyntheticOptions options, double duration) {
 
 /// Each measurement arrives with the sample that holds its stamp, and so many samples later.
 template <class Filter, class Late>
-std::unique_ptr<Delayed<Filter>> filtered(const Happened& all, const FilterOptions& options,
-                                          const Late& late) {
+std::unique_ptr<OutOfSequenceFilter<Filter>> filtered(const Happened& all, const FilterOptions& options,
+                                                      const Late& late) {
   const SensorMount mount = SyntheticOptions{}.mount;
-  auto filter = std::make_unique<Delayed<Filter>>(options, Filter(options, mount));
+  auto filter = std::make_unique<OutOfSequenceFilter<Filter>>(options, Filter(options, mount));
   std::vector<std::vector<Measurement>> arriving(all.motion.size());
   for (std::size_t i = 0; i < all.measured.size(); ++i) {
     const Measurement& z = all.measured[i];
@@ -60,7 +60,7 @@ std::unique_ptr<Delayed<Filter>> filtered(const Happened& all, const FilterOptio
 }
 
 template <class Filter>
-void expect_same(const Delayed<Filter>& a, const Delayed<Filter>& b) {
+void expect_same(const OutOfSequenceFilter<Filter>& a, const OutOfSequenceFilter<Filter>& b) {
   ASSERT_TRUE(a.estimate().known && b.estimate().known);
   EXPECT_LE(test::greatest(test::difference(a.state(), b.state())), 1e-12);
   EXPECT_LE(test::greatest(a.state().P - b.state().P), 1e-12);
@@ -71,7 +71,7 @@ template <class Filter>
 void expect_lateness_does_not_matter(SyntheticOptions synthetic) {
   // It ends with 0.4 s without pictures, so that the latest arrive too.
   synthetic.blind_from = 3.6;
-  const Happened all = happened(synthetic, 4.0);
+  const Happened all = occurred(synthetic, 4.0);
   ASSERT_GT(all.measured.size(), 90U);
   const auto in_order = filtered<Filter>(all, {}, [](std::size_t) { return 0; });
   expect_same(*in_order, *filtered<Filter>(all, {}, [](std::size_t) { return 8; }));
@@ -79,18 +79,18 @@ void expect_lateness_does_not_matter(SyntheticOptions synthetic) {
   expect_same(*in_order, *filtered<Filter>(all, {}, [](std::size_t i) { return (i * 17) % 38; }));
 }
 
-TEST(Delayed, AMeasurementThatIs80MsLateOrOutOfOrderLeavesTheStateThatItWouldInTime) {
+TEST(OutOfSequenceFilter, AMeasurementThatIs80MsLateOrOutOfOrderLeavesTheStateThatItWouldInTime) {
   expect_lateness_does_not_matter<HeadingFilter>({.seed = 1});
   expect_lateness_does_not_matter<AttitudeFilter>({.seed = 2});
 }
 
-TEST(Delayed, TheSameHoldsAmongOutliersAndFlips) {
+TEST(OutOfSequenceFilter, TheSameHoldsAmongOutliersAndFlips) {
   expect_lateness_does_not_matter<HeadingFilter>({.seed = 3, .outliers = 0.2, .flips = 0.2});
   expect_lateness_does_not_matter<AttitudeFilter>({.seed = 4, .outliers = 0.2, .flips = 0.2});
 }
 
-TEST(Delayed, AMeasurementOfAnUnknownPastOrTheFutureIsNotTakenAndOneCountsOnce) {
-  const Happened all = happened({.seed = 5, .blind_from = 1.5}, 2.0);
+TEST(OutOfSequenceFilter, AMeasurementOfAnUnknownPastOrTheFutureIsNotTakenAndOneCountsOnce) {
+  const Happened all = occurred({.seed = 5, .blind_from = 1.5}, 2.0);
   const auto filter = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
   Measurement z = all.measured.back();
   ASSERT_LT(z.stamp, 1.5);
@@ -108,8 +108,8 @@ TEST(Delayed, AMeasurementOfAnUnknownPastOrTheFutureIsNotTakenAndOneCountsOnce) 
   EXPECT_EQ(filter->take(z).verdict, FitVerdict::unusable);
 }
 
-TEST(Delayed, OneAheadOfTheMotionIsTakenWithTheSampleItFallsInto) {
-  const Happened all = happened({.seed = 6}, 2.0);
+TEST(OutOfSequenceFilter, OneAheadOfTheMotionIsTakenWithTheSampleItFallsInto) {
+  const Happened all = occurred({.seed = 6}, 2.0);
   auto in_order = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
   auto early = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
   MotionSample next = all.motion.back();
@@ -123,19 +123,19 @@ TEST(Delayed, OneAheadOfTheMotionIsTakenWithTheSampleItFallsInto) {
   expect_same(*in_order, *early);
 }
 
-TEST(Delayed, ManyMoreMeasurementsThanItRemembersAreAllUsed) {
+TEST(OutOfSequenceFilter, ManyMoreMeasurementsThanItRemembersAreAllUsed) {
   // 900 Hz: 64 of them are 70 ms.
-  const Happened all = happened({.seed = 7, .camera_rate = 900, .blind_from = 1.9}, 2.0);
+  const Happened all = occurred({.seed = 7, .camera_rate = 900, .blind_from = 1.9}, 2.0);
   const auto in_order = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
   const auto late = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 5; });
   expect_same(*in_order, *late);
-  const auto few = filtered<HeadingFilter>(happened({.seed = 7, .blind_from = 1.9}, 2.0), {},
+  const auto few = filtered<HeadingFilter>(occurred({.seed = 7, .blind_from = 1.9}, 2.0), {},
                                            [](std::size_t) { return 0; });
   EXPECT_LT(in_order->estimate().position_sigma(), few->estimate().position_sigma());
 }
 
-TEST(Delayed, AMotionThatNobodyMeasuredWidensTheEstimate) {
-  const Happened all = happened({.seed = 8}, 2.0);
+TEST(OutOfSequenceFilter, AMotionThatNobodyMeasuredWidensTheEstimate) {
+  const Happened all = occurred({.seed = 8}, 2.0);
   auto filter = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
   auto gapped = filtered<HeadingFilter>(all, {}, [](std::size_t) { return 0; });
   MotionSample next = all.motion.back();
@@ -154,9 +154,9 @@ TEST(Delayed, AMotionThatNobodyMeasuredWidensTheEstimate) {
   EXPECT_EQ(filter->estimate().stamp, stamp) << "a sample that is not finite is none";
 }
 
-TEST(Delayed, NothingIsAllocatedOnceItIsMade) {
+TEST(OutOfSequenceFilter, NothingIsAllocatedOnceItIsMade) {
   for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
-    const Happened all = happened({.seed = 9, .outliers = 0.3, .flips = 0.3}, 3.0);
+    const Happened all = occurred({.seed = 9, .outliers = 0.3, .flips = 0.3}, 3.0);
     const auto filter = make_pose_filter({.filter = kind}, SyntheticOptions{}.mount);
     const std::int64_t before = allocations_here();
     for (const MotionSample& u : all.motion) {

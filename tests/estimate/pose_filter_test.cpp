@@ -75,11 +75,11 @@ TEST(PoseFilter, ACameraThatSitsAskewIsFoundOutByItsTurn) {
   turned.camera_turn = 0.02;
   SyntheticOptions askew;
   askew.misalignment = 0.02;
-  const Consistency told = fly_filters(turned, askew, 12, 30.0),
-                    untold = fly_filters(by_attitude, askew, 12, 30.0);
-  EXPECT_LT(told.anees(), 5.0);
-  EXPECT_GT(untold.anees(), 10.0);
-  EXPECT_LT(told.rmse(), untold.rmse());
+  const Consistency received = fly_filters(turned, askew, 12, 30.0),
+                    unreported = fly_filters(by_attitude, askew, 12, 30.0);
+  EXPECT_LT(received.anees(), 5.0);
+  EXPECT_GT(unreported.anees(), 10.0);
+  EXPECT_LT(received.rmse(), unreported.rmse());
 }
 
 TEST(PoseFilter, WhileItIsBlindItsCovarianceGrowsAsTheError) {
@@ -193,7 +193,7 @@ TEST(PoseFilter, ACompassIsAHeading) {
     SyntheticFlight flight({.seed = 6, .yaw = false});
     const auto filter = make_pose_filter(options, flight.o.mount);
     std::vector<Measurement> arrived;
-    RandomStream noise(1, Chance::draw, 1);
+    RandomStream noise(1, StreamId::draw, 1);
     double worst = 0.0;
     while (flight.now() < 10.0) {
       filter->advance(flight.advance(arrived));

@@ -129,8 +129,9 @@ TEST_F(Install, a_program_of_ones_own_flies_in_mujoco_from_the_prefix) {
   ASSERT_TRUE(fs::exists(prefix() + "/include/sightline/mujoco.hpp"));
   write(folder_ / "source/own.cpp",
         "#include <sightline/command_line.hpp>\n#include <sightline/mujoco.hpp>\n"
-        "int main(int argc, char** argv) {\n  sightline::Parts parts;\n  sightline::add_mujoco(parts);\n"
-        "  return sightline::command_line(argc, argv, parts);\n}\n");
+        "int main(int argc, char** argv) {\n  sightline::Registry registry;\n  "
+        "sightline::add_mujoco(registry);\n"
+        "  return sightline::command_line(argc, argv, registry);\n}\n");
   const auto done = configured(
       "find_package(sightline REQUIRED COMPONENTS cli mujoco)\n"
       "add_executable(own own.cpp)\n"

@@ -1,4 +1,4 @@
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,39 +11,39 @@
 namespace sightline {
 namespace {
 
-TEST(Crew, EachPartIsDoneOnceWhateverTheThreads) {
+TEST(ThreadPool, EachPartIsDoneOnceWhateverTheThreads) {
   for (const int threads : {1, 2, 3, 8}) {
-    Crew crew(threads);
-    EXPECT_EQ(crew.threads(), threads);
+    ThreadPool pool(threads);
+    EXPECT_EQ(pool.threads(), threads);
     for (const int parts : {0, 1, 2, 3, 7, 64, 1000}) {
       std::vector<int> times(static_cast<std::size_t>(parts), 0);
       for (int job = 0; job < 50; ++job)
-        crew.share(parts, [&](int part, int thread) noexcept {
+        pool.share(parts, [&](int part, int thread) noexcept {
           if (thread >= 0 && thread < threads) ++times[static_cast<std::size_t>(part)];
         });
-      for (const int n : times) EXPECT_EQ(n, 50) << threads << " threads, " << parts << " parts";
+      for (const int count : times) EXPECT_EQ(count, 50) << threads << " threads, " << parts << " parts";
     }
   }
 }
 
-TEST(Crew, ItsThreadsSleepAndComeBack) {
-  Crew crew(2);
+TEST(ThreadPool, ItsThreadsSleepAndComeBack) {
+  ThreadPool pool(2);
   std::atomic<int> sum = 0;
   for (int job = 0; job < 20; ++job) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    crew.share(10, [&](int part, int) noexcept { sum += part; });
+    pool.share(10, [&](int part, int) noexcept { sum += part; });
   }
   EXPECT_EQ(sum, 20 * 45);
 }
 
-TEST(Crew, WhoSharesWhileAnotherDoesOrWithinAPartDoesItAllAlone) {
-  Crew crew(2);
+TEST(ThreadPool, WhoSharesWhileAnotherDoesOrWithinAPartDoesItAllAlone) {
+  ThreadPool pool(2);
   std::vector<std::atomic<int>> sums(3);
   const auto count = [&](std::size_t i) {
     for (int job = 0; job < 200; ++job)
-      crew.share(10, [&, i](int part, int) noexcept {
+      pool.share(10, [&, i](int part, int) noexcept {
         sums[i] += part;
-        if (part == 5) crew.share(2, [&](int, int) noexcept { ++sums[2]; });
+        if (part == 5) pool.share(2, [&](int, int) noexcept { ++sums[2]; });
       });
   };
   std::thread other(count, 0);
@@ -54,8 +54,8 @@ TEST(Crew, WhoSharesWhileAnotherDoesOrWithinAPartDoesItAllAlone) {
   EXPECT_EQ(sums[2], 2 * 200 * 2);
 }
 
-TEST(Crew, ComputesInTheModeOfWhoSharesIt) {
-  Crew crew(2);
+TEST(ThreadPool, ComputesInTheModeOfWhoSharesIt) {
+  ThreadPool pool(2);
   std::vector<double> tiny(64);
   volatile double small = 1e-308;
   const auto halves = [&](int part, int) noexcept {
@@ -64,7 +64,7 @@ TEST(Crew, ComputesInTheModeOfWhoSharesIt) {
   };
   {
     const FlushSubnormals flush;
-    crew.share(64, halves);
+    pool.share(64, halves);
   }
   volatile double flushed = 0.0;
   {
@@ -72,13 +72,13 @@ TEST(Crew, ComputesInTheModeOfWhoSharesIt) {
     flushed = small * 0.25;
   }
   for (const double t : tiny) EXPECT_EQ(t, flushed);
-  crew.share(64, halves);
+  pool.share(64, halves);
   for (const double t : tiny) EXPECT_GT(t, 0.0);
 }
 
-TEST(Crew, RefusesNoThreadAndTooMany) {
-  EXPECT_THROW(Crew(0), std::invalid_argument);
-  EXPECT_THROW(Crew(65), std::invalid_argument);
+TEST(ThreadPool, RefusesNoThreadAndTooMany) {
+  EXPECT_THROW(ThreadPool(0), std::invalid_argument);
+  EXPECT_THROW(ThreadPool(65), std::invalid_argument);
 }
 
 }  // namespace

@@ -92,9 +92,9 @@ TEST(SensorMount, TheFarthestPointIsAsFarOffTheAxisAsAnyOfTheDoubt) {
   for (int trial = 0; trial < 1000; ++trial) {
     SensorMount mount = random_mount(random);
     mount.sigmas = uniform(random, 0.1, 3.0);
-    const double doubt = uniform(random, 0.001, 0.3), rho = mount.sigmas * doubt;
+    const double uncertainty = uniform(random, 0.001, 0.3), rho = mount.sigmas * uncertainty;
     const Vec3<double> p{uniform(random, 0.5, 4.0), uniform(random, -2, 2), uniform(random, -2, 2)};
-    const Vec3<double> far = mount.farthest(doubt, p);
+    const Vec3<double> far = mount.farthest(uncertainty, p);
     const double aside = std::hypot(p.y, p.z), out = std::hypot(far.y, far.z);
     EXPECT_EQ(far.x, p.x);
     EXPECT_NEAR(far.y * p.z, far.z * p.y, 1e-12) << "in the same direction";
@@ -104,11 +104,11 @@ TEST(SensorMount, TheFarthestPointIsAsFarOffTheAxisAsAnyOfTheDoubt) {
       EXPECT_GT(out, aside + 0.94 * rho);
     }
   }
-  const SensorMount doubting{.sigmas = 2.0};
+  const SensorMount uncertain{.sigmas = 2.0};
   for (const double on_the_axis :
-       {doubting.farthest(0.1, Vec3<double>{1, 0, 0}).y, doubting.farthest(0.0, Vec3<double>{1, 0, 0}).y})
+       {uncertain.farthest(0.1, Vec3<double>{1, 0, 0}).y, uncertain.farthest(0.0, Vec3<double>{1, 0, 0}).y})
     EXPECT_EQ(on_the_axis, 0.0);
-  EXPECT_EQ(doubting.farthest(0.0, Vec3<double>{1, 0.3, 0.2}).y, 0.3) << "who is sure sees what is there";
+  EXPECT_EQ(uncertain.farthest(0.0, Vec3<double>{1, 0.3, 0.2}).y, 0.3) << "who is sure sees what is there";
 }
 
 TEST(SensorMount, DistancesAreKept) {

@@ -372,12 +372,12 @@ struct Moody {
   static constexpr std::size_t nx = 2, nu = 1;
   static constexpr std::string_view name = "moody";
   template <class S>
-  static void refuse() {
+  static void throw_invalid() {
     if constexpr (std::is_same_v<S, double>) throw std::runtime_error("not today");
   }
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
-    refuse<S>();
+    throw_invalid<S>();
     return {x[1], u[0]};
   }
   template <class S>
@@ -386,7 +386,7 @@ struct Moody {
   }
   template <class S>
   std::array<S, nx> at_rest(const Pose<S>& pose) const {
-    refuse<S>();
+    throw_invalid<S>();
     return {pose.p.x, S(0.0)};
   }
 };

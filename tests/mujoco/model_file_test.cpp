@@ -74,10 +74,10 @@ class ModelFiles : public testing::Test {
     EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     return said;
   }
-  static Parts with_mujoco() {
-    Parts parts;
-    add_mujoco(parts);
-    return parts;
+  static Registry with_mujoco() {
+    Registry registry;
+    add_mujoco(registry);
+    return registry;
   }
 
   const fs::path folder_ = fresh_folder();

@@ -139,8 +139,8 @@ TEST(RenderedDetections, MoreTagsThanTheFamilyHasAreRefused) {
 }
 
 TEST(RenderedDetections, AScenarioFliesOnThemInTheWorldOfMuJoCo) {
-  Parts parts;
-  add_mujoco(parts);
+  Registry registry;
+  add_mujoco(registry);
   const Scenario scenario = parse_scenario(R"toml([world]
 kind = "mujoco"
 
@@ -163,7 +163,7 @@ start = { p = [1.6, 0.0, 1.0], heading = 0.6 }
 
 [agent.b.tags]
 )toml",
-                                           "a.toml", parts);
+                                           "a.toml", registry);
   const auto world = make_world(scenario);
   const std::vector<double> u(8, 0.0);
   std::size_t seen = 0;

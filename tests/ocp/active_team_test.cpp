@@ -1,4 +1,4 @@
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,9 +24,9 @@ std::vector<std::string> names_of(const Team& team) {
   return names;
 }
 
-TEST(Roster, ATeamThatNothingHappensToIsTheTeamItWasMadeOf) {
+TEST(ActiveTeam, ATeamThatNothingHappensToIsTheTeamItWasMadeOf) {
   const Team all = event_team(4);
-  const Team team = Roster(all).team(0.0);
+  const Team team = ActiveTeam(all).team(0.0);
   EXPECT_EQ(names_of(team), names_of(all));
   ASSERT_EQ(team.couplings().size(), all.couplings().size());
   for (std::size_t i = 0; i < all.couplings().size(); ++i) {
@@ -46,50 +46,50 @@ Team looking_past() {
   return team;
 }
 
-TEST(Roster, WhatIsLookedPastIsThereWhileItsBodyIs) {
-  Roster roster(looking_past());
-  ASSERT_EQ(roster.team(0.0).couplings().size(), 1U);
-  EXPECT_EQ(roster.team(0.0).couplings()[0].third, BodyId{2});
+TEST(ActiveTeam, WhatIsLookedPastIsThereWhileItsBodyIs) {
+  ActiveTeam active_team(looking_past());
+  ASSERT_EQ(active_team.team(0.0).couplings().size(), 1U);
+  EXPECT_EQ(active_team.team(0.0).couplings()[0].third, BodyId{2});
   // What does not steer is looked past too.
-  ASSERT_THAT(roster.apply(RemoveBody{BodyId{2}, Afterwards::hold}, 1.0, 0.0), IsEmpty());
-  const Team held = roster.team(1.0);
+  ASSERT_THAT(active_team.apply(RemoveBody{BodyId{2}, Afterwards::hold}, 1.0, 0.0), IsEmpty());
+  const Team held = active_team.team(1.0);
   ASSERT_EQ(held.couplings().size(), 1U);
   EXPECT_EQ(held.name(held.couplings()[0].third), "uav2");
-  ASSERT_THAT(roster.apply(RemoveBody{BodyId{2}}, 2.0, 1.0), IsEmpty());
-  ASSERT_EQ(roster.team(2.5).couplings().size(), 1U);
-  EXPECT_EQ(roster.team(2.5).couplings()[0].ramp.at(2.5), 0.5) << "it fades out";
-  EXPECT_TRUE(roster.team(3.5).couplings().empty());
-  ASSERT_THAT(roster.apply(AddBody{BodyId{2}}, 4.0, 1.0), IsEmpty());
-  ASSERT_EQ(roster.team(4.5).couplings().size(), 1U);
-  EXPECT_EQ(roster.team(4.5).couplings()[0].ramp.at(4.5), 0.5) << "it fades in";
+  ASSERT_THAT(active_team.apply(RemoveBody{BodyId{2}}, 2.0, 1.0), IsEmpty());
+  ASSERT_EQ(active_team.team(2.5).couplings().size(), 1U);
+  EXPECT_EQ(active_team.team(2.5).couplings()[0].ramp.at(2.5), 0.5) << "it fades out";
+  EXPECT_TRUE(active_team.team(3.5).couplings().empty());
+  ASSERT_THAT(active_team.apply(AddBody{BodyId{2}}, 4.0, 1.0), IsEmpty());
+  ASSERT_EQ(active_team.team(4.5).couplings().size(), 1U);
+  EXPECT_EQ(active_team.team(4.5).couplings()[0].ramp.at(4.5), 0.5) << "it fades in";
 }
 
-TEST(Roster, APotentialThatLooksPastNobodyDoesNotTakeThePlaceOfOneThatDoes) {
-  Roster roster(looking_past());
-  EXPECT_EQ(
-      roster.apply(RetuneTerm{.name = "past", .potential = Potential(Region("distance > 1 m"))}, 1.0, 0.0),
-      "region looks past no third body, \"past\" past one, expected one that does alike");
+TEST(ActiveTeam, APotentialThatLooksPastNobodyDoesNotTakeThePlaceOfOneThatDoes) {
+  ActiveTeam active_team(looking_past());
+  EXPECT_EQ(active_team.apply(RetuneTerm{.name = "past", .potential = Potential(Region("distance > 1 m"))},
+                              1.0, 0.0),
+            "region looks past no third body, \"past\" past one, expected one that does alike");
 }
 
-TEST(Roster, ARobotThatIsLookedPastMayBeLookedAt) {
+TEST(ActiveTeam, ARobotThatIsLookedPastMayBeLookedAt) {
   Team team = looking_past();
   team.couple(
       {.term = 0.4 * SensorCone{}, .between = {BodyId{0}, BodyId{1}}, .felt_by = {AgentId{BodyId{0}}}});
-  Roster roster(team);
-  ASSERT_THAT(roster.apply(Observe{AgentId{BodyId{0}}, BodyId{2}}, 1.0, 1.0), IsEmpty());
-  const Team then = roster.team(3.0);
+  ActiveTeam active_team(team);
+  ASSERT_THAT(active_team.apply(Observe{AgentId{BodyId{0}}, BodyId{2}}, 1.0, 1.0), IsEmpty());
+  const Team then = active_team.team(3.0);
   ASSERT_EQ(then.couplings().size(), 1U) << "nothing is to be seen past what is looked at";
   EXPECT_EQ(then.couplings()[0].between.second, BodyId{2});
 }
 
-TEST(Roster, ARobotThatBrakesOrSinksIsKeptOffByItsSwarm) {
+TEST(ActiveTeam, ARobotThatBrakesOrSinksIsKeptOffByItsSwarm) {
   for (const Afterwards afterwards : {Afterwards::hold, Afterwards::land, Afterwards::vanish}) {
     Team all = event_team(4, 4);
     all.keep_apart(2.0 * PassRight{}, felt_by({AgentId{BodyId{0}}, AgentId{BodyId{1}}, AgentId{BodyId{2}}}),
                    3.0, 3);
-    Roster roster(all);
-    EXPECT_THAT(roster.apply(RemoveBody{BodyId{1}, afterwards}, 1.0, 0.0), IsEmpty());
-    const Team team = roster.team(1.0);
+    ActiveTeam active_team(all);
+    EXPECT_THAT(active_team.apply(RemoveBody{BodyId{1}, afterwards}, 1.0, 0.0), IsEmpty());
+    const Team team = active_team.team(1.0);
     ASSERT_EQ(team.swarms().size(), 1U);
     EXPECT_EQ(team.swarms()[0].agents.size(), 2U);
     if (afterwards == Afterwards::vanish) {
@@ -106,16 +106,16 @@ TEST(Roster, ARobotThatBrakesOrSinksIsKeptOffByItsSwarm) {
     }
     EXPECT_EQ(team.couplings()[0].between.second, it) << "the earlier of the swarm first";
     EXPECT_EQ(team.couplings()[1].between.first, it);
-    EXPECT_THAT(roster.apply(AddBody{BodyId{1}}, 2.0, 0.0), IsEmpty());
-    EXPECT_EQ(roster.team(2.0).swarms()[0].agents.size(), 3U);
-    EXPECT_TRUE(roster.team(2.0).couplings().empty());
+    EXPECT_THAT(active_team.apply(AddBody{BodyId{1}}, 2.0, 0.0), IsEmpty());
+    EXPECT_EQ(active_team.team(2.0).swarms()[0].agents.size(), 3U);
+    EXPECT_TRUE(active_team.team(2.0).couplings().empty());
   }
 }
 
-TEST(Roster, ARobotThatIsNotSteeredKeepsItsHeading) {
-  Roster roster(event_team(3));
-  EXPECT_THAT(roster.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 1.0, 0.0), IsEmpty());
-  const Team team = roster.team(1.0);
+TEST(ActiveTeam, ARobotThatIsNotSteeredKeepsItsHeading) {
+  ActiveTeam active_team(event_team(3));
+  EXPECT_THAT(active_team.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 1.0, 0.0), IsEmpty());
+  const Team team = active_team.team(1.0);
   const std::vector<double> x = {1, 2, 3, 0.1, 0.2, 0.3, 0.0, -1.0};
   ASSERT_EQ(team.model(team.find("uav1")).nx(), 8);
   const Sight<double> seen = team.model(team.find("uav1")).sight(x.data(), x.data());
@@ -123,31 +123,32 @@ TEST(Roster, ARobotThatIsNotSteeredKeepsItsHeading) {
   EXPECT_EQ(seen.v.z, 0.3);
 }
 
-TEST(Roster, TheMembershipFollowsTheTeam) {
-  Team all = event_team(4, 2);  // uav2 watches uav1, uav3 uav2
-  Roster roster(all);
+TEST(ActiveTeam, TheMembershipFollowsTheTeam) {
+  Team all = event_team(4, 2);  // uav2 observes uav1, uav3 uav2
+  ActiveTeam active_team(all);
   using Bodies = std::vector<BodyId>;
-  EXPECT_EQ(roster.membership().partners, (std::vector<Bodies>{{}, {}, {BodyId{1}}, {BodyId{2}}}));
-  EXPECT_THAT(roster.apply(Observe{AgentId{BodyId{3}}, BodyId{0}}, 1.0, 1.0), IsEmpty());
-  EXPECT_THAT(roster.membership().partners[3], testing::UnorderedElementsAre(BodyId{0}, BodyId{2}))
+  EXPECT_EQ(active_team.membership().partners, (std::vector<Bodies>{{}, {}, {BodyId{1}}, {BodyId{2}}}));
+  EXPECT_THAT(active_team.apply(Observe{AgentId{BodyId{3}}, BodyId{0}}, 1.0, 1.0), IsEmpty());
+  EXPECT_THAT(active_team.membership().partners[3], testing::UnorderedElementsAre(BodyId{0}, BodyId{2}))
       << "it goes on keeping off the one before";
-  EXPECT_THAT(roster.apply(RemoveBody{BodyId{2}}, 2.0, 1.0), IsEmpty());
-  EXPECT_EQ(roster.membership().partners[2], Bodies{});
-  EXPECT_EQ(roster.membership().partners[3], Bodies{BodyId{0}});
+  EXPECT_THAT(active_team.apply(RemoveBody{BodyId{2}}, 2.0, 1.0), IsEmpty());
+  EXPECT_EQ(active_team.membership().partners[2], Bodies{});
+  EXPECT_EQ(active_team.membership().partners[3], Bodies{BodyId{0}});
   const Coupling more{.term = 1.0 * KeepOut{},
                       .between = {BodyId{0}, BodyId{1}},
                       .felt_by = {AgentId{BodyId{0}}},
                       .name = "more"};
-  EXPECT_THAT(roster.apply(AddCoupling{more}, 3.0, 0.0), IsEmpty());
-  EXPECT_EQ(roster.membership().partners[0], Bodies{BodyId{1}});
-  EXPECT_THAT(roster.apply(RemoveTerm{"more"}, 4.0, 1.0), IsEmpty());
-  EXPECT_EQ(roster.membership().partners[0], Bodies{});
+  EXPECT_THAT(active_team.apply(AddCoupling{more}, 3.0, 0.0), IsEmpty());
+  EXPECT_EQ(active_team.membership().partners[0], Bodies{BodyId{1}});
+  EXPECT_THAT(active_team.apply(RemoveTerm{"more"}, 4.0, 1.0), IsEmpty());
+  EXPECT_EQ(active_team.membership().partners[0], Bodies{});
   const InputLimits slow({-0.2, -0.2, -0.2, -0.2}, {0.2, 0.2, 0.2, 0.2});
-  EXPECT_THAT(roster.apply(RetuneAgent{.agent = AgentId{BodyId{1}}, .limits = slow}, 5.0, 0.0), IsEmpty());
-  EXPECT_EQ(roster.membership().limits[1].u_max()[0][0], 0.2);
+  EXPECT_THAT(active_team.apply(RetuneAgent{.agent = AgentId{BodyId{1}}, .limits = slow}, 5.0, 0.0),
+              IsEmpty());
+  EXPECT_EQ(active_team.membership().limits[1].u_max()[0][0], 0.2);
 }
 
-TEST(Roster, WhatCannotBeIsRefusedInASentenceAndChangesNothing) {
+TEST(ActiveTeam, WhatCannotBeIsRefusedInASentenceAndChangesNothing) {
   const Team all = event_team(3);
   std::vector<Presence> presence = {Presence::steered, Presence::steered, Presence::absent};
   const AgentId uav1{BodyId{1}};
@@ -174,20 +175,20 @@ TEST(Roster, WhatCannotBeIsRefusedInASentenceAndChangesNothing) {
       {AddCoupling{same_name}, "\"off1\" is there already"},
       {AddCoupling{felt_by_a_stranger}, "felt_by names"},
   };
-  Roster roster(all, presence);
+  ActiveTeam active_team(all, presence);
   for (const auto& [action, sentence] : refusals) {
-    EXPECT_THAT(roster.apply(action, 1.0, 1.0), HasSubstr(sentence));
+    EXPECT_THAT(active_team.apply(action, 1.0, 1.0), HasSubstr(sentence));
   }
-  EXPECT_EQ(roster.presence(), presence);
-  EXPECT_EQ(roster.couplings().size(), all.couplings().size());
-  EXPECT_THAT(roster.apply(RemoveBody{BodyId{1}}, 1.0, 0.0), IsEmpty());
-  EXPECT_THAT(roster.apply(RemoveBody{BodyId{0}}, 1.0, 0.0), HasSubstr("the last robot"));
+  EXPECT_EQ(active_team.presence(), presence);
+  EXPECT_EQ(active_team.couplings().size(), all.couplings().size());
+  EXPECT_THAT(active_team.apply(RemoveBody{BodyId{1}}, 1.0, 0.0), IsEmpty());
+  EXPECT_THAT(active_team.apply(RemoveBody{BodyId{0}}, 1.0, 0.0), HasSubstr("the last robot"));
 }
 
-TEST(Roster, AnyOrderOfChangesGivesATeamThatIsSound) {
+TEST(ActiveTeam, AnyOrderOfChangesGivesATeamThatIsSound) {
   Random random(7);
   for (int round = 0; round < 100; ++round) {
-    Roster roster(event_team(6, 2));
+    ActiveTeam active_team(event_team(6, 2));
     double t = 0.0;
     for (int k = 0; k < 30; ++k) {
       t += uniform(random, 0.0, 1.0);
@@ -197,17 +198,17 @@ TEST(Roster, AnyOrderOfChangesGivesATeamThatIsSound) {
                             Observe{AgentId{body}, other},
                             RetuneTerm{.name = "sees" + number, .weight = uniform(random, 0, 1)},
                             RemoveTerm{"near" + number}};
-      (void)roster.apply(any[random() % 5], t, random() % 2 == 0 ? 0.0 : uniform(random, 0, 2));
-      const Team team = roster.team(t);
+      (void)active_team.apply(any[random() % 5], t, random() % 2 == 0 ? 0.0 : uniform(random, 0, 2));
+      const Team team = active_team.team(t);
       EXPECT_GE(team.agents().size(), 1U);
       for (const Coupling& c : team.couplings()) {
         EXPECT_GE(c.ramp.at(t), 0.0);
         EXPECT_LE(c.ramp.at(t), 1.0);
         for (const AgentId agent : c.felt_by) EXPECT_TRUE(team.is_agent(agent));
       }
-      const double rest = roster.at_rest_from(t);
+      const double rest = active_team.at_rest_from(t);
       if (rest < t) continue;
-      const Team settled = roster.team(rest);
+      const Team settled = active_team.team(rest);
       for (const Coupling& c : settled.couplings()) EXPECT_EQ(c.ramp, Ramp{});
     }
   }

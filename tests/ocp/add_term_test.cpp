@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "tests/support/event_team.hpp"
 
@@ -13,27 +13,27 @@ namespace {
 using testing::IsEmpty;
 
 TEST(AddTerm, FadesInUnderItsName) {
-  Roster roster(event_team(3));
+  ActiveTeam active_team(event_team(3));
   const AgentId uav2{BodyId{2}};
   const Coupling apart{
       .term = 0.5 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "apart"};
   const Constraint band{.term = 2.0 * AltitudeBand{}, .agent = uav2, .name = "band"};
-  EXPECT_THAT(roster.apply(AddCoupling{apart}, 3.0, 2.0), IsEmpty());
-  EXPECT_THAT(roster.apply(AddConstraint{band}, 3.0, 2.0), IsEmpty());
-  EXPECT_TRUE(roster.has_term("apart") && roster.has_term("band"));
-  const Team team = roster.team(4.0);
+  EXPECT_THAT(active_team.apply(AddCoupling{apart}, 3.0, 2.0), IsEmpty());
+  EXPECT_THAT(active_team.apply(AddConstraint{band}, 3.0, 2.0), IsEmpty());
+  EXPECT_TRUE(active_team.has_term("apart") && active_team.has_term("band"));
+  const Team team = active_team.team(4.0);
   EXPECT_EQ(team.couplings().back().ramp.at(4.0), 0.5);
   EXPECT_EQ(team.constraints().back().ramp.at(4.0), 0.5);
-  EXPECT_EQ(roster.team(5.0).couplings().back().ramp, Ramp{});
+  EXPECT_EQ(active_team.team(5.0).couplings().back().ramp, Ramp{});
 }
 
 TEST(AddTerm, IsSaid) {
   const Team team = event_team(2);
   const AgentId uav1{BodyId{1}};
   const Coupling apart{.term = 0.5 * KeepOut{}, .between = {uav1, BodyId{0}}, .felt_by = {uav1}};
-  EXPECT_EQ(AddCoupling{apart}.words(team), "add 0.5 keep_out between uav1 and uav0");
+  EXPECT_EQ(AddCoupling{apart}.describe(team), "add 0.5 keep_out between uav1 and uav0");
   const Constraint band{.term = 2.0 * AltitudeBand{}, .agent = uav1};
-  EXPECT_EQ(AddConstraint{band}.words(team), "add 2 altitude_band of uav1");
+  EXPECT_EQ(AddConstraint{band}.describe(team), "add 2 altitude_band of uav1");
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ TEST(AfterTime, CountsFromWhereItsStageBegan) {
 
 TEST(AfterTime, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ(AfterTime{2.5}.words(team), "after 2.5 s");
+  EXPECT_EQ(AfterTime{2.5}.describe(team), "after 2.5 s");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TEST(AtTime, AnEventOfATimeHappensOnceAtTheFirstPeriodThatIsNotEarlier) {
 
 TEST(AtTime, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ(AtTime{20}.words(team), "at 20 s");
+  EXPECT_EQ(AtTime{20}.describe(team), "at 20 s");
 }
 
 }  // namespace

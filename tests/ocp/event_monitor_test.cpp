@@ -33,8 +33,8 @@ TEST(EventMonitor, StagesOfUnlikeRegionsGoTheirOwnWays) {
   EventMonitor monitor({{a, b, c}, {"start", "door:open"}}, team);
   const std::vector<double> x = event_start(team), u(8);
   const auto look = [&](double t) {
-    const auto happening = monitor.look({t, x, u, {}, {}});
-    return std::vector<std::size_t>(happening.begin(), happening.end());
+    const auto triggered = monitor.look({t, x, u, {}, {}});
+    return std::vector<std::size_t>(triggered.begin(), triggered.end());
   };
   EXPECT_THAT(look(0.0), IsEmpty());
   EXPECT_THAT(look(0.1), ElementsAre(0U));

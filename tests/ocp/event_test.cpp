@@ -17,7 +17,7 @@ using testing::IsEmpty;
 std::vector<std::string> faults(std::vector<TeamEvent> events, std::vector<Presence> presence = {}) {
   std::vector<std::string> sentences;
   for (const ScriptFault& fault :
-       faults_of({std::move(events)}, Roster(event_team(4, 2), std::move(presence)))) {
+       faults_of({std::move(events)}, ActiveTeam(event_team(4, 2), std::move(presence)))) {
     sentences.push_back(fmt::format("{}: {}", fault.event, fault.sentence));
   }
   return sentences;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {
@@ -19,29 +19,29 @@ HandOver turn_to(int target) {
 }
 
 TEST(HandOver, TheCouplingsOfItsNamesGoOverAndTheOthersStay) {
-  Roster roster(event_team(3));
-  EXPECT_EQ(roster.apply(turn_to(0), 1.0, 2.0), "");
-  EXPECT_EQ(roster.team(2.0).couplings().size(), 7U) << "both are in force for a while";
-  EXPECT_EQ(roster.team(3.0).couplings().size(), 6U);
-  EXPECT_TRUE(roster.has_term("sees2"));
-  EXPECT_EQ(roster.apply(turn_to(-1), 4.0, 0.0), "");
-  EXPECT_FALSE(roster.has_term("sees2"));
-  EXPECT_EQ(roster.team(4.0).couplings().size(), 5U);
-  EXPECT_EQ(roster.apply(turn_to(1), 5.0, 0.0), "") << "from nobody";
-  EXPECT_EQ(roster.team(5.0).couplings().size(), 6U);
+  ActiveTeam active_team(event_team(3));
+  EXPECT_EQ(active_team.apply(turn_to(0), 1.0, 2.0), "");
+  EXPECT_EQ(active_team.team(2.0).couplings().size(), 7U) << "both are in force for a while";
+  EXPECT_EQ(active_team.team(3.0).couplings().size(), 6U);
+  EXPECT_TRUE(active_team.has_term("sees2"));
+  EXPECT_EQ(active_team.apply(turn_to(-1), 4.0, 0.0), "");
+  EXPECT_FALSE(active_team.has_term("sees2"));
+  EXPECT_EQ(active_team.team(4.0).couplings().size(), 5U);
+  EXPECT_EQ(active_team.apply(turn_to(1), 5.0, 0.0), "") << "from nobody";
+  EXPECT_EQ(active_team.team(5.0).couplings().size(), 6U);
 }
 
 TEST(HandOver, WhatIsRefusedChangesNothing) {
-  Roster roster(event_team(3));
-  EXPECT_NE(roster.apply(turn_to(2), 1.0, 0.0), "");
-  EXPECT_TRUE(roster.has_term("sees2"));
-  EXPECT_EQ(roster.team(1.0).couplings().size(), 6U);
+  ActiveTeam active_team(event_team(3));
+  EXPECT_NE(active_team.apply(turn_to(2), 1.0, 0.0), "");
+  EXPECT_TRUE(active_team.has_term("sees2"));
+  EXPECT_EQ(active_team.team(1.0).couplings().size(), 6U);
 }
 
 TEST(HandOver, IsSaid) {
   const Team team = event_team(3);
-  EXPECT_EQ(turn_to(0).words(team), "uav2 observes uav0");
-  EXPECT_EQ(turn_to(-1).words(team), "uav2 observes nobody");
+  EXPECT_EQ(turn_to(0).describe(team), "uav2 observes uav0");
+  EXPECT_EQ(turn_to(-1).describe(team), "uav2 observes nobody");
   EXPECT_EQ(turn_to(0).subject(team), "whom \"uav2\" observes");
 }
 

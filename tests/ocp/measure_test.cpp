@@ -38,28 +38,28 @@ TEST(Measure, ANearerRobotIsNearerThanOneThatIsNotSteered) {
   const Team team = event_team(3);
   std::vector<double> x = event_start(team), u(12);
   std::vector<Presence> presence(3, Presence::steered);
-  const auto happens = [&] {
+  const auto occurs = [&] {
     EventMonitor monitor({{when(nearer)}}, team);
     return !monitor.look({0.0, x, u, {}, presence}).empty();
   };
-  EXPECT_FALSE(happens());  // robot 2 stands behind robot 1
+  EXPECT_FALSE(occurs());  // robot 2 stands behind robot 1
   for (const Presence gone : {Presence::absent, Presence::hold, Presence::land}) {
     presence[1] = gone;
     presence[2] = Presence::steered;
-    EXPECT_TRUE(happens());
+    EXPECT_TRUE(occurs());
     presence[2] = gone;
-    EXPECT_FALSE(happens());
+    EXPECT_FALSE(occurs());
   }
 }
 
 TEST(Measure, IsSaid) {
   const Team team = event_team(3);
   const BodyId uav0{0}, uav1{1}, uav2{2};
-  EXPECT_EQ((DistanceOf{uav0, uav1}.words(team)), "the distance of uav0 and uav1");
-  EXPECT_EQ((ViewAngleOf{uav0, uav1, {}}.words(team)), "the view angle of uav0 to uav1");
-  EXPECT_EQ(AgeOf{uav1}.words(team), "the age of what is known of uav1");
-  EXPECT_EQ((ExcessOf{KeepOut{}, uav0, uav1}.words(team)), "the excess of keep_out between uav0 and uav1");
-  EXPECT_EQ((NearerThan{uav0, uav1, uav2}.words(team)), "what uav1 is nearer to uav2 than uav0");
+  EXPECT_EQ((DistanceOf{uav0, uav1}.describe(team)), "the distance of uav0 and uav1");
+  EXPECT_EQ((ViewAngleOf{uav0, uav1, {}}.describe(team)), "the view angle of uav0 to uav1");
+  EXPECT_EQ(AgeOf{uav1}.describe(team), "the age of what is known of uav1");
+  EXPECT_EQ((ExcessOf{KeepOut{}, uav0, uav1}.describe(team)), "the excess of keep_out between uav0 and uav1");
+  EXPECT_EQ((NearerThan{uav0, uav1, uav2}.describe(team)), "what uav1 is nearer to uav2 than uav0");
 }
 
 }  // namespace

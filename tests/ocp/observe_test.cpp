@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/pass_right.hpp"
 #include "sightline/potential/region.hpp"
@@ -16,9 +16,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(Observe, AnObserverTakesItsSensorAlongAndKeepsItsDistanceFromBoth) {
-  Roster roster(event_team(3, 2));  // uav2 watches uav1
-  EXPECT_THAT(roster.apply(Observe{AgentId{BodyId{2}}, BodyId{0}}, 4.0, 1.0), IsEmpty());
-  const Team then = roster.team(5.0);
+  ActiveTeam active_team(event_team(3, 2));  // uav2 observes uav1
+  EXPECT_THAT(active_team.apply(Observe{AgentId{BodyId{2}}, BodyId{0}}, 4.0, 1.0), IsEmpty());
+  const Team then = active_team.team(5.0);
   int sees = 0, off = 0, near = 0;
   for (const Coupling& c : then.couplings()) {
     EXPECT_EQ(c.between.first, BodyId{2});
@@ -31,7 +31,7 @@ TEST(Observe, AnObserverTakesItsSensorAlongAndKeepsItsDistanceFromBoth) {
   EXPECT_EQ(sees, 1);
   EXPECT_EQ(near, 1);
   EXPECT_EQ(off, 2);
-  EXPECT_THAT(roster.apply(Observe{AgentId{BodyId{2}}, BodyId{0}}, 6.0, 1.0), HasSubstr("already"));
+  EXPECT_THAT(active_team.apply(Observe{AgentId{BodyId{2}}, BodyId{0}}, 6.0, 1.0), HasSubstr("already"));
 }
 
 TEST(Observe, WhoObservesTheObserverGoesOnWithItsOwnSensor) {
@@ -41,12 +41,12 @@ TEST(Observe, WhoObservesTheObserverGoesOnWithItsOwnSensor) {
   const AgentId uav0{BodyId{0}}, uav1{BodyId{1}};
   team.couple({0.4, Bearing{}}, {uav1, uav0}, {uav1});
   team.couple({0.4, Potential(Bearing{}).seen_from(up)}, {uav0, uav1}, {uav0});
-  Roster roster(team);
-  ASSERT_THAT(roster.apply(Observe{uav1, BodyId{2}}, 1.0, 1.0), IsEmpty());
-  const Team then = roster.team(3.0);
+  ActiveTeam active_team(team);
+  ASSERT_THAT(active_team.apply(Observe{uav1, BodyId{2}}, 1.0, 1.0), IsEmpty());
+  const Team then = active_team.team(3.0);
   int looks = 0;
   for (const Coupling& c : then.couplings()) {
-    if (!watches(c.term.potential)) continue;
+    if (!observes(c.term.potential)) continue;
     ++looks;
     const bool of_uav0 = c.term.potential.mount()->pitch == up.pitch;
     EXPECT_EQ(c.between.first, of_uav0 ? BodyId(uav0) : BodyId(uav1));
@@ -75,14 +75,14 @@ TEST(Observe, WhateverKeepsApartStaysWithTheOldTargetAndComesToTheNew) {
         const Weighted off{0.5, keep_out}, sees{0.4, view};
         team.couple(first ? off : sees, {observer, BodyId{1}}, {observer});
         team.couple(first ? sees : off, {observer, BodyId{1}}, {observer});
-        Roster roster(team);
+        ActiveTeam active_team(team);
         for (const int target : {0, 1, 0, 1, 0}) {
-          ASSERT_THAT(roster.apply(Observe{observer, BodyId{target}}, 4.0 * target, 1.0), IsEmpty());
+          ASSERT_THAT(active_team.apply(Observe{observer, BodyId{target}}, 4.0 * target, 1.0), IsEmpty());
         }
         int seen[2] = {}, kept_off[2] = {};
-        const Team then = roster.team(9.0);
+        const Team then = active_team.team(9.0);
         for (const Coupling& c : then.couplings()) {
-          (c.term.potential.name() == view.name() && watches(c.term.potential)
+          (c.term.potential.name() == view.name() && observes(c.term.potential)
                ? seen
                : kept_off)[c.between.second.index]++;
         }
@@ -100,16 +100,16 @@ TEST(Observe, OfARegionThatWatchesAndKeepsApartTheKeepOutStaysBehindOnce) {
   const AgentId observer = team.add(Multirotor{}, {.name = "uav2"});
   const Potential camera = Region(all_of({"bearing < 0.4", "0.7 m < range < 6 m"})).seen_from(SensorMount{});
   team.couple({2.0, camera}, {observer, BodyId{1}}, {observer});
-  Roster roster(team);
+  ActiveTeam active_team(team);
   double t = 0.0;
   for (const int target : {0, 1, 0, 1, 0}) {
-    EXPECT_THAT(roster.apply(Observe{observer, BodyId{target}}, t, 1.0), IsEmpty());
+    EXPECT_THAT(active_team.apply(Observe{observer, BodyId{target}}, t, 1.0), IsEmpty());
     t += 2.0;
   }
-  const Team then = roster.team(t);
+  const Team then = active_team.team(t);
   int views = 0, behind = 0;
   for (const Coupling& c : then.couplings()) {
-    views += watches(c.term.potential) && c.between.second == BodyId{0};
+    views += observes(c.term.potential) && c.between.second == BodyId{0};
     behind += keeps_apart(c.term.potential) && c.between.second == BodyId{1};
     EXPECT_EQ(c.term.weight, 2.0);
   }
@@ -123,16 +123,16 @@ TEST(Observe, AViewThatTheTargetAloneFeltEndsWithIt) {
   const BodyId lamp = team.add(Obstacle{"lamp"});
   team.couple(0.4 * Bearing{}, {observer, BodyId{1}}, felt_by(AgentId{BodyId{1}}));
   team.couple(0.4 * SensorCone{}, {observer, BodyId{1}}, {observer});
-  Roster roster(team);
-  EXPECT_THAT(roster.apply(Observe{observer, lamp}, 0.0, 1.0), IsEmpty());
-  const Team then = roster.team(2.0);
+  ActiveTeam active_team(team);
+  EXPECT_THAT(active_team.apply(Observe{observer, lamp}, 0.0, 1.0), IsEmpty());
+  const Team then = active_team.team(2.0);
   ASSERT_EQ(then.couplings().size(), 1U);
   EXPECT_EQ(then.couplings()[0].between.second, lamp);
 }
 
 TEST(Observe, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ((Observe{AgentId{BodyId{1}}, BodyId{0}}.words(team)), "uav1 observes uav0");
+  EXPECT_EQ((Observe{AgentId{BodyId{1}}, BodyId{0}}.describe(team)), "uav1 observes uav0");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {
@@ -12,16 +12,16 @@ namespace {
 using testing::IsEmpty;
 
 TEST(RemoveTerm, FadesAwayAndFreesItsName) {
-  Roster roster(event_team(2));
-  EXPECT_THAT(roster.apply(RemoveTerm{"off1"}, 1.0, 2.0), IsEmpty());
-  EXPECT_FALSE(roster.has_term("off1"));
-  EXPECT_EQ(roster.team(2.0).couplings().size(), 3U) << "it fades";
-  EXPECT_EQ(roster.team(3.0).couplings().size(), 2U);
+  ActiveTeam active_team(event_team(2));
+  EXPECT_THAT(active_team.apply(RemoveTerm{"off1"}, 1.0, 2.0), IsEmpty());
+  EXPECT_FALSE(active_team.has_term("off1"));
+  EXPECT_EQ(active_team.team(2.0).couplings().size(), 3U) << "it fades";
+  EXPECT_EQ(active_team.team(3.0).couplings().size(), 2U);
 }
 
 TEST(RemoveTerm, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ(RemoveTerm{"off1"}.words(team), "remove off1");
+  EXPECT_EQ(RemoveTerm{"off1"}.describe(team), "remove off1");
 }
 
 }  // namespace

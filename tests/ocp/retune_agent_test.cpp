@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {
@@ -12,23 +12,23 @@ namespace {
 using testing::IsEmpty;
 
 TEST(RetuneAgent, ChangesWhatItNamesAndLeavesTheRest) {
-  Roster roster(event_team(2));
+  ActiveTeam active_team(event_team(2));
   const AgentId uav1{BodyId{1}};
-  const Agent before = roster.agent(uav1);
+  const Agent before = active_team.agent(uav1);
   const std::vector<double> Q(7, 0.25), R(4, 2.0);
-  EXPECT_THAT(roster.apply(RetuneAgent{.agent = uav1, .Q = Q, .R = R}, 1.0, 0.0), IsEmpty());
-  EXPECT_EQ(roster.agent(uav1).Q, Q);
-  EXPECT_EQ(roster.agent(uav1).R, R);
-  EXPECT_EQ(roster.agent(uav1).Q_f, before.Q_f);
-  EXPECT_EQ(roster.agent(uav1).u_ref, before.u_ref);
-  EXPECT_EQ(roster.agent(AgentId{BodyId{0}}).Q, event_team(2).agent(AgentId{BodyId{0}}).Q);
+  EXPECT_THAT(active_team.apply(RetuneAgent{.agent = uav1, .Q = Q, .R = R}, 1.0, 0.0), IsEmpty());
+  EXPECT_EQ(active_team.agent(uav1).Q, Q);
+  EXPECT_EQ(active_team.agent(uav1).R, R);
+  EXPECT_EQ(active_team.agent(uav1).Q_f, before.Q_f);
+  EXPECT_EQ(active_team.agent(uav1).u_ref, before.u_ref);
+  EXPECT_EQ(active_team.agent(AgentId{BodyId{0}}).Q, event_team(2).agent(AgentId{BodyId{0}}).Q);
 }
 
 TEST(RetuneAgent, IsSaid) {
   const Team team = event_team(2);
   const RetuneAgent retune{
       .agent = AgentId{BodyId{0}}, .Q = std::vector<double>(7), .u_ref = std::vector<double>(4)};
-  EXPECT_EQ(retune.words(team), "retune Q, u_ref of uav0");
+  EXPECT_EQ(retune.describe(team), "retune Q, u_ref of uav0");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {
@@ -19,17 +19,17 @@ const Coupling* coupling_of(const Team& team, std::string_view name) {
 }
 
 TEST(RetuneTerm, ARetunedWeightGoesOverWithoutAStep) {
-  Roster roster(event_team(2));
-  EXPECT_THAT(roster.apply(RetuneTerm{.name = "sees1", .weight = 1.2}, 5.0, 2.0), IsEmpty());
+  ActiveTeam active_team(event_team(2));
+  EXPECT_THAT(active_team.apply(RetuneTerm{.name = "sees1", .weight = 1.2}, 5.0, 2.0), IsEmpty());
   for (const double t : {5.0, 5.5, 6.0, 6.999}) {
     double weight = 0.0;
-    const Team team = roster.team(t);
+    const Team team = active_team.team(t);
     for (const Coupling& c : team.couplings()) {
       if (c.term.potential.as<SensorCone>() != nullptr) weight += c.term.weight * c.ramp.at(t);
     }
     EXPECT_NEAR(weight, (Ramp{5.0, 2.0, 0.4, 1.2}.at(t)), 1e-12) << t;
   }
-  const Team after = roster.team(7.0);
+  const Team after = active_team.team(7.0);
   EXPECT_EQ(after.couplings().size(), 3U);
   ASSERT_NE(coupling_of(after, "sees1"), nullptr);
   EXPECT_EQ(coupling_of(after, "sees1")->term.weight, 1.2);
@@ -37,11 +37,11 @@ TEST(RetuneTerm, ARetunedWeightGoesOverWithoutAStep) {
 }
 
 TEST(RetuneTerm, AWeightThatIsRetunedOnItsWayGoesOnFromWhereItIs) {
-  Roster roster(event_team(2));
-  EXPECT_THAT(roster.apply(RetuneTerm{.name = "sees1", .weight = 0.0}, 0.0, 1.0), IsEmpty());
-  EXPECT_THAT(roster.apply(RetuneTerm{.name = "sees1", .weight = 0.4}, 0.5, 1.0), IsEmpty());
+  ActiveTeam active_team(event_team(2));
+  EXPECT_THAT(active_team.apply(RetuneTerm{.name = "sees1", .weight = 0.0}, 0.0, 1.0), IsEmpty());
+  EXPECT_THAT(active_team.apply(RetuneTerm{.name = "sees1", .weight = 0.4}, 0.5, 1.0), IsEmpty());
   double weight = 0.0;
-  const Team team = roster.team(0.5);
+  const Team team = active_team.team(0.5);
   for (const Coupling& c : team.couplings()) {
     if (c.term.potential.as<SensorCone>() != nullptr) weight += c.term.weight * c.ramp.at(0.5);
   }
@@ -50,7 +50,7 @@ TEST(RetuneTerm, AWeightThatIsRetunedOnItsWayGoesOnFromWhereItIs) {
 
 TEST(RetuneTerm, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ((RetuneTerm{"off1", 0.25, Potential(KeepOut{})}.words(team)),
+  EXPECT_EQ((RetuneTerm{"off1", 0.25, Potential(KeepOut{})}.describe(team)),
             "retune off1, weight 0.25, another keep_out");
 }
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {
@@ -12,12 +12,12 @@ namespace {
 using testing::IsEmpty;
 
 TEST(SetReference, AReferenceGoesOverToTheNext) {
-  Roster roster(event_team(2));
+  ActiveTeam active_team(event_team(2));
   const AgentId leader{BodyId{0}};
   const std::vector<double> there = {2, 0, 1, 1, 0, 0, 0};
-  const Agent before = roster.team(0.0).agent(leader);
-  EXPECT_THAT(roster.apply(SetReference{leader, Reference(there)}, 3.0, 1.0), IsEmpty());
-  const Team team = roster.team(3.0);
+  const Agent before = active_team.team(0.0).agent(leader);
+  EXPECT_THAT(active_team.apply(SetReference{leader, Reference(there)}, 3.0, 1.0), IsEmpty());
+  const Team team = active_team.team(3.0);
   const Agent& agent = team.agent(leader);
   std::vector<double> x(7), old(7);
   agent.x_ref(3.0, agent.model, x);
@@ -28,12 +28,12 @@ TEST(SetReference, AReferenceGoesOverToTheNext) {
   agent.x_ref(3.5, agent.model, x);
   before.x_ref(3.5, agent.model, old);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(x[i], (old[i] + there[i]) / 2, 1e-12);
-  EXPECT_TRUE(roster.team(4.0).agent(leader).x_ref.is_constant());
+  EXPECT_TRUE(active_team.team(4.0).agent(leader).x_ref.is_constant());
 }
 
 TEST(SetReference, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ((SetReference{AgentId{BodyId{1}}, {}}.words(team)), "another reference for uav1");
+  EXPECT_EQ((SetReference{AgentId{BodyId{1}}, {}}.describe(team)), "another reference for uav1");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/chain_team.hpp"
@@ -162,12 +162,12 @@ TEST(Relay, OneObservesAtATimeAndEachMayTakeOverFromEach) {
   EXPECT_EQ(p.team.couplings().size(), 2U);
   for (const Coupling& c : p.team.couplings()) EXPECT_EQ(c.between.first, p.a);
   ASSERT_EQ(p.script.events.size(), 2U);
-  EXPECT_TRUE(faults_of(p.script, Roster(p.team)).empty());
-  Roster roster(p.team);
+  EXPECT_TRUE(faults_of(p.script, ActiveTeam(p.team)).empty());
+  ActiveTeam active_team(p.team);
   for (const std::size_t event : {0U, 1U, 0U, 1U, 0U}) {
     const TeamEvent& change = p.script.events[event];
-    for (const Action& action : change.actions) ASSERT_EQ(roster.apply(action, 1.0, 0.0), "");
-    const Team team = roster.team(1.0);
+    for (const Action& action : change.actions) ASSERT_EQ(active_team.apply(action, 1.0, 0.0), "");
+    const Team team = active_team.team(1.0);
     EXPECT_EQ(team.couplings().size(), 2U);
     for (const Coupling& c : team.couplings()) EXPECT_EQ(team.name(c.between.first), event == 0 ? "b" : "a");
   }
@@ -205,12 +205,13 @@ TEST(Best, EachObserverHasTheTermsOfItsTargetAlone) {
             "who: a turns to ball, when the choice for a falls on this, as often as that comes about: a "
             "observes ball, "
             "over 1 s");
-  EXPECT_TRUE(faults_of(p.script, Roster(p.team)).empty());
-  Roster roster(p.team);
+  EXPECT_TRUE(faults_of(p.script, ActiveTeam(p.team)).empty());
+  ActiveTeam active_team(p.team);
   for (const std::size_t event : {1U, 2U, 0U, 3U}) {
-    for (const Action& action : p.script.events[event].actions) ASSERT_EQ(roster.apply(action, 1.0, 0.0), "");
+    for (const Action& action : p.script.events[event].actions)
+      ASSERT_EQ(active_team.apply(action, 1.0, 0.0), "");
     const std::size_t of_a = event == 2 ? 0 : 2;
-    const Team team = roster.team(1.0);
+    const Team team = active_team.team(1.0);
     EXPECT_EQ(std::count_if(team.couplings().begin(), team.couplings().end(),
                             [&](const Coupling& c) { return team.name(c.between.first) == "a"; }),
               static_cast<std::ptrdiff_t>(of_a));
@@ -230,7 +231,7 @@ TEST(Best, AnObserverOfTwoChoicesAndAnEventThatTurnsItAreRefused) {
   EXPECT_THAT(refusal_of([&] { best(p.team, p.script, p.terms, other, 1.0); }),
               testing::HasSubstr("no name"));
   p.script.events.push_back({.name = "turn", .trigger = AtTime{1.0}, .actions = {Observe{p.a, p.b}}});
-  const auto faults = faults_of(p.script, Roster(p.team));
+  const auto faults = faults_of(p.script, ActiveTeam(p.team));
   ASSERT_FALSE(faults.empty());
   EXPECT_EQ(
       faults[0].sentence,

@@ -23,9 +23,9 @@ TEST(Signal, ASignalIsWaitedForFromAnyThread) {
 
 TEST(Signal, ASignalOfAnotherStageIsLost) {
   TeamEvent go{.name = "", .trigger = AtTime{0.2}, .enter = "later"};
-  TeamEvent told = when(Signal{"now"});
-  told.stage = "later";
-  MonitoredLine line({go, told});
+  TeamEvent reported = when(Signal{"now"});
+  reported.stage = "later";
+  MonitoredLine line({go, reported});
   EXPECT_TRUE(line.monitor.signal("now"));
   for (int k = 0; k < 2; ++k) EXPECT_THAT(line.look(), IsEmpty());
   EXPECT_THAT(line.look(), ElementsAre(0U));
@@ -36,7 +36,7 @@ TEST(Signal, ASignalOfAnotherStageIsLost) {
 
 TEST(Signal, IsSaid) {
   const Team team = event_team(2);
-  EXPECT_EQ(Signal{"go"}.words(team), "on the signal go");
+  EXPECT_EQ(Signal{"go"}.describe(team), "on the signal go");
 }
 
 }  // namespace

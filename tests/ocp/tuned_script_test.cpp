@@ -15,7 +15,7 @@ TEST(TunedScript, AnEventIsOfTheFlightOnceItHappened) {
   EXPECT_EQ(flown_event(script, &tuned, 1), nullptr);
   tuned.add(named("first"), "retune = { couple = \"a\", weight = 1.0 }\n");
   EXPECT_TRUE(std::isnan(tuned.at(0)));
-  tuned.happen(0, 0.25);
+  tuned.occur(0, 0.25);
   tuned.ignore(0);
   EXPECT_EQ(tuned.at(0), 0.25);
   EXPECT_TRUE(tuned.is_ignored(0));

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
@@ -45,7 +45,7 @@ struct Plane {
   }
   void look(ViewChooser& chooser, double dt = 0.1) {
     ConditionState none;
-    const Known known{.t = t, .x = x, .u = u, .ages = {}, .presence = presence};
+    const EventContext known{.t = t, .x = x, .u = u, .ages = {}, .presence = presence};
     chooser.look({team, known, 0.0, false, none});
     t += dt;
   }

@@ -28,7 +28,7 @@ struct Ellipsoid {
 
 struct ProtectionCase {
   Potential potential;
-  bool keeps_apart, watches;
+  bool keeps_apart, observes;
   std::size_t keep_outs;
 };
 
@@ -69,7 +69,7 @@ TEST(Protection, IsAskedOfTheLimitWhateverTheKind) {
   for (const ProtectionCase& each : cases()) {
     SCOPED_TRACE(i++);
     EXPECT_EQ(keeps_apart(each.potential), each.keeps_apart) << each.potential.name();
-    EXPECT_EQ(watches(each.potential), each.watches) << each.potential.name();
+    EXPECT_EQ(observes(each.potential), each.observes) << each.potential.name();
     EXPECT_EQ(keep_outs(each.potential).size(), each.keep_outs) << each.potential.name();
   }
 }

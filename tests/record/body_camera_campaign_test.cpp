@@ -13,7 +13,7 @@ namespace {
 using test::fly_leaning;
 using test::LeaningTask;
 
-SummaryValues told(const char* what, const LeaningTask& task) {
+SummaryValues reported(const char* what, const LeaningTask& task) {
   const SummaryValues values = fly_leaning(task).summary.values();
   const auto& pair = values.pairs.at(0);
   std::printf(
@@ -35,20 +35,20 @@ TEST(BodyCameraCampaign, TheTrueCameraKeepsATargetThatFliesACircleFast) {
     task.duration = duration;
     return task;
   };
-  told("planned level, weight 16:", of({.frame = "level"}));
-  told("weight 4:", of({.bearing = 4.0}));
-  const auto fast = told("weight 16:", of({})).pairs.at(0);
+  reported("planned level, weight 16:", of({.frame = "level"}));
+  reported("weight 4:", of({.bearing = 4.0}));
+  const auto fast = reported("weight 16:", of({})).pairs.at(0);
   EXPECT_LE(fast.view_angle_mean, 0.13);
   EXPECT_LE(fast.view_angle_max, 0.28);
   EXPECT_LE(fast.planned_view_rms, 0.02);
   EXPECT_EQ(fast.in_view_fraction, 1.0);
   // A target whose own plan does not hold it on its circle: the paper's weight.
-  told("planned level, target's weight 1.5:", of({.frame = "level", .position = 1.5}));
-  const auto loose = told("weight 16, target's weight 1.5:", of({.position = 1.5})).pairs.at(0);
+  reported("planned level, target's weight 1.5:", of({.frame = "level", .position = 1.5}));
+  const auto loose = reported("weight 16, target's weight 1.5:", of({.position = 1.5})).pairs.at(0);
   EXPECT_LE(loose.view_angle_mean, 0.13);
   EXPECT_LE(loose.view_angle_max, 0.28);
-  told("planned level, weight 16:", of({.frame = "level", .radius = 2.0}));
-  const auto slow = told("weight 16:", of({.radius = 2.0})).pairs.at(0);
+  reported("planned level, weight 16:", of({.frame = "level", .radius = 2.0}));
+  const auto slow = reported("weight 16:", of({.radius = 2.0})).pairs.at(0);
   EXPECT_LE(slow.view_angle_mean, 0.09);
   EXPECT_LE(slow.view_angle_max, 0.28);
   EXPECT_LE(slow.planned_view_rms, 0.02);

@@ -64,7 +64,7 @@ TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
   const auto world = make_world(scenario);
   Sample prototype = sized_sample(*world, controls.controllers());
   make_room_for_plans(scenario, prototype);
-  Ring<Sample> ring(400, prototype);
+  SpscQueue<Sample> ring(400, prototype);
   SimulatedClock clock;
   const auto folder = test::place("body_camera");
   Log log(scenario, folder, controls.controllers(), ring);

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sightline/record/event_words.hpp"
+#include "sightline/record/event_description.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
@@ -77,7 +77,7 @@ class ChangingFlight final : public Sink<Sample> {
     return z;
   }
   /// "2.01 uav1: hold", but for what the script does.
-  std::vector<std::string> told() const {
+  std::vector<std::string> reported() const {
     std::vector<std::string> words;
     for (const auto& event : summary.values().events) {
       if (!event.name.starts_with("event \"")) words.push_back(event.name);
@@ -112,13 +112,13 @@ TEST(ChangingTeams, WhoJoinsOrReturnsUnderASupervisorFlies) {
   for (const std::string& fault : {std::string(), lost}) {
     const ChangingFlight joins(team + robot("b", "[2.0, 0.0, 1.0]", "present = false") + fault +
                                "[[event]]\nat = 3.5\nadd = \"b\"\n");
-    EXPECT_THAT(joins.told(), testing::IsEmpty());
+    EXPECT_THAT(joins.reported(), testing::IsEmpty());
     EXPECT_GT(joins.lowest("b"), 0.95);
   }
   const ChangingFlight returns(
       team + robot("b", "[2.0, 0.0, 1.0]") + traveller("c", "[4, 0, 1]", "[4, 2, 1]", 0.0, 2.0) +
       "[[event]]\nat = 1.5\nremove = [\"b\", \"c\"]\n[[event]]\nat = 4.0\nadd = [\"b\", \"c\"]\n");
-  EXPECT_THAT(returns.told(), testing::IsEmpty());
+  EXPECT_THAT(returns.reported(), testing::IsEmpty());
   EXPECT_GT(returns.lowest("b"), 0.95);
   for (const Sample& s : returns.samples) {
     if (std::abs(s.time - 4.01) < 1e-6) {
@@ -133,7 +133,7 @@ TEST(ChangingTeams, AnObstacleThatComesWithoutBeingSeenMakesPartnersHoldAndNobod
       "[obstacle.box]\np = [1.5, 0.0, 1.0]\npresent = false\n[[couple]]\npotential = { too_near = {} }\n"
       "between = [\"a\", \"box\"]\n[[simulation.fault]]\nkind = \"dropout\"\nbody = \"box\"\n"
       "[[event]]\nat = 2.0\nadd = \"box\"\n");
-  EXPECT_THAT(flight.told(), testing::ElementsAre("a: predicted", "a: slowed", "a: hold"));
+  EXPECT_THAT(flight.reported(), testing::ElementsAre("a: predicted", "a: slowed", "a: hold"));
   EXPECT_GT(flight.lowest("a"), 0.9);
 }
 
@@ -204,7 +204,7 @@ TEST(ChangingTeams, ThePartnersOfTheSupervisorFollowTheObserver) {
                    "[\"eye\"]\n[[event]]\nat = 0.5\nobserve = {{ observer = \"eye\", target = \"new\" }}\n"
                    "[[simulation.fault]]\nkind = \"dropout\"\nbody = \"{}\"\nfrom = 1.0\nuntil = 2.0\n",
                    blind))
-        .told();
+        .reported();
   };
   EXPECT_THAT(fly("old"), testing::Not(testing::Contains(HasSubstr("eye"))));
   EXPECT_THAT(fly("new"), testing::Contains("eye: hold"));
@@ -213,18 +213,18 @@ TEST(ChangingTeams, ThePartnersOfTheSupervisorFollowTheObserver) {
 TEST(ChangingTeams, WhoIsAddedOnTopOfAnotherIsTold) {
   const std::string team = lasts(1.0) + robot("a", "[0.0, 0.0, 1.0]");
   const std::string add = "[[event]]\nat = 0.5\nadd = \"b\"\n",
-                    told = "b: added nearer to another body than it may be";
+                    reported = "b: added nearer to another body than it may be";
   EXPECT_THAT(
-      ChangingFlight(team + supervised + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).told(),
-      testing::Contains(told));
-  EXPECT_THAT(ChangingFlight(team + robot("b", "[0.0, 0.0, 1.0]", "present = false") + add).told(),
-              testing::Contains(told));
-  EXPECT_THAT(ChangingFlight(team + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).told(),
+      ChangingFlight(team + supervised + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).reported(),
+      testing::Contains(reported));
+  EXPECT_THAT(ChangingFlight(team + robot("b", "[0.0, 0.0, 1.0]", "present = false") + add).reported(),
+              testing::Contains(reported));
+  EXPECT_THAT(ChangingFlight(team + robot("b", "[0.3, 0.0, 1.0]", "present = false") + add).reported(),
               testing::IsEmpty())
       << "nobody asks for a distance";
-  EXPECT_THAT(
-      ChangingFlight(team + guarded + "[obstacle.b]\np = [0.4, 0.0, 1.0]\npresent = false\n" + add).told(),
-      testing::Contains(told));
+  EXPECT_THAT(ChangingFlight(team + guarded + "[obstacle.b]\np = [0.4, 0.0, 1.0]\npresent = false\n" + add)
+                  .reported(),
+              testing::Contains(reported));
 }
 
 TEST(ChangingTeams, ViewsAndDistancesAreJudgedWhileTheyAreInForceAndAnIdleObserverIsTold) {

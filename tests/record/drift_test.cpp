@@ -54,7 +54,7 @@ struct PairAndPost {
   }
 };
 
-constexpr Weights asked = {1, 1, 1, 0, 0, 0, 0};
+constexpr Weights requested = {1, 1, 1, 0, 0, 0, 0};
 
 TEST(Drift, TwoThatObserveEachOtherAndClimbForEverAreTold) {
   PairAndPost flight;
@@ -82,7 +82,7 @@ TEST(Drift, AnyDirectionAndSpeedAboveTwoCentimetresASecondIsTold) {
 }
 
 TEST(Drift, OneThatLeavesItsReferenceIsToldWhateverItFollows) {
-  PairAndPost flight(asked, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3});
+  PairAndPost flight(requested, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3});
   flight.follow(flight.a, flight.b);
   const auto found = flight.flown(climbs, climbs);
   ASSERT_EQ(found->size(), 2U);
@@ -94,21 +94,27 @@ TEST(Drift, AReferenceThatMovesMayBeFollowed) {
   const Path line = [](double t) { return Vec3<double>{0.8 * t, -0.3 * t, 1}; };
   const Reference along([](double t) { return Pose<double>{{0.8 * t, -0.3 * t, 1}, {1, 0}}; });
   for (const double lag : {0.0, 0.5, 2.0}) {
-    EXPECT_TRUE(PairAndPost(asked, along).flown([&](double t) { return line(t - lag); }, rests)->empty())
+    EXPECT_TRUE(PairAndPost(requested, along).flown([&](double t) { return line(t - lag); }, rests)->empty())
         << lag;
-    EXPECT_TRUE(PairAndPost(asked, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3})
+    EXPECT_TRUE(PairAndPost(requested, Circle{.centre = {0, 0, 1}, .radius = 1.0, .rate = 0.3})
                     .flown([&](double t) { return circles(t - lag); }, rests)
                     ->empty())
         << lag;
   }
-  EXPECT_FALSE(PairAndPost(asked, along).flown([&](double t) { return line(-t); }, rests)->empty());
+  EXPECT_FALSE(PairAndPost(requested, along).flown([&](double t) { return line(-t); }, rests)->empty());
 }
 
 TEST(Drift, OneThatIsOnItsWayOrLeftBehindDoesNotDrift) {
   const Path comes = [](double t) { return Vec3<double>{40 - t, 0, 1}; };
-  EXPECT_TRUE(PairAndPost(asked).flown(comes, rests)->empty());
+  EXPECT_TRUE(PairAndPost(requested).flown(comes, rests)->empty());
   const Reference fast([](double t) { return Pose<double>{{2 * t, 0, 0}, {1, 0}}; });
-  EXPECT_TRUE(PairAndPost(asked, fast).flown([](double t) { return Vec3<double>{t, 0, 0}; }, rests)->empty());
+  EXPECT_TRUE(PairAndPost(requested, fast)
+                  .flown(
+                      [](double t) {
+                        return Vec3<double>{t, 0, 0};
+                      },
+                      rests)
+                  ->empty());
 }
 
 TEST(Drift, OneThatFollowsWhatMovesDoesNotNorDoThoseBehindIt) {
@@ -121,7 +127,7 @@ TEST(Drift, OneThatFollowsWhatMovesDoesNotNorDoThoseBehindIt) {
   EXPECT_TRUE(flight.flown(rests, rests, ahead)->empty());
 
   // Those ahead are asked to move.
-  PairAndPost led(asked, Reference([](double t) { return Pose<double>{{0, 0, 1 + t}, {1, 0}}; }));
+  PairAndPost led(requested, Reference([](double t) { return Pose<double>{{0, 0, 1 + t}, {1, 0}}; }));
   led.follow(led.b, led.a);
   EXPECT_TRUE(led.flown(climbs, climbs)->empty());
   PairAndPost rated({0, 0, 0, 0, 0, 1, 1},

@@ -20,13 +20,13 @@ struct LocalizedLog {
   std::string summary{};
 
   explicit LocalizedLog(double duration, const std::vector<std::string>& set = {})
-      : scenario(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", parts_of_sightline(), set)) {
+      : scenario(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", built_in_registry(), set)) {
     scenario.simulation.duration = duration;
     scenario.simulation.settle = 2.0;
     const Controls controls(scenario);
     const auto world = make_world(scenario);
-    Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
-                      sized_sample(*world, controls.controllers(), controls.team_switcher()));
+    SpscQueue<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
+                           sized_sample(*world, controls.controllers(), controls.team_switcher()));
     SimulatedClock clock;
     ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
     (void)loop.fly();

@@ -86,7 +86,7 @@ Written write(
     const Scenario& scenario, const fs::path& folder, int samples,
     const std::function<void(double)>& written = {},
     const std::function<void(int, Sample&)>& change = [](int, Sample&) {}) {
-  Ring<Sample> ring(4, sized(scenario));
+  SpscQueue<Sample> ring(4, sized(scenario));
   // The log counts controllers and asks them nothing.
   class Nobody final : public Solver {
     std::string_view name() const override { return "nobody"; }

@@ -94,9 +94,9 @@ TEST(LogText, WhatIsNoMessageIsRefusedAndNothingIsReadBehindItsEnd) {
 TEST(LogText, WhatIsMissingOrOfAnotherKindIsToldByItsName) {
   LogText text;
   text.read(R"({"time":1,"x":[1]})");
-  const auto refusal = [&](auto&& ask) -> std::string {
+  const auto refusal = [&](auto&& request) -> std::string {
     try {
-      ask();
+      request();
     } catch (const std::runtime_error& error) {
       return error.what();
     }

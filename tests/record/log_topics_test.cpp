@@ -22,7 +22,7 @@ using test::KeptMessage;
 /// The log's sink, which keeps each sample.
 class KeptSamples final : public Sink<Sample> {
  public:
-  explicit KeptSamples(Ring<Sample>& log) : log_(log) {}
+  explicit KeptSamples(SpscQueue<Sample>& log) : log_(log) {}
   Sample* claim() noexcept override {
     while ((item_ = log_.claim()) == nullptr) std::this_thread::yield();
     return item_;
@@ -36,7 +36,7 @@ class KeptSamples final : public Sink<Sample> {
   std::vector<Sample> samples;
 
  private:
-  Ring<Sample>& log_;
+  SpscQueue<Sample>& log_;
   Sample* item_ = nullptr;
 };
 
@@ -45,7 +45,7 @@ TEST(LogTopics, WhoeverIsToldTheSamplesOfALogGetsItsMessagesByteForByte) {
   const auto folder = test::fresh_folder();
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  Ring<Sample> ring(64, sized_sample(*world, controls.controllers(), controls.team_switcher()));
+  SpscQueue<Sample> ring(64, sized_sample(*world, controls.controllers(), controls.team_switcher()));
   KeptSamples kept(ring);
   SimulatedClock clock;
   Log log(scenario, folder, controls.controllers(), ring);

@@ -44,7 +44,7 @@ TEST(PresentTeam, FollowsTheEventsThatAreInForceAndNoOthers) {
                       .ramp = 1.0},
                      {.name = "gone", .trigger = AtTime{4.0}, .actions = {RemoveBody{BodyId{1}}}}});
   PresentTeam present(scenario);
-  EXPECT_FALSE(present.follow(steered_sample(scenario, 2.0, {{2.0, EventKind::event_happened, 0, 0.0}})));
+  EXPECT_FALSE(present.follow(steered_sample(scenario, 2.0, {{2.0, EventKind::event_occurred, 0, 0.0}})));
   EXPECT_FALSE(present.follow(steered_sample(scenario, 2.0, {{2.0, EventKind::event_ignored, 0, 1.0}})));
   EXPECT_EQ(observations(present.couplings()).at(0).target, BodyId{1});
   EXPECT_TRUE(present.follow(steered_sample(scenario, 2.01, {{2.01, EventKind::event_in_force, 0, 0.0}})));

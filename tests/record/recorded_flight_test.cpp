@@ -48,11 +48,11 @@ std::vector<Sample> logged(const Scenario& scenario, const fs::path& folder, Clo
   std::vector<Sample> flown;
   const Controls controls(scenario);
   const Controllers controllers = controls.controllers();
-  Ring<Sample> ring(320, sized_sample(scenario.team, controllers));
+  SpscQueue<Sample> ring(320, sized_sample(scenario.team, controllers));
   const auto world = make_world(scenario);
   ClosedLoop loop(scenario, *world, controllers, clock, ring, nullptr);
   (void)loop.fly();
-  Ring<Sample> copies(320, sized_sample(scenario.team, controllers));
+  SpscQueue<Sample> copies(320, sized_sample(scenario.team, controllers));
   Log log(scenario, folder, controllers, copies);
   log.start();
   while (const Sample* sample = ring.front()) {

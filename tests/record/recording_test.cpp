@@ -54,7 +54,7 @@ const LoggedFlight& flight() {
     std::vector<double> x = paper::start();
     x.insert(x.end(), {3, 4, 0, 0, 0, 0});
     const Controllers controllers = {*solver};
-    Ring<Sample> ring(300, sized_sample(scenario.team, controllers));
+    SpscQueue<Sample> ring(300, sized_sample(scenario.team, controllers));
     LoggedFlight result{made_folder("flight"), {}, scenario.team};
     Log log(scenario, result.folder, controllers, ring);
     fly(*solver, x, 200, [&](double time, const std::vector<double>& state, const Solution& solution) {

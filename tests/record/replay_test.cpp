@@ -24,8 +24,8 @@ struct ReplayedFlight {
   ReplayedFlight(Scenario of, double duration, Clock& clock) : scenario(std::move(of)) {
     scenario.simulation.duration = duration;
     const Controls controls(scenario);
-    Ring<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
-                      sized_sample(scenario.team, controls.controllers(), controls.team_switcher()));
+    SpscQueue<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
+                           sized_sample(scenario.team, controls.controllers(), controls.team_switcher()));
     const auto world = make_world(scenario);
     ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
     (void)loop.fly();
@@ -150,11 +150,11 @@ TEST(Replay, ALogSaysHowItWasFlown) {
   EXPECT_EQ(as.text, flown.scenario.text);
   EXPECT_EQ(as.solver, "newton_riccati");
   ASSERT_TRUE(as.files.contains("sensors/camera.toml")) << "the sensor that it names is in the log";
-  EXPECT_EQ(parse_scenario(as.text, "nowhere/log", parts_of_sightline(), {.files = as.files})
+  EXPECT_EQ(parse_scenario(as.text, "nowhere/log", built_in_registry(), {.files = as.files})
                 .team.couplings()
                 .size(),
             flown.scenario.team.couplings().size());
-  EXPECT_THROW(parse_scenario(as.text, "nowhere/log", parts_of_sightline(), {.files = FileTexts{}}),
+  EXPECT_THROW(parse_scenario(as.text, "nowhere/log", built_in_registry(), {.files = FileTexts{}}),
                ScenarioError);
 }
 

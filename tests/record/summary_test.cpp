@@ -460,12 +460,12 @@ TEST(Summary, OfManyTheWorstTwelveAreToldAndHowManyMoreThereAre) {
     for (std::size_t i = 0; i < 40; ++i) sample.x[7 * i] = static_cast<double>((7 * i) % 40);
     summary.add(sample);
   }
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   for (const SummaryLine& line : summary_lines(summary.json())) {
-    if (line.what.starts_with("r")) told.push_back(line.what);
+    if (line.what.starts_with("r")) reported.push_back(line.what);
   }
-  ASSERT_EQ(told.size(), 12U);
-  EXPECT_EQ(told[0], "r17") << "its error is 39 m";
+  ASSERT_EQ(reported.size(), 12U);
+  EXPECT_EQ(reported[0], "r17") << "its error is 39 m";
   EXPECT_EQ(line_of(summary, "..."), "28 more robots, none of them worse");
   EXPECT_EQ(Json::parse(summary.json()).at("agents").size(), 40U);
 }

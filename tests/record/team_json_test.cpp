@@ -62,11 +62,11 @@ TEST(TeamJson, bodies_that_are_coupled_by_many_potentials_are_told_once_for_thos
   const auto& couplings = json["couplings"];
   ASSERT_GE(couplings.size(), 3U);
   EXPECT_EQ(couplings[0]["between"], (nlohmann::json{1, 0}));
-  std::set<std::string> told;
-  for (const auto& entry : couplings) EXPECT_TRUE(told.insert(entry.dump()).second) << entry;
-  EXPECT_TRUE(told.contains(R"({"between":[1,0],"felt":[true,false]})"));
-  EXPECT_TRUE(told.contains(R"({"between":[1,0],"felt":[true,true]})"));
-  EXPECT_TRUE(told.contains(R"({"between":[2,0],"felt":[false,true]})"));
+  std::set<std::string> reported;
+  for (const auto& entry : couplings) EXPECT_TRUE(reported.insert(entry.dump()).second) << entry;
+  EXPECT_TRUE(reported.contains(R"({"between":[1,0],"felt":[true,false]})"));
+  EXPECT_TRUE(reported.contains(R"({"between":[1,0],"felt":[true,true]})"));
+  EXPECT_TRUE(reported.contains(R"({"between":[2,0],"felt":[false,true]})"));
 }
 
 }  // namespace

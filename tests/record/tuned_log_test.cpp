@@ -67,7 +67,7 @@ TEST(TunedLog, ATunedFlightIsFlownAgainFromItsLogWithTheSameCommands) {
   const FlownAs flown = flown_as(log);
   EXPECT_THAT(flown.text, HasSubstr("[[event]]\nat = 0.21\nretune = { couple = \"view\", weight = 0.1 }"));
   EXPECT_THAT(flown.text, HasSubstr("enter = \"tuned:1\"")) << "what could not be keeps its place";
-  const Scenario again = flown_scenario(flown, log, parts_of_sightline());
+  const Scenario again = flown_scenario(flown, log, built_in_registry());
   EXPECT_EQ(again.script.events.back().name, "heavier");
   RecordedFlight flight(log, again.team, again.x0, again.horizon.dt, {});
   const Controls controls(again);

@@ -60,7 +60,7 @@ TEST(CameraFigure, AnAttitudeThatNobodyKnowsAndAPlateThatIsTooNearAreNoPlates) {
 
 TEST(CameraFigure, AFlightShowsSixOfItsPicturesAsItsLogHasThem) {
   const Scenario scenario =
-      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", parts_of_sightline(),
+      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", built_in_registry(),
                     {"simulation.duration=2", "simulation.settle=1"});
   const test::Folder folder("camera_figure_test");
   const Controls controls(scenario);

@@ -20,14 +20,14 @@ TEST(LocalizationFigure, WhereNobodyIsLocalizedByViewThereIsNone) {
 }
 
 TEST(LocalizationFigure, AFlightShowsErrorConsistencyAndDetectionsAsItsSummarySays) {
-  Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", parts_of_sightline(),
+  Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", built_in_registry(),
                                     {"agent.uav0.camera.outliers=0.2"});
   scenario.simulation.duration = 6.0;
   scenario.simulation.settle = 1.0;
   const test::Folder folder("localization_figure_test");
   const Controls controls(scenario);
   const auto world = make_world(scenario);
-  Ring<Sample> ring(608, sized_sample(*world, controls.controllers()));
+  SpscQueue<Sample> ring(608, sized_sample(*world, controls.controllers()));
   SimulatedClock clock;
   (void)ClosedLoop(scenario, *world, controls.controllers(), clock, ring).fly();
   Log log(scenario, folder.path(), controls.controllers(), ring);
@@ -43,12 +43,12 @@ TEST(LocalizationFigure, AFlightShowsErrorConsistencyAndDetectionsAsItsSummarySa
     if (of.time[k] < 1.0 - 1e-9) continue;
     squares += of.error[k] * of.error[k], nees += of.nees[k], ++n;
   }
-  const RobotLocalization told = log.summary().localization().robots().at(0);
-  EXPECT_NEAR(std::sqrt(squares / n), told.rmse, 1e-9);
-  EXPECT_NEAR(nees / n, told.anees, 1e-6);
-  EXPECT_EQ(static_cast<std::int64_t>(of.refused.size()), told.rejected);
+  const RobotLocalization reported = log.summary().localization().robots().at(0);
+  EXPECT_NEAR(std::sqrt(squares / n), reported.rmse, 1e-9);
+  EXPECT_NEAR(nees / n, reported.anees, 1e-6);
+  EXPECT_EQ(static_cast<std::int64_t>(of.refused.size()), reported.rejected);
   EXPECT_GT(of.refused.size(), 10U);
-  EXPECT_GT(of.believed.size(), 60U);
+  EXPECT_GT(of.estimated.size(), 60U);
 
   const std::vector<Drawing> drawings = localization_drawings(recording);
   ASSERT_EQ(drawings.size(), 1U);

@@ -250,10 +250,10 @@ class Inputs final : public Sink<Sample> {
  public:
   explicit Inputs(Sample sample) : sample_(std::move(sample)) {}
   Sample* claim() noexcept override { return &sample_; }
-  void publish() noexcept override { applied.push_back(sample_.u), asked.push_back(sample_.raw_u); }
+  void publish() noexcept override { applied.push_back(sample_.u), requested.push_back(sample_.raw_u); }
   void close() noexcept override {}
 
-  std::vector<Numbers> applied, asked;
+  std::vector<Numbers> applied, requested;
 
  private:
   Sample sample_;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/plant.hpp"
 #include "tests/support/event_team.hpp"
@@ -14,9 +14,9 @@ namespace {
 
 TEST(Controller, ARobotThatItsTeamSeesAsAnObstacleIsGivenAsPlaceAndVelocity) {
   const Team world = event_team(3);
-  Roster roster(world);
-  ASSERT_EQ(roster.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 0.0, 0.0), "");
-  NewtonRiccati solver(roster.team(0.0), Horizon{});
+  ActiveTeam active_team(world);
+  ASSERT_EQ(active_team.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 0.0, 0.0), "");
+  NewtonRiccati solver(active_team.team(0.0), Horizon{});
   Controller controller(world, solver, 0);
   const std::vector<double> x = event_start(world), u(static_cast<std::size_t>(world.nu()), 0.5);
   controller.gather(world, test::valid(world, x), u);

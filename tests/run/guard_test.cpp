@@ -28,17 +28,17 @@ const Numbers start_of_both = {0, 0, 1, 1, 0, 0, 0, /**/ 4, 0, 1, 1, 0, 0, 0, /*
 // A flight under one command for both robots; the true states are measured, with the time of the moment.
 struct GuardedFlight {
   explicit GuardedFlight(const GuardOptions& options, const Numbers& command = {1, 0, 0, 0, -1, 0, 0, 0})
-      : guard(team, options), asked(command) {}
+      : guard(team, options), requested(command) {}
 
   void step(bool seen = true) {
     if (seen) {
       measured.assign(plant.x().begin(), plant.x().end());
       stamps.assign(3, t);
     }
-    const ValidStates& estimate = guard.believe(t, measured, stamps, sigmas);
-    believed = estimate;
+    const ValidStates& estimate = guard.accept_measurement(t, measured, stamps, sigmas);
+    estimated = estimate;
     if (!views.empty()) guard.look(t, views);
-    u = asked;
+    u = requested;
     guard.fall_back(t, estimate, Numbers(3, 0.0), Numbers(u.size()), u);
     guard.keep_distances(t, estimate, Numbers(u.size()), u);
     guard.record(t, u);
@@ -52,11 +52,11 @@ struct GuardedFlight {
 
   Team team = two_robots();
   Guard guard;
-  Membership membership = Roster(team).membership();
+  Membership membership = ActiveTeam(team).membership();
   Plant plant{team, start_of_both};
-  Numbers measured = start_of_both, stamps = Numbers(3, 0.0), sigmas{}, asked, u;
+  Numbers measured = start_of_both, stamps = Numbers(3, 0.0), sigmas{}, requested, u;
   std::span<const View> views{};
-  std::span<const double> believed;
+  std::span<const double> estimated;
   std::vector<Event> events;
   double t = 0.0, nearest = 1e9, lowest = 1e9;
 };
@@ -81,8 +81,8 @@ TEST(Guard, WithNeitherSupervisorNorBarrierAllStaysBitForBit) {
   for (int k = 0; k < 100; ++k) {
     const Numbers x(flight.plant.x().begin(), flight.plant.x().end());
     flight.step();
-    ASSERT_EQ(Numbers(flight.believed.begin(), flight.believed.end()), x);
-    ASSERT_EQ(flight.u, flight.asked);
+    ASSERT_EQ(Numbers(flight.estimated.begin(), flight.estimated.end()), x);
+    ASSERT_EQ(flight.u, flight.requested);
   }
   EXPECT_TRUE(flight.events.empty());
   EXPECT_TRUE(flight.guard.barriers().empty());
@@ -102,29 +102,29 @@ TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
 }
 
 /// Hears nobody from some time on.
-struct Deaf final : Hearing {
-  bool hears(BodyId, BodyId) const noexcept override { return hearing; }
-  bool is_heard(BodyId body) const noexcept override { return hearing || body.index != 1; }
-  bool hearing = true;
+struct Deaf final : Connectivity {
+  bool receives_from(BodyId, BodyId) const noexcept override { return connectivity; }
+  bool is_received(BodyId body) const noexcept override { return connectivity || body.index != 1; }
+  bool connectivity = true;
 };
 
 TEST(Guard, WhoIsNotHeardIsUncooperativeAndKeptFartherAway) {
   std::array<double, 2> nearest{};
-  for (const bool hearing : {true, false}) {
+  for (const bool connectivity : {true, false}) {
     GuardedFlight flight({.barrier = BarrierMode::on});
     Deaf ears;
-    ears.hearing = hearing;
-    flight.guard.set_hearing(&ears);
+    ears.connectivity = connectivity;
+    flight.guard.set_connectivity(&ears);
     for (int k = 0; k < 400; ++k) flight.step();
-    nearest[hearing] = flight.nearest;
+    nearest[connectivity] = flight.nearest;
     const auto tells = [&](EventKind kind) {
       return std::count_if(flight.events.begin(), flight.events.end(),
                            [&](const Event& event) { return event.kind == kind; });
     };
-    EXPECT_EQ(tells(EventKind::unheard), hearing ? 0 : 1);
-    ears.hearing = true;
+    EXPECT_EQ(tells(EventKind::stale), connectivity ? 0 : 1);
+    ears.connectivity = true;
     flight.step();
-    EXPECT_EQ(tells(EventKind::heard), hearing ? 0 : 1);
+    EXPECT_EQ(tells(EventKind::received), connectivity ? 0 : 1);
     EXPECT_GE(flight.nearest, 0.6);
   }
   EXPECT_GT(nearest[0], nearest[1] + 0.1);
@@ -140,9 +140,9 @@ TEST(Guard, ARobotOfAnotherPartIsAMemberWhileItIsHeard) {
     Guard guard(team, {.barrier = BarrierMode::on,
                        .bodies = {{}, {.robot = which == 2 ? "unicycle" : "multirotor"}}});
     Deaf ears;
-    ears.hearing = which != 1;
-    guard.set_hearing(&ears);
-    const ValidStates& x = guard.believe(0.0, start, Numbers(2, 0.0));
+    ears.connectivity = which != 1;
+    guard.set_connectivity(&ears);
+    const ValidStates& x = guard.accept_measurement(0.0, start, Numbers(2, 0.0));
     Numbers u = {1, 0, 0, 0};
     guard.fall_back(0.0, x, Numbers(2, 0.0), Numbers(4), u);
     guard.keep_distances(0.0, x, Numbers(4), u);
@@ -158,7 +158,7 @@ TEST(Guard, ABarrierThatOnlyReportsChangesNothing) {
   bool active = false;
   for (int k = 0; k < 250; ++k) {
     flight.step();
-    ASSERT_EQ(flight.u, flight.asked);
+    ASSERT_EQ(flight.u, flight.requested);
     active |= flight.guard.barriers()[0].active;
   }
   EXPECT_TRUE(active);
@@ -322,14 +322,14 @@ TEST(Guard, CommandsAndEventsAreTheSameWhateverTheThreads) {
   }
   const auto flown = [&](int threads) {
     GuardOptions options{.barrier = BarrierMode::on};
-    if (threads > 1) options.crew = std::make_shared<Crew>(threads);
+    if (threads > 1) options.pool = std::make_shared<ThreadPool>(threads);
     Guard guard(team, options);
     Plant plant(team, x0);
     Numbers all;
     int active = 0, conflicts = 0;
     for (int k = 0; k < 300; ++k) {
       const double t = 0.01 * k;
-      const ValidStates& x = guard.believe(t, plant.x(), Numbers(at(team.bodies()), t));
+      const ValidStates& x = guard.accept_measurement(t, plant.x(), Numbers(at(team.bodies()), t));
       Numbers u = command;
       guard.keep_distances(t, x, Numbers(u.size()), u);
       all.insert(all.end(), u.begin(), u.end());

@@ -16,9 +16,9 @@ using Numbers = std::vector<double>;
 
 // Plans at t0 the input 0.1 + (t - t0) for every channel, so that each input tells how old its plan is; keeps what it
 // was asked.
-class Teller : public Solver {
+class ScriptedSolver : public Solver {
  public:
-  explicit Teller(Team team)
+  explicit ScriptedSolver(Team team)
       : ocp_(std::move(team), {.T = 0.5, .N = 5, .dt = control_period}),
         u_(static_cast<std::size_t>(ocp_.nu())) {}
 
@@ -30,14 +30,14 @@ class Teller : public Solver {
     std::fill(u.begin(), u.end(), 0.1 + time - planned_at_);
   }
   Solution solve(double time, std::span<const double> states) noexcept override {
-    asked.push_back(time);
+    requested.push_back(time);
     first_state.push_back(states[0]);
     planned_at_ = time;
     planned(time, u_);
     return {.u = u_, .raw_u = u_, .x = {}, .status = status};
   }
 
-  std::vector<double> asked{}, first_state{};
+  std::vector<double> requested{}, first_state{};
   Status status = Status::converged;  // of each update
 
  private:
@@ -62,10 +62,10 @@ struct Kept final : Sink<Sample> {
   std::vector<Sample> all;
 };
 
-std::vector<Sample> flown_by(Teller& teller, LoopOptions options, const SensorOptions& sensing = {}) {
+std::vector<Sample> flown_by(ScriptedSolver& solver, LoopOptions options, const SensorOptions& sensing = {}) {
   const Team team = one_robot();
   ModelWorld world(team, start_of_one, {}, sensing);
-  const Controllers controllers = {teller};
+  const Controllers controllers = {solver};
   SimulatedClock clock;
   Kept kept(sized_sample(team, controllers));
   Loop loop(world, controllers, clock, kept, options);
@@ -74,7 +74,7 @@ std::vector<Sample> flown_by(Teller& teller, LoopOptions options, const SensorOp
 }
 
 TEST(GuardedLoop, WithGoodDataAGuardLeavesTheFlightAsItIsBitForBit) {
-  Teller a(one_robot()), b(one_robot());
+  ScriptedSolver a(one_robot()), b(one_robot());
   Guard guard(one_robot(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   const auto bare = flown_by(a, {.duration = 2.0}), guarded = flown_by(b, {.duration = 2.0, .guard = &guard});
   ASSERT_EQ(bare.size(), guarded.size());
@@ -86,19 +86,19 @@ TEST(GuardedLoop, WithGoodDataAGuardLeavesTheFlightAsItIsBitForBit) {
 }
 
 TEST(GuardedLoop, OfALatePlanTheOneBeforeGoesOnAndTheNextUpdateBeginsOnlyWhenItIsDone) {
-  Teller teller(one_robot());
+  ScriptedSolver solver(one_robot());
   const auto samples =
-      flown_by(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.6, .delay = 0.05}}});
-  Numbers asked;
-  for (int k = 0; k < 30; ++k) asked.push_back(control_period * k);
+      flown_by(solver, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.6, .delay = 0.05}}});
+  Numbers requested;
+  for (int k = 0; k < 30; ++k) requested.push_back(control_period * k);
   for (int k = 30; k < 60; k += 6)
-    asked.push_back(control_period * k);  // begun, five periods at work, the next begins
-  for (int k = 60; k < 100; ++k) asked.push_back(control_period * k);
-  ASSERT_EQ(teller.asked.size(), asked.size());
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    EXPECT_NEAR(teller.asked[i], asked[i], 1e-12);
-    const auto k = static_cast<std::size_t>(std::lround(asked[i] / control_period));
-    EXPECT_EQ(teller.first_state[i], samples[k].x[0]) << "from the state of its begin";
+    requested.push_back(control_period * k);  // begun, five periods at work, the next begins
+  for (int k = 60; k < 100; ++k) requested.push_back(control_period * k);
+  ASSERT_EQ(solver.requested.size(), requested.size());
+  for (std::size_t i = 0; i < requested.size(); ++i) {
+    EXPECT_NEAR(solver.requested[i], requested[i], 1e-12);
+    const auto k = static_cast<std::size_t>(std::lround(requested[i] / control_period));
+    EXPECT_EQ(solver.first_state[i], samples[k].x[0]) << "from the state of its begin";
   }
   for (int k = 0; k < 100; ++k) {
     const int since = k < 30 || k >= 60 ? 0 : (k - 30) % 6;
@@ -112,45 +112,45 @@ TEST(GuardedLoop, OfALatePlanTheOneBeforeGoesOnAndTheNextUpdateBeginsOnlyWhenItI
 
 TEST(GuardedLoop, APlanThatFailsIsFlownOnThenSlowedThenHeldThenLanded) {
   for (const bool late : {false, true}) {
-    Teller teller(one_robot());
+    ScriptedSolver solver(one_robot());
     Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
-    if (!late) teller.status = Status::not_finite;
+    if (!late) solver.status = Status::not_finite;
     LoopOptions options{.duration = 4.0, .guard = &guard};
     if (late) options.late_plans = {{.from = 0.0, .delay = 10.0}};
-    std::vector<EventKind> told;
-    for (const Sample& sample : flown_by(teller, options)) {
+    std::vector<EventKind> reported;
+    for (const Sample& sample : flown_by(solver, options)) {
       for (int i = 0; i < sample.event_count; ++i) {
         const Event& event = sample.events[static_cast<std::size_t>(i)];
-        if (event.kind >= EventKind::valid) told.push_back(event.kind);
+        if (event.kind >= EventKind::valid) reported.push_back(event.kind);
       }
     }
-    EXPECT_THAT(told, testing::ElementsAre(EventKind::predicted, EventKind::slowed, EventKind::hold,
-                                           EventKind::land));
+    EXPECT_THAT(reported, testing::ElementsAre(EventKind::predicted, EventKind::slowed, EventKind::hold,
+                                               EventKind::land));
   }
 }
 
 // An update that the solver's own clock ended is a plan still: 799 of 799 of them landed the robots.
 TEST(GuardedLoop, OfWhateverStatusAPlanIsFlownAndOnlyWithoutOneTheRobotLands) {
   for (int s = 0; s < status_count; ++s) {
-    Teller teller(one_robot());
+    ScriptedSolver solver(one_robot());
     Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
-    teller.status = static_cast<Status>(s);
-    std::vector<EventKind> told;
-    for (const Sample& sample : flown_by(teller, {.duration = 4.0, .guard = &guard})) {
+    solver.status = static_cast<Status>(s);
+    std::vector<EventKind> reported;
+    for (const Sample& sample : flown_by(solver, {.duration = 4.0, .guard = &guard})) {
       EXPECT_TRUE(sample.solvers[0].answered);
       for (int i = 0; i < sample.event_count; ++i)
-        told.push_back(sample.events[static_cast<std::size_t>(i)].kind);
+        reported.push_back(sample.events[static_cast<std::size_t>(i)].kind);
     }
-    const bool lands = std::find(told.begin(), told.end(), EventKind::land) != told.end();
-    EXPECT_EQ(lands, !gives_plan(teller.status)) << to_string(teller.status);
-    EXPECT_EQ(told.empty(), gives_plan(teller.status)) << to_string(teller.status);
+    const bool lands = std::find(reported.begin(), reported.end(), EventKind::land) != reported.end();
+    EXPECT_EQ(lands, !gives_plan(solver.status)) << to_string(solver.status);
+    EXPECT_EQ(reported.empty(), gives_plan(solver.status)) << to_string(solver.status);
   }
 }
 
 TEST(GuardedLoop, WhileAnUpdateIsLateTheResidualIsNotKnownAndTheSolverDidNotAnswer) {
-  Teller teller(one_robot());
+  ScriptedSolver solver(one_robot());
   const auto samples =
-      flown_by(teller, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.4, .delay = 0.05}}});
+      flown_by(solver, {.duration = 1.0, .late_plans = {{.from = 0.3, .until = 0.4, .delay = 0.05}}});
   int waiting = 0;
   for (const Sample& sample : samples) {
     const SolverRecord& record = sample.solvers[0];
@@ -163,12 +163,12 @@ TEST(GuardedLoop, WhileAnUpdateIsLateTheResidualIsNotKnownAndTheSolverDidNotAnsw
 }
 
 TEST(GuardedLoop, NobodyIsAskedForAPlanBeforeAllBodiesWereSeen) {
-  Teller teller(one_robot());
+  ScriptedSolver solver(one_robot());
   Guard guard(one_robot(), {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   const SensorOptions blind{.faults = {{.kind = FaultKind::nan, .body = BodyId{0}, .until = 0.5}}};
-  const auto samples = flown_by(teller, {.duration = 1.0, .guard = &guard}, blind);
-  ASSERT_FALSE(teller.asked.empty());
-  EXPECT_NEAR(teller.asked.front(), 0.52, 1e-9) << "the third good measurement";
+  const auto samples = flown_by(solver, {.duration = 1.0, .guard = &guard}, blind);
+  ASSERT_FALSE(solver.requested.empty());
+  EXPECT_NEAR(solver.requested.front(), 0.52, 1e-9) << "the third good measurement";
   for (std::size_t k = 0; k < 52; ++k) {
     for (const double u : samples[k].u) ASSERT_NEAR(u, 0.0, 1e-6);
     ASSERT_EQ(samples[k].solvers[0].status, Status::invalid_state);
@@ -176,11 +176,11 @@ TEST(GuardedLoop, NobodyIsAskedForAPlanBeforeAllBodiesWereSeen) {
 }
 
 TEST(GuardedLoop, WhatIsBelievedIsWhatTheControllerSees) {
-  Teller teller(one_robot());
+  ScriptedSolver solver(one_robot());
   Guard guard(one_robot(), {.supervisor = SupervisorOptions{}});
-  const auto samples = flown_by(teller, {.duration = 3.0, .guard = &guard}, {.delay = 0.15});
+  const auto samples = flown_by(solver, {.duration = 3.0, .guard = &guard}, {.delay = 0.15});
   for (std::size_t k = 20; k < samples.size(); ++k) {
-    ASSERT_NEAR(teller.first_state[k], samples[k].x[0], 1e-9) << "the delay is compensated";
+    ASSERT_NEAR(solver.first_state[k], samples[k].x[0], 1e-9) << "the delay is compensated";
     ASSERT_NE(samples[k].measured[0], samples[k].x[0]);
   }
 }

@@ -128,7 +128,7 @@ Localization localized(int robots, FilterKind kind, std::uint64_t seed,
   for (int i = 1; i < robots; ++i) {
     cameras.push_back({BodyId{i}, BodyId{i - 1}, SensorMount{}});
     of.options.robots.push_back({.robot = BodyId{i},
-                                 .watches = {BodyId{i - 1}},
+                                 .observes = {BodyId{i - 1}},
                                  .filter = {.filter = kind, .other_error_time = 0.5}});
     telemetry.robots.push_back({BodyId{i}});
   }
@@ -212,7 +212,7 @@ TEST(Localizer, ItTellsHowWellAPositionIsKnownAndWhatWasSeen) {
   EXPECT_NEAR(view.accepted, 1.0, 0.1);
   EXPECT_NEAR(view.sighted, 1.0, 0.1);
   EXPECT_GT(view.bearing_sigma, 0.2);
-  EXPECT_EQ(flight.localizer->doubts()[0].after(1.0), 0.0) << "it needs no view";
+  EXPECT_EQ(flight.localizer->uncertainties()[0].after(1.0), 0.0) << "it needs no view";
 }
 
 /// Nothing is seen from 3 s on. What the robot says then of a second later is what it says then, and at most the double.
@@ -220,16 +220,16 @@ TEST(Localizer, ADoubtAheadIsThatOfARobotThatSeesNothingUntilThen) {
   for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
     auto flight = localized(2, kind, 5, {.from = 3.0, .until = 60.0});
     const std::vector<double> u(8);
-    std::vector<ViewDoubt> told;
+    std::vector<ViewUncertainty> received;
     for (int k = 0; k < 700; ++k) {
       const Measured now = flight.measure(k * flight_period);
-      told.push_back(flight.localizer->doubts()[1]);
+      received.push_back(flight.localizer->uncertainties()[1]);
       (void)flight.apply(k * flight_period, now.measured, u);
     }
-    EXPECT_LT(told[250].sigma, 0.03) << "it sees";
+    EXPECT_LT(received[250].sigma, 0.03) << "it sees";
     for (const int k : {320, 400, 500}) {
-      EXPECT_GT(told[size(k)].after(1.0), 0.95 * told[size(k + 100)].sigma) << k;
-      EXPECT_LT(told[size(k)].after(1.0), 2.0 * told[size(k + 100)].sigma) << k;
+      EXPECT_GT(received[size(k)].after(1.0), 0.95 * received[size(k + 100)].sigma) << k;
+      EXPECT_LT(received[size(k)].after(1.0), 2.0 * received[size(k + 100)].sigma) << k;
     }
   }
 }
@@ -311,9 +311,9 @@ class SpoiledWorld final : public World {
     now.stamps = stamps_;
     return now;
   }
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override {
-    return world_.apply(t, believed, u, period, periods);
+    return world_.apply(t, estimated, u, period, periods);
   }
 
  private:
@@ -384,23 +384,23 @@ TEST(Localizer, WhatCannotBeLocalizedIsRefused) {
   const auto refused = [](const LocalizerOptions& options) {
     return refusal_of([&] { Localizer(followers(3), in_a_row(3), options); });
   };
-  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{2}}},
-                                {.robot = BodyId{2}, .watches = {BodyId{1}, BodyId{0}}}}}),
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .observes = {BodyId{2}}},
+                                {.robot = BodyId{2}, .observes = {BodyId{1}, BodyId{0}}}}}),
             "robots are localized in a circle, \"uav1\" by \"uav2\", \"uav2\" by \"uav1\", expected none: "
             "information would be counted "
             "twice");
   EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}}}}),
             "\"uav1\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
             "is known");
-  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{0}}},
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .observes = {BodyId{0}}},
                                 {.robot = BodyId{2},
-                                 .watches = {BodyId{1}},
+                                 .observes = {BodyId{1}},
                                  .filter = {.filter = FilterKind::attitude}}}}),
-            "\"uav2\" watches \"uav1\", which is localized itself, with the filter \"attitude\", expected "
+            "\"uav2\" observes \"uav1\", which is localized itself, with the filter \"attitude\", expected "
             "\"heading\"");
-  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .watches = {BodyId{0}}, .camera_rate = 0.0}}}),
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .observes = {BodyId{0}}, .camera_rate = 0.0}}}),
             "estimate.camera_rate = 0, expected > 0 Hz");
-  EXPECT_EQ(refused({.robots = {{.robot = BodyId{7}, .watches = {BodyId{0}}}}}),
+  EXPECT_EQ(refused({.robots = {{.robot = BodyId{7}, .observes = {BodyId{0}}}}}),
             "a robot that is localized has the number 7, expected one of 3 bodies");
 }
 

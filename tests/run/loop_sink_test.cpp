@@ -25,7 +25,7 @@ struct UnreadFlight {
   GradientPlanner planner{team, {.T = 0.5, .N = 5, .dt = 0.01}};
   ModelWorld world{team, std::vector<double>{-0.6, -0.3, 0.6, 1, 0, 0, 0}};
   SimulatedClock clock;
-  Ring<Sample> ring{4, sized_sample(team, {planner})};
+  SpscQueue<Sample> ring{4, sized_sample(team, {planner})};
 
   LoopOutcome fly(const LoopOptions& options) { return Loop(world, {planner}, clock, ring, options).run(); }
 };

@@ -101,7 +101,7 @@ struct Flight {
 Flight fly(const Team& team, const Numbers& x0, const Controllers& controllers, const LoopOptions& options,
            Clock&& clock = SimulatedClock(), std::size_t capacity = 4) {
   ModelWorld world(team, x0);
-  Ring<Sample> ring(capacity, sized_sample(team, controllers));
+  SpscQueue<Sample> ring(capacity, sized_sample(team, controllers));
   Loop loop(world, controllers, clock, ring, options);
   Flight flight;
   std::thread log([&] {
@@ -197,14 +197,14 @@ TEST(Loop, WhatIsNotFiniteOrAboveItsLimitNeverReachesThePlant) {
     ASSERT_TRUE(all_finite(sample.x));
     ASSERT_TRUE(all_finite(sample.path));
     const auto events = std::span(sample.events).first(static_cast<std::size_t>(sample.event_count));
-    const bool told = std::any_of(events.begin(), events.end(),
-                                  [](const Event& e) { return e.kind == EventKind::input_refused; });
-    ASSERT_EQ(told, k % 3 == 0) << k;
-    if (told) {
+    const bool reported = std::any_of(events.begin(), events.end(),
+                                      [](const Event& e) { return e.kind == EventKind::input_refused; });
+    ASSERT_EQ(reported, k % 3 == 0) << k;
+    if (reported) {
       ASSERT_EQ(sample.u, held) << "the last good one is held";
     }
     held = sample.u;
-    refused += told ? 1 : 0;
+    refused += reported ? 1 : 0;
   }
   EXPECT_EQ(flight.outcome.refused, refused);
   EXPECT_TRUE(flight.outcome.finite);
@@ -217,15 +217,15 @@ TEST(Loop, AChangeOfStatusIsAnEvent) {
   for (std::size_t k = 0; k < flight.samples.size(); ++k) {
     const Sample& sample = flight.samples[k];
     EXPECT_EQ(sample.solvers[0].status, k % 3 == 0 ? Status::not_finite : Status::iteration_limit);
-    int told = 0;
+    int reported = 0;
     for (int e = 0; e < sample.event_count; ++e) {
       const Event& event = sample.events[static_cast<std::size_t>(e)];
       if (event.kind != EventKind::solver_status) continue;
-      ++told;
+      ++reported;
       EXPECT_EQ(event.time, sample.time);
       EXPECT_EQ(event.value, static_cast<double>(sample.solvers[0].status));
     }
-    EXPECT_EQ(told, k > 0 && k % 3 != 2 ? 1 : 0) << k;
+    EXPECT_EQ(reported, k > 0 && k % 3 != 2 ? 1 : 0) << k;
   }
 }
 
@@ -267,7 +267,7 @@ TEST(Loop, NothingInItAllocates) {
   Spoiler for_a(robots({"a"}, {"b"}));
   Puller for_b(robots({"b"}, {"wall"}));
   const Controllers controllers = {for_a, for_b};
-  Ring<Sample> ring(1000, sized_sample(team, controllers));
+  SpscQueue<Sample> ring(1000, sized_sample(team, controllers));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
             {.duration = 10.0,
@@ -384,17 +384,17 @@ TEST(Loop, AClockThatWaitsForNobodyDropsAndCountsWhatTheRingCannotTake) {
   const Team team = robots({"a"});
   Puller puller(team);
   ModelWorld world(team, start_a);
-  Ring<Sample> ring(10, sized_sample(team, {puller}));
+  SpscQueue<Sample> ring(10, sized_sample(team, {puller}));
   class Hurrying : public Stumbling {
    public:
-    explicit Hurrying(Ring<Sample>& r) : ring_(r) {}
+    explicit Hurrying(SpscQueue<Sample>& r) : ring_(r) {}
     std::int64_t wait(std::int64_t k) noexcept override {
       if (k == 50) ring_.pop();  // room for one again
       return k;
     }
 
    private:
-    Ring<Sample>& ring_;
+    SpscQueue<Sample>& ring_;
   } clock(ring);
   Loop loop(world, {puller}, clock, ring, {.duration = 1.0});
   const LoopOutcome outcome = loop.run();
@@ -474,7 +474,7 @@ TEST(Loop, ARingOfSamplesOfAnotherSizeIsRefused) {
   Puller puller(team);
   ModelWorld world(team, start_a);
   SimulatedClock clock;
-  Ring<Sample> unsized(4, Sample{}), sized(4, sized_sample(team, {puller}));
+  SpscQueue<Sample> unsized(4, Sample{}), sized(4, sized_sample(team, {puller}));
   EXPECT_THROW(Loop(world, {puller}, clock, unsized, {}), std::invalid_argument);
   EXPECT_NO_THROW(Loop(world, {puller}, clock, sized, {}));
 }

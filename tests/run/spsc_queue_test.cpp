@@ -1,4 +1,4 @@
-#include "sightline/run/ring.hpp"
+#include "sightline/run/spsc_queue.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,17 +9,17 @@
 namespace sightline {
 namespace {
 
-TEST(Ring, ItemsAreCopiesOfThePrototype) {
-  Ring<std::vector<int>> ring(3, std::vector<int>(7, 5));
+TEST(SpscQueue, ItemsAreCopiesOfThePrototype) {
+  SpscQueue<std::vector<int>> ring(3, std::vector<int>(7, 5));
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(*ring.claim(), std::vector<int>(7, 5));
     ring.publish();
   }
 }
 
-TEST(Ring, AFullRingGivesNothingToWriteAndAnEmptyOneNothingToRead) {
+TEST(SpscQueue, AFullRingGivesNothingToWriteAndAnEmptyOneNothingToRead) {
   for (const std::size_t capacity : {1U, 2U, 5U}) {
-    Ring<int> ring(capacity, 0);
+    SpscQueue<int> ring(capacity, 0);
     EXPECT_EQ(ring.capacity(), capacity);
     for (int round = 0; round < 3; ++round) {
       EXPECT_EQ(ring.front(), nullptr);
@@ -37,16 +37,16 @@ TEST(Ring, AFullRingGivesNothingToWriteAndAnEmptyOneNothingToRead) {
   }
 }
 
-TEST(Ring, WhatIsClaimedIsNotSeenBeforeItIsPublished) {
-  Ring<int> ring(4, 0);
+TEST(SpscQueue, WhatIsClaimedIsNotSeenBeforeItIsPublished) {
+  SpscQueue<int> ring(4, 0);
   *ring.claim() = 7;
   EXPECT_EQ(ring.front(), nullptr);
   ring.publish();
   EXPECT_EQ(*ring.front(), 7);
 }
 
-TEST(Ring, AClosedRingIsReadToItsEnd) {
-  Ring<int> ring(4, 0);
+TEST(SpscQueue, AClosedRingIsReadToItsEnd) {
+  SpscQueue<int> ring(4, 0);
   for (const int value : {1, 2}) {
     *ring.claim() = value;
     ring.publish();
@@ -61,13 +61,13 @@ TEST(Ring, AClosedRingIsReadToItsEnd) {
   EXPECT_EQ(ring.wait(), nullptr);
 }
 
-TEST(Ring, BetweenTwoThreadsNothingIsLostAndTheOrderIsKept) {
+TEST(SpscQueue, BetweenTwoThreadsNothingIsLostAndTheOrderIsKept) {
   struct Item {
     std::int64_t first = -1, second = -1;
   };
   for (const std::size_t capacity : {1U, 3U, 64U}) {
     const auto count = static_cast<std::int64_t>(1000 * capacity + 7);
-    Ring<Item> ring(capacity, {});
+    SpscQueue<Item> ring(capacity, {});
     std::thread producer([&] {
       for (std::int64_t i = 0; i < count; ++i) {
         Item* item = ring.claim();

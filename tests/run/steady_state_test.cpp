@@ -1,4 +1,4 @@
-#include "sightline/run/settled.hpp"
+#include "sightline/run/steady_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,13 +13,13 @@
 namespace sightline {
 namespace {
 
-TEST(Settled, StatesThatAreShownStayAndTheOthersFollowTheCommand) {
+TEST(SteadyState, StatesThatAreShownStayAndTheOthersFollowTheCommand) {
   const LaggingHoverMultirotor robot;
   const Model model = robot;
   std::vector<double> x = state_at_rest(model);
   x[5] = 0.7, x[9] = 0.2;
   const std::vector<double> u = {0.3, -0.2, 0.1, 0.4};
-  const Settled settled = settle(model, x, u);
+  const SteadyState settled = settle(model, x, u);
   for (const std::size_t shown : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 9U}) EXPECT_EQ(settled.x[shown], x[shown]);
   EXPECT_NEAR(settled.x[7], robot.b_f * 0.3, 1e-9);
   EXPECT_NEAR(settled.x[8], robot.b_s * 0.2, 1e-9);
@@ -31,12 +31,12 @@ TEST(Settled, StatesThatAreShownStayAndTheOthersFollowTheCommand) {
   EXPECT_NEAR(settled.acceleration.x, robot.a_f * 0.7 + lift * settled.x[7], 1e-5);
 }
 
-TEST(Settled, OfARobotWithoutInnerStatesIsTheStateItself) {
+TEST(SteadyState, OfARobotWithoutInnerStatesIsTheStateItself) {
   for (const Model& model :
        {Model(Multirotor{}), Model(PointMass{}), Model(VelocityMultirotor{.tau_psi = 0.1})}) {
     const std::vector<char> shown = shown_states(model);
     const std::vector<double> x = state_at_rest(model), u(static_cast<std::size_t>(model.nu()), 0.5);
-    const Settled settled = settle(model, x, u);
+    const SteadyState settled = settle(model, x, u);
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (shown[i]) {
         EXPECT_EQ(settled.x[i], x[i]) << model.name();
@@ -46,7 +46,7 @@ TEST(Settled, OfARobotWithoutInnerStatesIsTheStateItself) {
   }
 }
 
-TEST(Settled, TheTopSpeedIsThatOfTheModelUnderItsLimits) {
+TEST(SteadyState, TheTopSpeedIsThatOfTheModelUnderItsLimits) {
   const std::vector<double> low(4, -1.0), high(4, 1.0), half(4, 0.5), minus_half(4, -0.5);
   const Model multirotor = Multirotor{};
   // Its drag is linear: whatever it does, no component of a velocity under random inputs within the limits is beyond.

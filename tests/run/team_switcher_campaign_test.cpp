@@ -75,7 +75,7 @@ Sequence random_sequence(Random& random, double duration) {
     if (random() % 2 == 0) event.ramp = uniform(random, 0.0, 1.0);
     Script longer = s.script;
     longer.events.push_back(event);
-    if (faults_of(longer, Roster(s.all, s.presence)).empty()) s.script = longer;
+    if (faults_of(longer, ActiveTeam(s.all, s.presence)).empty()) s.script = longer;
   }
   s.signals = {{uniform(random, 0.0, duration), "red"}, {uniform(random, 0.0, duration), "green"}};
   return s;
@@ -130,12 +130,12 @@ TEST(TeamSwitcherCampaign, TeamsThatFollowOneAnotherDoNotHoardMemory) {
     const std::size_t before = mallinfo2().uordblks;
     std::size_t most = 0;
     const Horizon horizon;
-    TeamSwitcher team_switcher(Roster(all), {{go, back}}, newton_riccati_of(horizon));
+    TeamSwitcher team_switcher(ActiveTeam(all), {{go, back}}, newton_riccati_of(horizon));
     ModelWorld world(all, event_start(all, 2));
     SimulatedClock clock;
     const Controllers controllers = {*team_switcher.present().solver};
-    Ring<Sample> sink(static_cast<std::size_t>(duration / horizon.dt) + 8,
-                      sized_sample(all, controllers, &team_switcher));
+    SpscQueue<Sample> sink(static_cast<std::size_t>(duration / horizon.dt) + 8,
+                           sized_sample(all, controllers, &team_switcher));
     most = mallinfo2().uordblks - before;
     Loop loop(world, controllers, clock, sink,
               {.duration = duration, .path_interval = 0.0, .team_switcher = &team_switcher});

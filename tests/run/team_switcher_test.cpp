@@ -52,7 +52,7 @@ TEST(TeamSwitcher, TheTeamChangesExactlyOnePeriodAfterTheTrigger) {
   const Team all = event_team(3);
   const TeamFlight flight =
       fly_script(all, event_start(all), {{at(0.5, RemoveBody{BodyId{2}, Afterwards::hold})}}, 1.0);
-  EXPECT_EQ(period_of(flight, EventKind::event_happened), 50U);
+  EXPECT_EQ(period_of(flight, EventKind::event_occurred), 50U);
   EXPECT_EQ(period_of(flight, EventKind::event_in_force), 51U);
   EXPECT_EQ(flight.flown[50].presence[2], Presence::steered);
   EXPECT_EQ(flight.flown[51].presence[2], Presence::hold);
@@ -103,15 +103,15 @@ TEST(TeamSwitcher, WhatCannotBeIsToldOnceAndTheTeamStays) {
   again.repeat = true;
   const TeamFlight flight = fly_script(all, event_start(all), {{again}}, 1.0, {}, false,
                                        {{0.2, "again"}, {0.4, "again"}, {0.6, "again"}, {0.7, "nobody"}});
-  int happened = 0, ignored = 0, in_force = 0;
+  int occurred = 0, ignored = 0, in_force = 0;
   for (const FlownPeriod& period : flight.flown) {
     for (const Event& event : period.events) {
-      happened += event.kind == EventKind::event_happened;
+      occurred += event.kind == EventKind::event_occurred;
       ignored += event.kind == EventKind::event_ignored;
       in_force += event.kind == EventKind::event_in_force;
     }
   }
-  EXPECT_EQ(happened, 3);
+  EXPECT_EQ(occurred, 3);
   EXPECT_EQ(ignored, 1);
   EXPECT_EQ(in_force, 0);
 }
@@ -145,7 +145,7 @@ TEST(TeamSwitcher, SameScriptSameFlightBitForBit) {
 
 TEST(TeamSwitcher, OnASteadyClockTheLoopNeverWaits) {
   const Team all = event_team(3);
-  TeamSwitcher team_switcher(Roster(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
+  TeamSwitcher team_switcher(ActiveTeam(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
                              newton_riccati_of(Horizon{}));
   ModelWorld world(all, event_start(all));
   SteadyClock clock;
@@ -183,11 +183,11 @@ TEST(TeamSwitcher, NothingInTheLoopAllocatesWhenATeamChanges) {
       .ramp = 0.05};
   const TeamEvent fails{
       .name = "fails", .trigger = Signal{"fail"}, .actions = {RemoveBody{BodyId{5}, Afterwards::land}}};
-  TeamSwitcher team_switcher(Roster(team), {{there, back, fails}}, newton_riccati_of(Horizon{}));
+  TeamSwitcher team_switcher(ActiveTeam(team), {{there, back, fails}}, newton_riccati_of(Horizon{}));
   ModelWorld world(team, event_start(team, 2));
   Guard guard(team, {.supervisor = SupervisorOptions{}, .barrier = BarrierMode::on});
   const Controllers controllers = {*team_switcher.present().solver};
-  Ring<Sample> ring(1000, sized_sample(team, controllers, &team_switcher));
+  SpscQueue<Sample> ring(1000, sized_sample(team, controllers, &team_switcher));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
             {.duration = 3.0,
@@ -217,12 +217,12 @@ TEST(TeamSwitcher, TriggersOfTextAllocateNothing) {
     return event;
   };
   const Region camera = Region(all_of({"bearing < 0.4", "0.3 m < range < 6 m"}), {{"far", "6 m"}});
-  TeamSwitcher team_switcher(Roster(team),
+  TeamSwitcher team_switcher(ActiveTeam(team),
                              {{when(camera), when(Region("target.v_x < 0.3 m/s")), when(SensorCone{})}},
                              newton_riccati_of(Horizon{}));
   ModelWorld world(team, event_start(team));
   const Controllers controllers = {*team_switcher.present().solver};
-  Ring<Sample> ring(1000, sized_sample(team, controllers, &team_switcher));
+  SpscQueue<Sample> ring(1000, sized_sample(team, controllers, &team_switcher));
   SimulatedClock clock;
   Loop loop(world, controllers, clock, ring,
             {.duration = 0.5, .allocations = allocations_here, .team_switcher = &team_switcher});
@@ -240,28 +240,28 @@ MakeSolver fails_where(std::function<bool(const Team&)> fails) {
   };
 }
 
-struct Told {
+struct Reported {
   std::vector<std::size_t> in_force, ignored;
   Team team;  // at the end
 };
-Told fly_failing(const Team& all, const Script& script, MakeSolver make) {
-  TeamSwitcher team_switcher(Roster(all), script, std::move(make));
+Reported fly_failing(const Team& all, const Script& script, MakeSolver make) {
+  TeamSwitcher team_switcher(ActiveTeam(all), script, std::move(make));
   ModelWorld world(all, event_start(all));
   SimulatedClock clock;
   const Controllers controllers = {*team_switcher.present().solver};
   KeepSamples sink(sized_sample(all, controllers, &team_switcher));
   Loop loop(world, controllers, clock, sink, {.duration = 0.5, .team_switcher = &team_switcher});
   EXPECT_TRUE(loop.run().finite);
-  Told told;
+  Reported reported;
   for (const FlownPeriod& period : sink.flown) {
     for (const Event& event : period.events) {
       const auto place = static_cast<std::size_t>(event.value);
-      if (event.kind == EventKind::event_in_force) told.in_force.push_back(place);
-      if (event.kind == EventKind::event_ignored) told.ignored.push_back(place);
+      if (event.kind == EventKind::event_in_force) reported.in_force.push_back(place);
+      if (event.kind == EventKind::event_ignored) reported.ignored.push_back(place);
     }
   }
-  told.team = team_switcher.present().solver->ocp().team();
-  return told;
+  reported.team = team_switcher.present().solver->ocp().team();
+  return reported;
 }
 
 int couplings_called(const Team& team, std::string_view name) {
@@ -273,42 +273,42 @@ TEST(TeamSwitcher, ATeamThatCannotBeMadeLeavesNoTrace) {
   const Team all = event_team(3);
   const AgentId uav2{BodyId{2}};
   const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
-  const Told told =
+  const Reported reported =
       fly_failing(all,
                   {{at(0.1, AddCoupling{bad}), at(0.2, RetuneTerm{.name = "sees1", .weight = 0.7}),
                     at(0.3, RemoveTerm{"off2"})}},
                   fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
-  EXPECT_EQ(told.ignored, std::vector<std::size_t>{0});
-  EXPECT_EQ(told.in_force, (std::vector<std::size_t>{1, 2}));
-  EXPECT_EQ(couplings_called(told.team, "bad"), 0);
-  EXPECT_EQ(couplings_called(told.team, "off2"), 0);
-  EXPECT_EQ(told.team.couplings().size(), all.couplings().size() - 1);
+  EXPECT_EQ(reported.ignored, std::vector<std::size_t>{0});
+  EXPECT_EQ(reported.in_force, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(couplings_called(reported.team, "bad"), 0);
+  EXPECT_EQ(couplings_called(reported.team, "off2"), 0);
+  EXPECT_EQ(reported.team.couplings().size(), all.couplings().size() - 1);
 }
 
 TEST(TeamSwitcher, WhereMemoryFailedOnceALaterEventGoesOnFromTheTeamThereWas) {
   const Team all = event_team(3);
   int made = 0;
-  const Told told =
+  const Reported reported =
       fly_failing(all, {{at(0.1, RemoveTerm{"off1"}), at(0.2, RetuneTerm{.name = "sees1", .weight = 0.7})}},
                   fails_where([&made](const Team&) { return ++made == 2; }));
-  EXPECT_EQ(told.ignored, std::vector<std::size_t>{0});
-  EXPECT_EQ(told.in_force, std::vector<std::size_t>{1});
-  EXPECT_EQ(couplings_called(told.team, "off1"), 1) << "the keep-out whose removal failed is still there";
+  EXPECT_EQ(reported.ignored, std::vector<std::size_t>{0});
+  EXPECT_EQ(reported.in_force, std::vector<std::size_t>{1});
+  EXPECT_EQ(couplings_called(reported.team, "off1"), 1) << "the keep-out whose removal failed is still there";
 }
 
 TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
   const Team all = event_team(4);
   const AgentId uav2{BodyId{2}};
   const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
-  const Told told =
+  const Reported reported =
       fly_failing(all,
                   {{at(0.1, RemoveBody{BodyId{3}, Afterwards::land}), at(0.1, AddCoupling{bad}),
                     at(0.1, RemoveTerm{"off2"})}},
                   fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
-  EXPECT_EQ(told.ignored, std::vector<std::size_t>{1});
-  EXPECT_EQ(told.in_force, (std::vector<std::size_t>{0, 2}));
-  EXPECT_EQ(told.team.agents().size(), 3U);
-  EXPECT_EQ(couplings_called(told.team, "off2"), 0);
+  EXPECT_EQ(reported.ignored, std::vector<std::size_t>{1});
+  EXPECT_EQ(reported.in_force, (std::vector<std::size_t>{0, 2}));
+  EXPECT_EQ(reported.team.agents().size(), 3U);
+  EXPECT_EQ(couplings_called(reported.team, "off2"), 0);
 }
 
 TEST(TeamSwitcher, AHundredEventsAtOnceAreAllTold) {
@@ -318,8 +318,8 @@ TEST(TeamSwitcher, AHundredEventsAtOnceAreAllTold) {
     script.events.push_back(
         {.name = "", .trigger = AtTime{0.1}, .actions = {}, .enter = "stage" + std::to_string(i) + ":in"});
   }
-  const Told told = fly_failing(all, script, newton_riccati_of(Horizon{}));
-  EXPECT_EQ(told.in_force.size(), 100U);
+  const Reported reported = fly_failing(all, script, newton_riccati_of(Horizon{}));
+  EXPECT_EQ(reported.in_force.size(), 100U);
 }
 
 TEST(TeamSwitcher, ASolverOfOnesOwnThatHandsOverItsPlanFliesThroughEvents) {
@@ -371,15 +371,15 @@ TEST(TeamSwitcher, AfterEachChangeThoseWhoStayBeginWithTheirPlanAndOthersAtTheir
   ASSERT_EQ(begins.size(), 4U);
   for (std::size_t change = 1; change < begins.size(); ++change) {
     const Team& team = begins[change].team;
-    const FlownPeriod& asked = flight.flown[50 * change];
+    const FlownPeriod& requested = flight.flown[50 * change];
     for (const Agent& agent : team.agents()) {
       const bool is_new = change == 3 && agent.name == "uav3";
       const int in_team = team.input_offset(team.find(agent.name)),
                 in_all = all.input_offset(all.find(agent.name));
       for (int i = 0; i < 4; ++i) {
-        EXPECT_EQ(
-            begins[change].plan[static_cast<std::size_t>(in_team + i)],
-            is_new ? agent.u_ref[static_cast<std::size_t>(i)] : asked.u[static_cast<std::size_t>(in_all + i)])
+        EXPECT_EQ(begins[change].plan[static_cast<std::size_t>(in_team + i)],
+                  is_new ? agent.u_ref[static_cast<std::size_t>(i)]
+                         : requested.u[static_cast<std::size_t>(in_all + i)])
             << "change " << change << ", " << agent.name;
       }
     }
@@ -388,7 +388,7 @@ TEST(TeamSwitcher, AfterEachChangeThoseWhoStayBeginWithTheirPlanAndOthersAtTheir
 
 TEST(TeamSwitcher, ASolverThatCannotHandOverItsPlanIsRefusedWithItsNameAndTheNeed) {
   EXPECT_EQ(refusal_of([] {
-              TeamSwitcher(Roster(event_team(2)), {},
+              TeamSwitcher(ActiveTeam(event_team(2)), {},
                            [](const Team& team) { return std::make_unique<Cgmres>(team, Horizon{}); });
             }),
             "the solver cgmres cannot hand over its plan, which a team that changes in flight needs, "
@@ -398,7 +398,8 @@ TEST(TeamSwitcher, ASolverThatCannotHandOverItsPlanIsRefusedWithItsNameAndTheNee
 
 TEST(TeamSwitcher, AScriptWithFaultsIsRefusedWithTheEvent) {
   const auto made = [](TeamEvent event) {
-    return refusal_of([&] { TeamSwitcher(Roster(event_team(2)), {{event}}, newton_riccati_of(Horizon{})); });
+    return refusal_of(
+        [&] { TeamSwitcher(ActiveTeam(event_team(2)), {{event}}, newton_riccati_of(Horizon{})); });
   };
   EXPECT_THAT(made(at(1.0, AddBody{BodyId{1}})), HasSubstr("event 0: at = 1: \"uav1\" is there already"));
   TeamEvent named = at(-1.0, RemoveTerm{"sees1"});

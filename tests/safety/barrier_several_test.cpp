@@ -31,7 +31,7 @@ TEST(BarrierAgainstSeveral, KeepsDistanceAndFloorInARingThatCloses) {
       const Fate fate = test::fly_filtered(filter, e);
       EXPECT_GE(fate.nearest, e.d_hard) << e.pursuers.size();
       EXPECT_GE(fate.lowest, e.floor - 1e-9);
-      EXPECT_TRUE(std::isinf(fate.told));
+      EXPECT_TRUE(std::isinf(fate.reported));
     }
   }
 }
@@ -46,7 +46,7 @@ TEST(BarrierAgainstSeveral, KeepsItFromUncooperativeOnesThatTurnAtWillWhileAPlan
     const Fate fate = test::fly_filtered(filter, e);
     EXPECT_GE(fate.nearest, e.d_hard) << "adversaries " << seed;
     EXPECT_GE(fate.lowest, e.floor - 1e-9);
-    EXPECT_TRUE(std::isinf(fate.told));
+    EXPECT_TRUE(std::isinf(fate.reported));
   }
   EXPECT_GE(flown, 6);
 }
@@ -56,11 +56,11 @@ TEST(BarrierAgainstSeveral, TellsAtOnceWhereThereIsNoWayOut) {
   Encirclement e = ring(6, 0.75, 1.5, Wish::stay);
   e.pursuers.push_back({{0.0, 0.0, 1.8}, 1.5});
   e.height = 0.5;
-  ASSERT_FALSE(test::has_way_out(e));
+  ASSERT_FALSE(test::has_maneuver(e));
   const Fate fate = test::fly_filtered(filter, e);
   EXPECT_LT(fate.nearest, e.d_hard);
-  EXPECT_LT(fate.told, fate.broken);
-  EXPECT_EQ(fate.told, 0.0);
+  EXPECT_LT(fate.reported, fate.broken);
+  EXPECT_EQ(fate.reported, 0.0);
   EXPECT_GE(fate.lowest, e.floor - 1e-9);
   EXPECT_GE(fate.nearest, test::fly_wish(e).nearest - 0.01);
 }
@@ -101,11 +101,12 @@ TEST(BarrierAgainstSeveral, APlanThatClimbsLagsByWhatTheRateAllowsAtMost) {
 TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
   const Barrier filter = test::barrier_of_encirclements();
   const State x = {0, 0, 1, 1, 0, 0.4, 0};
-  const Neighbour pressing{.p = {1.75, 0, 1}, .d_hard = 0.6, .speed_max = 1.0};
+  const Neighbour nearest_threats{.p = {1.75, 0, 1}, .d_hard = 0.6, .speed_max = 1.0};
   for (const Vec3<double>& beside : {Vec3<double>{-10.5, 0, 1}, {0, 11, 1}, {6, 0.5, 1}, {5, -0.5, 2}}) {
-    const std::array<Neighbour, 2> both = {pressing, Neighbour{.p = beside, .d_hard = 0.6, .speed_max = 1.0}};
+    const std::array<Neighbour, 2> both = {nearest_threats,
+                                           Neighbour{.p = beside, .d_hard = 0.6, .speed_max = 1.0}};
     Command alone = {1, 0, 0, 0.1}, u = alone;
-    const BarrierResult one = filter.filter(x, std::span(&pressing, 1), lowest, highest, alone),
+    const BarrierResult one = filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, alone),
                         two = filter.filter(x, both, lowest, highest, u);
     EXPECT_TRUE(one.active);
     EXPECT_EQ(u, alone);
@@ -119,18 +120,18 @@ TEST(BarrierAgainstSeveral, StaysOnTheWayThatItTook) {
   int taken = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const Encirclement e = test::any_encirclement(seed);
-    WayOut way_out;
+    EvasiveManeuver maneuver;
     int turns = 0;
     test::fly_among(e, [&](const State& x, const auto& pursuers, const auto& v, double) {
       std::vector<Neighbour> others;
       for (std::size_t i = 0; i < pursuers.size(); ++i) {
         others.push_back({.p = pursuers[i].p, .v = v[i], .d_hard = e.d_hard, .speed_max = pursuers[i].speed});
       }
-      const WayOut before = way_out;
+      const EvasiveManeuver before = maneuver;
       Command u = test::wish(e, x, pursuers);
-      filter.filter(x, others, lowest, highest, u, way_out);
-      taken += way_out.taken;
-      turns += before.taken && way_out.taken && dot(before.along, way_out.along) < 0.5;
+      filter.filter(x, others, lowest, highest, u, maneuver);
+      taken += maneuver.taken;
+      turns += before.taken && maneuver.taken && dot(before.along, maneuver.along) < 0.5;
       return u;
     });
     EXPECT_LE(turns, 6) << "encirclement " << seed;

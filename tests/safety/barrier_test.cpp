@@ -140,7 +140,7 @@ TEST(Barrier, AddsThreeSigmaAndWhatOldDataMayHide) {
     n.age = 0.1;
     EXPECT_NEAR(filter.reserve(x, n), fresh - 0.1 * n.speed_max, 1e-9);
   }
-  Neighbour peer{.p = {5, 0, 1}, .conduct = Conduct::member};
+  Neighbour peer{.p = {5, 0, 1}, .behavior = Behavior::cooperative};
   const State x = {0, 0, 1, 1, 0, 1.5, 0};
   const double fresh = filter.reserve(x, peer);
   peer.age = 0.1;
@@ -219,9 +219,9 @@ TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
   const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0});
   for (const double side : {1.0, -1.0}) {  // at the floor with one above, and at the ceiling with one below
     State x = {0, 0, side > 0 ? 0.3 : 2.0, 1, 0, 0, 0};
-    const Neighbour pressing{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
+    const Neighbour nearest_threats{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
     Command u = {0, 0, 0, 0};
-    EXPECT_TRUE(filter.filter(x, std::span(&pressing, 1), lowest, highest, u).conflict);
+    EXPECT_TRUE(filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, u).conflict);
     const double z = x[2];
     test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
     EXPECT_GE(side * x[2], side * z - 1e-9);
@@ -236,10 +236,10 @@ TEST(Barrier, KeepsTheBoundsOfTheWorldBeforeADistanceThatIsLost) {
     State x = {4.6 * outward.x, 4.6 * outward.y, 1.0, 1, 0, 0.9 * outward.x, 0.9 * outward.y};
     int conflicts = 0;
     for (int k = 0; k < 300; ++k) {
-      const Neighbour pressing{
+      const Neighbour nearest_threats{
           .p = {x[0] - 0.5 * outward.x, x[1] - 0.5 * outward.y, 1.0}, .d_hard = 0.6, .speed_max = 0.0};
       Command u = {outward.x, outward.y, 0, 0};
-      conflicts += filter.filter(x, std::span(&pressing, 1), lowest, highest, u).conflict;
+      conflicts += filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, u).conflict;
       test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         EXPECT_LE(outward.x * p.x + outward.y * p.y, world + 1e-9);
       });
@@ -285,16 +285,16 @@ TEST(Barrier, HeedsThePressingOnesOfAHundred) {
   Random random(6);
   for (int k = 0; k < 50; ++k) {
     const State x = random_state(random, 1.0);
-    std::vector<Neighbour> crowd;
+    std::vector<Neighbour> threats;
     for (int i = 0; i < 100; ++i) {
-      crowd.push_back({.p = position(x) + uniform(random, 12, 20) * test::any_direction(random, true)});
+      threats.push_back({.p = position(x) + uniform(random, 12, 20) * test::any_direction(random, true)});
     }
-    const Neighbour pressing = uncooperative_at(filter, x, 0.0, random);
-    const std::size_t at = random() % crowd.size();
-    crowd[at] = pressing;
-    Command alone = test::towards(x, pressing.p), u = alone;
-    const BarrierResult one = filter.filter(x, std::span(&pressing, 1), lowest, highest, alone);
-    const BarrierResult result = filter.filter(x, crowd, lowest, highest, u);
+    const Neighbour nearest_threats = uncooperative_at(filter, x, 0.0, random);
+    const std::size_t at = random() % threats.size();
+    threats[at] = nearest_threats;
+    Command alone = test::towards(x, nearest_threats.p), u = alone;
+    const BarrierResult one = filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, alone);
+    const BarrierResult result = filter.filter(x, threats, lowest, highest, u);
     EXPECT_EQ(u, alone);
     EXPECT_EQ(result.reserve, one.reserve);
     EXPECT_EQ(result.neighbour, static_cast<int>(at));
@@ -311,7 +311,7 @@ TEST(Barrier, GivesFiniteCommandsWithinTheLimitsWhateverItIsTold) {
     std::array<Neighbour, 3> others;
     for (Neighbour& n : others) {
       n = {.p = position(x) + uniform(random, 0.3, 4) * test::any_direction(random, true)};
-      if (k % 2 == 0) n.conduct = Conduct::member;
+      if (k % 2 == 0) n.behavior = Behavior::cooperative;
     }
     Command u = uniform_array<4>(random, -1, 1);
     const auto any = [&] { return odd[random() % odd.size()]; };
@@ -391,7 +391,7 @@ TEST(Barrier, TwoRobotsInOnePlacePart) {
                             .v = {x[1 - i][5], x[1 - i][6], 0},
                             .d_hard = 0.6,
                             .tie = i == 0 ? 1.0 : -1.0,
-                            .conduct = Conduct::member};
+                            .behavior = Behavior::cooperative};
       filter.filter(x[i], std::span(&other, 1), lowest, highest, u[i]);
     }
     for (std::size_t i = 0; i < 2; ++i)

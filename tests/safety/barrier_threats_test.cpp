@@ -30,7 +30,7 @@ TEST(BarrierThreats, LetsAnUncooperativeOneNearerWhoseVelocityIsKnown) {
 TEST(BarrierThreats, TwoOfWhomOneHasLessLeftReckonWithTheLess) {
   const Barrier filter = test::barrier();
   const State x = {0, 0, 1, 1, 0, 1.0, 0};
-  Neighbour other{.p = {3, 0, 1}, .v = {-1, 0, 0}, .d_hard = 0.6, .conduct = Conduct::member};
+  Neighbour other{.p = {3, 0, 1}, .v = {-1, 0, 0}, .d_hard = 0.6, .behavior = Behavior::cooperative};
   const double both = filter.reserve(x, other);
   other.part = 0.5;
   EXPECT_LT(filter.reserve(x, other), both - 0.05);
@@ -48,16 +48,16 @@ TEST(BarrierThreats, OfSeveralTheLeastReserveCountsInWhateverOrderTheyAreTold) {
       Neighbour n{.p = Vec3<double>{0, 0, 1} + uniform(random, 1.5, 4.0) * test::any_direction(random, true),
                   .v = {uniform(random, -1, 1), uniform(random, -1, 1), 0},
                   .d_hard = 0.6,
-                  .conduct = Conduct::member};
-      if (i == 0) n.conduct = Conduct::uncooperative;
+                  .behavior = Behavior::cooperative};
+      if (i == 0) n.behavior = Behavior::uncooperative;
       if (i == 0 && k % 2 == 0) n.acceleration_max = 0.2;
       all.push_back(n);
     }
     double least = 1e9;
     for (const Neighbour& n : all) least = std::min(least, filter.reserve(x, n));
     Command first = test::towards(x, all.back().p), second = first;
-    const BarrierResult told = filter.filter(x, all, lowest, highest, first);
-    EXPECT_EQ(told.reserve, least);
+    const BarrierResult reported = filter.filter(x, all, lowest, highest, first);
+    EXPECT_EQ(reported.reserve, least);
     std::rotate(all.begin(), all.begin() + 1, all.end());
     EXPECT_EQ(filter.filter(x, all, lowest, highest, second).reserve, least);
     for (std::size_t i = 0; i < first.size(); ++i) EXPECT_NEAR(first[i], second[i], 1e-6);
@@ -72,7 +72,7 @@ TEST(BarrierThreats, AMemberThatCannotComeTooNearChangesNothing) {
     const Neighbour near{.p = {uniform(random, 1.0, 2.0), uniform(random, -0.5, 0.5), 1},
                          .v = {-1, 0, 0},
                          .d_hard = 0.6,
-                         .conduct = Conduct::member};
+                         .behavior = Behavior::cooperative};
     Neighbour far = near;
     far.p = Vec3<double>{0, 0, 1} + uniform(random, 15, 30) * test::any_direction(random, true);
     const std::vector<Neighbour> both = {far, near};

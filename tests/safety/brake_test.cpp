@@ -39,7 +39,7 @@ Numbers random_state(RandomStream& chance) {
 }
 
 TEST(Brake, FromAnyStateTheVelocityBecomesTheWantedOne) {
-  RandomStream chance(3, Chance::gust, 0);
+  RandomStream chance(3, StreamId::gust, 0);
   for (int trial = 0; trial < 300; ++trial) {
     const Numbers x = random_state(chance);
     for (const Vec3<double>& wanted :
@@ -51,7 +51,7 @@ TEST(Brake, FromAnyStateTheVelocityBecomesTheWantedOne) {
 }
 
 TEST(Brake, HoldsTheSameWhateverTheModelCallsItsHeading) {
-  RandomStream chance(4, Chance::gust, 0);
+  RandomStream chance(4, StreamId::gust, 0);
   for (int trial = 0; trial < 50; ++trial) {
     const Numbers x = random_state(chance);
     const Numbers angle = {x[0], x[1], x[2], std::atan2(x[4], x[3]), x[5], x[6]};

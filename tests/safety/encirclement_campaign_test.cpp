@@ -17,7 +17,7 @@ TEST(EncirclementCampaign, TheDistanceIsKeptWhereThereIsAWayOutAndTheFloorAlways
   for (int i = 0; i < count; ++i) {
     const test::Encirclement e = test::any_encirclement(static_cast<std::uint64_t>(i));
     const test::Fate on = test::fly_filtered(filter, e);
-    const bool way = test::has_way_out(e), whole = on.nearest >= e.d_hard;
+    const bool way = test::has_maneuver(e), whole = on.nearest >= e.d_hard;
     ways += way;
     kept += whole;
     worst = std::min(worst, on.nearest);
@@ -29,7 +29,7 @@ TEST(EncirclementCampaign, TheDistanceIsKeptWhereThereIsAWayOutAndTheFloorAlways
       EXPECT_GE(on.nearest, e.d_hard) << "encirclement " << i;
     }
     if (whole) continue;
-    EXPECT_LE(on.told, on.broken) << "encirclement " << i;
+    EXPECT_LE(on.reported, on.broken) << "encirclement " << i;
     const double off = test::fly_wish(e).nearest;
     below_off = std::max(below_off, off - on.nearest);
     EXPECT_GE(on.nearest, off - 0.01) << "encirclement " << i;
@@ -57,7 +57,7 @@ TEST(EncirclementCampaign,
     const test::Fate on = test::fly_filtered(filter, e);
     worst = std::min(worst, on.nearest - e.d_hard);
     lowest = std::min(lowest, on.lowest);
-    conflicts += std::isfinite(on.told);
+    conflicts += std::isfinite(on.reported);
   }
   std::printf(
       "several adversaries, where a plan is safe from all: runs %d, least distance %.4f m above d_hard, "

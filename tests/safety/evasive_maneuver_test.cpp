@@ -1,4 +1,4 @@
-#include "sightline/safety/way_out.hpp"
+#include "sightline/safety/evasive_maneuver.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ using test::Encirclement;
 
 constexpr double thrust = 1.458;
 
-WaysOut ways() { return {0.5092, 1.0}; }  // the drag of a multirotor [1/s]
+EvasiveManeuvers ways() { return {0.5092, 1.0}; }  // the drag of a multirotor [1/s]
 
 Arena arena_of(const Encirclement& e) {
   const Vec2<double> d = {std::cos(e.heading), std::sin(e.heading)};
@@ -31,7 +31,7 @@ std::vector<Chaser> chasers_of(const Encirclement& e) {
   return chasers;
 }
 
-TEST(WaysOut, WhatAPlanLeavesIsWhatItsFlightLeaves) {
+TEST(EvasiveManeuvers, WhatAPlanLeavesIsWhatItsFlightLeaves) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Encirclement e = test::any_encirclement(seed);
     e.duration = 5.9;
@@ -45,16 +45,16 @@ TEST(WaysOut, WhatAPlanLeavesIsWhatItsFlightLeaves) {
   }
 }
 
-TEST(WaysOut, TheBestLeavesNoLessThanAnyOfThePlansThatAreTried) {
+TEST(EvasiveManeuvers, TheBestLeavesNoLessThanAnyOfThePlansThatAreTried) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Encirclement e = test::any_encirclement(seed);
     const Arena arena = arena_of(e);
     const std::vector<Chaser> chasers = chasers_of(e);
-    const WayOut best = ways().best(arena, chasers, {}, std::numeric_limits<double>::infinity());
+    const EvasiveManeuver best = ways().best(arena, chasers, {}, std::numeric_limits<double>::infinity());
     EXPECT_EQ(best.left, ways().left(arena, chasers, best));
-    for (std::size_t i = 0; i < WaysOut::headings; ++i) {
+    for (std::size_t i = 0; i < EvasiveManeuvers::headings; ++i) {
       for (const double climb : {-1.0, 0.0, 1.0}) {
-        const WayOut plan{.along = WaysOut::heading(i), .climb = climb};
+        const EvasiveManeuver plan{.along = EvasiveManeuvers::heading(i), .climb = climb};
         const double left = ways().left(arena, chasers, plan);
         if (left >= 0) {
           EXPECT_GE(best.left, left);
@@ -64,12 +64,12 @@ TEST(WaysOut, TheBestLeavesNoLessThanAnyOfThePlansThatAreTried) {
   }
 }
 
-TEST(WaysOut, ThePlanThatIsFlownIsWorthNoLessAfterwards) {
+TEST(EvasiveManeuvers, ThePlanThatIsFlownIsWorthNoLessAfterwards) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Encirclement e = test::any_encirclement(seed);
     Arena arena = arena_of(e);
     std::vector<Chaser> chasers = chasers_of(e);
-    WayOut plan = ways().best(arena, chasers, {}, std::numeric_limits<double>::infinity());
+    EvasiveManeuver plan = ways().best(arena, chasers, {}, std::numeric_limits<double>::infinity());
     if (plan.left < 0) continue;
     plan.taken = true;
     EXPECT_GE(ways().best(arena, chasers, plan, std::numeric_limits<double>::infinity()).left,
@@ -77,14 +77,14 @@ TEST(WaysOut, ThePlanThatIsFlownIsWorthNoLessAfterwards) {
   }
 }
 
-TEST(WaysOut, TakesTheGreatestThrustThatTheInputsGiveInADirection) {
+TEST(EvasiveManeuvers, TakesTheGreatestThrustThatTheInputsGiveInADirection) {
   Arena arena{.g = {Vec2<double>{1.0, 0.0}, {0.0, 2.0}}, .disc = 0.9};
-  const Vec2<double> diagonal = WaysOut::thrust(arena, {0.6, 0.8});
+  const Vec2<double> diagonal = EvasiveManeuvers::thrust(arena, {0.6, 0.8});
   EXPECT_NEAR(diagonal.x, 1.0, 1e-12);
   EXPECT_NEAR(diagonal.y, 0.8 / 0.6, 1e-12);
-  EXPECT_NEAR(WaysOut::thrust(arena, {0.0, -1.0}).y, -2.0, 1e-12);
+  EXPECT_NEAR(EvasiveManeuvers::thrust(arena, {0.0, -1.0}).y, -2.0, 1e-12);
   arena.g = {};
-  EXPECT_NEAR(WaysOut::thrust(arena, {0.0, -1.0}).y, -0.9, 1e-12);
+  EXPECT_NEAR(EvasiveManeuvers::thrust(arena, {0.0, -1.0}).y, -0.9, 1e-12);
 }
 
 }  // namespace

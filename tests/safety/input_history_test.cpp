@@ -35,7 +35,7 @@ TEST(InputHistory, PiecesCoverTheTimeWithoutAGapEachUnderTheInputOfItsTime) {
   const double initial = -1.0;
   InputHistory history(200, {&initial, 1});
   for (int k = 0; k < 150; ++k) record(history, 0.01 * k, k);
-  RandomStream chance(1, Chance::gust, 0);
+  RandomStream chance(1, StreamId::gust, 0);
   for (int trial = 0; trial < 2000; ++trial) {
     const double from = 2.0 * chance.uniform() - 0.2, to = from + chance.uniform();
     double at = from;

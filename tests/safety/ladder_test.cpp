@@ -56,18 +56,18 @@ const std::set<std::pair<FallbackLevel, FallbackLevel>> edges = {
 
 TEST(Ladder, EachEdgeOfTheTableIsTakenWhenTheAgesAskForItAndNoOtherIs) {
   for (const FallbackLevel from : all_levels) {
-    for (const FallbackLevel asked : all_levels) {
-      if (asked == grounded) continue;
-      const FallbackLevel to = next_level(from, ladder_times, {.own = age_for(asked)}, false);
-      const bool edge = edges.contains({from, asked});
-      EXPECT_EQ(to, edge ? asked : from) << to_string(from) << " asked for " << to_string(asked);
+    for (const FallbackLevel requested : all_levels) {
+      if (requested == grounded) continue;
+      const FallbackLevel to = next_level(from, ladder_times, {.own = age_for(requested)}, false);
+      const bool edge = edges.contains({from, requested});
+      EXPECT_EQ(to, edge ? requested : from) << to_string(from) << " asked for " << to_string(requested);
     }
   }
   EXPECT_EQ(next_level(land, ladder_times, {.own = 3.0}, true), grounded);
 }
 
 TEST(Ladder, NoSequenceOfAgesTakesAnEdgeThatIsNotInTheTable) {
-  RandomStream chance(7, Chance::gust, 0);
+  RandomStream chance(7, StreamId::gust, 0);
   std::set<std::pair<FallbackLevel, FallbackLevel>> seen;
   for (int flight = 0; flight < 3000; ++flight) {
     FallbackLevel level = valid;

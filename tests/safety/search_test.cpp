@@ -175,7 +175,7 @@ TEST(Search, OneThatHoldsTurnsWhereItIsAndOneThatLandsIsLeftAlone) {
 TEST(Search, OfOneThatIsAbsentNothingIsAskedAndOneThatComesBeginsAnew) {
   Searching flight;
   flight.fly(7.0, false);
-  Membership now = Roster(flight.team).membership();
+  Membership now = ActiveTeam(flight.team).membership();
   now.presence[0] = Presence::absent;
   flight.search.follow(now);
   flight.fly(search_period, false);
@@ -194,7 +194,7 @@ TEST(Search, WhoCannotTurnWhereItStandsIsRefused) {
   EXPECT_EQ(
       refused(PointMass{}),
       "\"a\" is localized by view, but its model \"point_mass\" does not turn where it stands by 1 rad/s, "
-      "expected one that does: it could not find what it watches");
+      "expected one that does: it could not find what it observes");
   EXPECT_EQ(refused(Unicycle{}), "");
   EXPECT_EQ(refused(OmniRover{}), "");
   EXPECT_NO_THROW(Search(observer_and_target(), std::vector{BodyId{0}}, {}));

@@ -52,10 +52,10 @@ struct World {
   }
   // One period in which exactly `measured` is there.
   void look(double plan_age = 0.0) {
-    const auto states = supervisor.believe(t, measured, stamps, sigmas);
-    believed.assign(states.begin(), states.end());
-    u = asked;
-    supervisor.command(t, believed, Numbers(3, plan_age), added, u);
+    const auto states = supervisor.accept_measurement(t, measured, stamps, sigmas);
+    estimated.assign(states.begin(), states.end());
+    u = requested;
+    supervisor.command(t, estimated, Numbers(3, plan_age), added, u);
     for (const Notice& notice : supervisor.notices()) notices.push_back(notice);
     supervisor.record(t, u);
     fly();
@@ -77,7 +77,8 @@ struct World {
   Plant plant{team, start_of_two()};
   Supervisor supervisor;
   Numbers x = start_of_two(), measured = x, stamps = Numbers(3, -infinity);
-  Numbers asked = {0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 0.2, -0.7}, u = Numbers(8), added = Numbers(8), believed;
+  Numbers requested = {0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 0.2, -0.7}, u = Numbers(8), added = Numbers(8),
+          estimated;
   Numbers sigmas = Numbers(3);
   std::vector<Notice> notices;
   double t = 0.0;
@@ -88,8 +89,8 @@ TEST(Supervisor, WithGoodDataItIsNotThere) {
   for (int k = 0; k < 500; ++k) {
     const Numbers x = world.x;
     world.step();
-    ASSERT_EQ(world.believed, x);
-    ASSERT_EQ(world.u, world.asked);
+    ASSERT_EQ(world.estimated, x);
+    ASSERT_EQ(world.u, world.requested);
   }
   EXPECT_TRUE(world.notices.empty());
 }
@@ -125,15 +126,15 @@ TEST(Supervisor, EachRungHasItsCommand) {
   for (int k = 0; k < 350; ++k) {
     world.step({false, false, false});
     const Numbers u(world.u.begin(), world.u.begin() + 4),
-        asked(world.asked.begin(), world.asked.begin() + 4);
+        requested(world.requested.begin(), world.requested.begin() + 4);
     if (world.a() == valid || world.a() == predicted) {
-      ASSERT_EQ(u, asked);
+      ASSERT_EQ(u, requested);
     }
     if (world.a() == slowed) {
-      for (std::size_t i = 0; i < 4; ++i) ASSERT_DOUBLE_EQ(u[i], 0.5 * asked[i]);
+      for (std::size_t i = 0; i < 4; ++i) ASSERT_DOUBLE_EQ(u[i], 0.5 * requested[i]);
     }
     if (world.a() == hold || world.a() == land) {
-      ASSERT_NE(u, asked);
+      ASSERT_NE(u, requested);
     }
   }
   EXPECT_EQ(world.a(), land);
@@ -152,9 +153,9 @@ TEST(Supervisor, WhatIsAddedAfterwardsMovesTheLimitsOfItsCommands) {
       Numbers u(8);
       for (int k = 0; k < 60; ++k) {
         world.t += 0.01;
-        world.supervisor.believe(world.t, world.measured, world.stamps);
+        world.supervisor.accept_measurement(world.t, world.measured, world.stamps);
         Numbers x = world.measured;
-        u = world.asked;
+        u = world.requested;
         world.supervisor.command(world.t, x, Numbers(3, 1.0), world.added, u);
       }
       ASSERT_EQ(world.a(), hold);
@@ -219,17 +220,17 @@ TEST(Supervisor, EachTransitionAndEachBeginningFaultIsToldOnce) {
     world.look();
   }
   for (int k = 0; k < 5; ++k) world.step();
-  std::vector<std::pair<int, std::string_view>> told;
+  std::vector<std::pair<int, std::string_view>> reported;
   for (const Notice& notice : world.notices) {
     const auto* level = std::get_if<FallbackLevel>(&notice.what);
-    told.emplace_back(notice.body.index, level != nullptr
-                                             ? to_string(*level)
-                                             : to_string(std::get<MeasurementFault>(notice.what)));
+    reported.emplace_back(notice.body.index, level != nullptr
+                                                 ? to_string(*level)
+                                                 : to_string(std::get<MeasurementFault>(notice.what)));
   }
   const std::vector<std::pair<int, std::string_view>> expected = {
       {1, "not_finite"}, {0, "predicted"}, {1, "predicted"}, {0, "slowed"}, {1, "slowed"},
       {0, "hold"},       {1, "hold"},      {0, "valid"},     {1, "valid"}};
-  EXPECT_EQ(told, expected);
+  EXPECT_EQ(reported, expected);
 }
 
 TEST(Supervisor, BeforeARobotWasEverSeenItIsToldToStandStillAndNeverToLand) {
@@ -240,7 +241,7 @@ TEST(Supervisor, BeforeARobotWasEverSeenItIsToldToStandStillAndNeverToLand) {
     world.look();
     ASSERT_EQ(world.a(), hold);
     ASSERT_FALSE(world.supervisor.knows_all());
-    ASSERT_TRUE(all_finite(world.believed));
+    ASSERT_TRUE(all_finite(world.estimated));
     for (const double u : world.u) ASSERT_NEAR(u, 0.0, 1e-6);
   }
   for (int k = 0; k < 5; ++k) world.step();
@@ -318,7 +319,7 @@ TEST(Supervisor, WhileARobotFindsOutWhereItIsAllHoldAndNobodyLands) {
 
 TEST(Supervisor, OneThatComesWithoutAPositionHoldsUntilItHasOneAndTheOthersFly) {
   Estimated world;
-  Membership now = Roster(world.team).membership();
+  Membership now = ActiveTeam(world.team).membership();
   world.estimate(0.1, 10);
   now.presence[0] = Presence::absent;
   world.supervisor.follow(now, world.t, world.x);
@@ -347,7 +348,7 @@ TEST(Supervisor, APartnerWhoseEstimateIsBadMakesARobotHold) {
 }
 
 TEST(Supervisor, WhateverIsAskedAndMeasuredTheCommandIsFiniteAndWithinItsLimits) {
-  RandomStream chance(11, Chance::gust, 0);
+  RandomStream chance(11, StreamId::gust, 0);
   const double bad[] = {NAN, infinity, -infinity, 1e300, -1e300, 5e-324, -0.0, 2.0, 1e9};
   const auto pick = [&] { return bad[static_cast<std::size_t>(chance.uniform() * 8.999)]; };
   World world;
@@ -360,9 +361,10 @@ TEST(Supervisor, WhateverIsAskedAndMeasuredTheCommandIsFiniteAndWithinItsLimits)
     std::copy(world.x.begin(), world.x.end(), world.measured.begin());
     for (double& stamp : world.stamps) stamp = chance.uniform() < 0.1 ? pick() : world.t;
     if (chance.uniform() < 0.5) world.measured[static_cast<std::size_t>(chance.uniform() * 19.99)] = pick();
-    for (double& asked : world.asked) asked = chance.uniform() < 0.1 ? pick() : 2.0 * chance.uniform() - 1.0;
+    for (double& requested : world.requested)
+      requested = chance.uniform() < 0.1 ? pick() : 2.0 * chance.uniform() - 1.0;
     world.look(chance.uniform() < 0.05 ? pick() : 0.0);
-    ASSERT_TRUE(all_finite(world.believed));
+    ASSERT_TRUE(all_finite(world.estimated));
     for (const double u : world.u) ASSERT_LE(std::abs(u), 1.0);
   }
 }
@@ -389,7 +391,7 @@ TEST(Supervisor, RefusesOptionsOutOfTheirRangeByName) {
 TEST(Supervisor, OfABodyThatIsAbsentNothingIsJudgedAndOneThatComesBeginsAnew) {
   for (const bool blind : {false, true}) {  // whether measurements of it come while it is absent
     World world;
-    Membership now = Roster(world.team).membership();
+    Membership now = ActiveTeam(world.team).membership();
     now.presence[1] = Presence::absent;
     now.partners[0] = {BodyId{2}};
     world.supervisor.follow(now, 0.0, world.x);
@@ -402,7 +404,7 @@ TEST(Supervisor, OfABodyThatIsAbsentNothingIsJudgedAndOneThatComesBeginsAnew) {
     world.supervisor.follow(then, world.t, world.x);
     world.step();
     EXPECT_EQ(world.b(), valid);
-    EXPECT_EQ(Numbers(world.believed.begin() + 7, world.believed.begin() + 14), world.measured_of_b());
+    EXPECT_EQ(Numbers(world.estimated.begin() + 7, world.estimated.begin() + 14), world.measured_of_b());
     EXPECT_TRUE(world.supervisor.knows_all());
     // Without data it grows old from its coming on.
     for (int k = 0; k < 40; ++k) world.step({true, false, true});
@@ -415,7 +417,7 @@ TEST(Supervisor, OfABodyThatIsAbsentNothingIsJudgedAndOneThatComesBeginsAnew) {
 
 TEST(Supervisor, WhoLandedAndWasTakenAwayFliesWhenItIsAddedAgain) {
   World world;
-  Membership now = Roster(world.team).membership();
+  Membership now = ActiveTeam(world.team).membership();
   for (int k = 0; k < 250; ++k) world.step({true, k == 0, true});
   ASSERT_EQ(world.b(), land);
   now.presence[1] = Presence::absent;
@@ -429,7 +431,7 @@ TEST(Supervisor, WhoLandedAndWasTakenAwayFliesWhenItIsAddedAgain) {
 
 TEST(Supervisor, WhatWasMeasuredBeforeABodyCameIsNotOfIt) {
   World world;
-  Membership now = Roster(world.team).membership();
+  Membership now = ActiveTeam(world.team).membership();
   now.presence[1] = Presence::absent;
   world.supervisor.follow(now, 0.0, world.x);
   for (int k = 0; k < 50; ++k) world.step();
@@ -439,13 +441,13 @@ TEST(Supervisor, WhatWasMeasuredBeforeABodyCameIsNotOfIt) {
   world.supervisor.follow(now, world.t, there);
   world.stamps[1] = world.t - 0.1;
   world.look();
-  EXPECT_EQ(world.believed[7], there[7]);
+  EXPECT_EQ(world.estimated[7], there[7]);
   EXPECT_EQ(world.b(), valid);
 }
 
 TEST(Supervisor, ThePartnersThatCountAreThoseOfTheTeamThereIs) {
   World world;
-  Membership now = Roster(world.team).membership();
+  Membership now = ActiveTeam(world.team).membership();
   now.partners[0] = {BodyId{1}};
   world.supervisor.follow(now, 0.0, world.x);
   for (int k = 0; k < 100; ++k) world.step({true, true, k == 0});

@@ -1,5 +1,5 @@
 // Who of many presses on a robot, and who does not count in a period.
-#include "sightline/safety/crowd.hpp"
+#include "sightline/safety/threat_selection.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,28 +25,28 @@ Vec3<double> drawn(Random& random, double reach) {
   return {uniform(random, -reach, reach), uniform(random, -reach, reach), uniform(random, -1, 1)};
 }
 
-TEST(Crowd, TheChosenHaveTheLeastKeysTheLeastFirstAndWhoIsNowhereIsTold) {
+TEST(ThreatSelection, TheChosenHaveTheLeastKeysTheLeastFirstAndWhoIsNowhereIsTold) {
   constexpr int bodies = 100, most = 16, self = 7;
   Random random(1);
-  Crowd crowd(bodies);
-  Crowd::Asker asker(bodies);
+  ThreatSelection threats(bodies);
+  ThreatSelection::Requester requester(bodies);
   for (int trial = 0; trial < 100; ++trial) {
-    std::vector<Crowd::Body> all;
-    crowd.clear();
+    std::vector<ThreatSelection::Body> all;
+    threats.clear();
     for (int i = 0; i < bodies; ++i) {
       if (trial % 3 == 0 && i % 4 == 1) continue;  // absent
       all.push_back({i, drawn(random, 20), drawn(random, 2), uniform(random, 0.4, 1), uniform(random, 0, 2)});
       if (trial % 5 == 0 && i == 50) all.back().p.x = no_value;
-      crowd.add(all.back());
+      threats.add(all.back());
     }
     std::vector<double> cooperative, keys;
-    for (const Crowd::Body& body : all) {
+    for (const ThreatSelection::Body& body : all) {
       const bool member = random() % 2 == 0;
-      asker.cooperative[cooperative.size()] = member ? 1.0 : 0.0;
+      requester.cooperative[cooperative.size()] = member ? 1.0 : 0.0;
       cooperative.push_back(member);
       const Vec3<double> v = {0.5, -0.5, 0.0};
-      keys.push_back(pressing_key(Vec3<double>{} - body.p, member ? v - body.v : v, body.d_hard,
-                                  member ? 0.0 : body.speed_max));
+      keys.push_back(nearest_threats_key(Vec3<double>{} - body.p, member ? v - body.v : v, body.d_hard,
+                                         member ? 0.0 : body.speed_max));
     }
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -57,14 +57,14 @@ TEST(Crowd, TheChosenHaveTheLeastKeysTheLeastFirstAndWhoIsNowhereIsTold) {
     for (const std::size_t i : order) expected.push_back(all[i].id);
     if (trial % 5 == 0) expected.push_back(50);
     const std::int64_t before = cli::allocations();
-    const std::span<const int> chosen = crowd.pressing(self, {}, {0.5, -0.5, 0.0}, most, asker);
+    const std::span<const int> chosen = threats.nearest_threats(self, {}, {0.5, -0.5, 0.0}, most, requester);
     EXPECT_EQ(cli::allocations(), before);
     EXPECT_EQ(std::vector<int>(chosen.begin(), chosen.end()), expected) << trial;
   }
 }
 
 // Two bodies far off that do not give way have the barrier reckon with everybody.
-TEST(Crowd, MembersThatNothingCanBringTooNearChangeNeitherCommandNorReserve) {
+TEST(ThreatSelection, MembersThatNothingCanBringTooNearChangeNeitherCommandNorReserve) {
   const Barrier filter(Multirotor{}, lowest, highest, control_period, {.floor = 0.3});
   Random random(2);
   int active = 0;
@@ -78,7 +78,7 @@ TEST(Crowd, MembersThatNothingCanBringTooNearChangeNeitherCommandNorReserve) {
       near.push_back({.p = Vec3<double>{0, 0, 1.5} + uniform(random, 0.9, 5.0) * way,
                       .v = {uniform(random, -fast, fast), uniform(random, -fast, fast), 0},
                       .d_hard = 0.6,
-                      .conduct = Conduct::member});
+                      .behavior = Behavior::cooperative});
     }
     std::vector<Neighbour> watched = near;
     for (const double side : {-1.0, 1.0})

@@ -206,7 +206,7 @@ TEST(Track, MeasurementsThatJumpToAndFroAreNeverBelieved) {
 }
 
 TEST(Track, AFrozenMeasurementIsNoticedWithinHalfASecondAndCountsFromItsFirst) {
-  RandomStream chance(5, Chance::gust, 0);
+  RandomStream chance(5, StreamId::gust, 0);
   for (int trial = 0; trial < 1000; ++trial) {
     const auto draw = [&] { return 2.0 * chance.uniform() - 1.0; };
     Flight flight({}, {0, 0, 1, 1, 0, 0, 0});
@@ -241,7 +241,7 @@ TEST(Track, NoiseAsLargeAsItIsSaidToBeIsNoFault) {
   for (const double sigma : {0.002, 0.02, 0.2}) {
     Flight flight({.position_sigma = sigma, .heading_sigma = sigma}, {1, 2, 1, 1, 0, 0, 0});
     flight.u = {0.1, 0.0, 0.0, 0.3};
-    RandomStream chance(6, Chance::position_noise, 0);
+    RandomStream chance(6, StreamId::position_noise, 0);
     int faults = 0;
     for (int k = 0; k < 3000; ++k) {
       const MeasurementFault fault = flight.step([&](Numbers& x) {

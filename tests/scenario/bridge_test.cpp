@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -10,7 +10,7 @@ namespace {
 
 struct NoBridge final : Bridge {
   std::unique_ptr<LinkedWorld> connect(const Scenario&) const override { return nullptr; }
-  std::unique_ptr<StandIns> stand_in(const Scenario&) const override { return nullptr; }
+  std::unique_ptr<VehicleSimulators> vehicle_simulator(const Scenario&) const override { return nullptr; }
   std::unique_ptr<FleetDoctor> examine(const Scenario&) const override { return nullptr; }
 };
 
@@ -20,13 +20,13 @@ TEST(Bridge, AFleetIsReadWithAndWithoutOne) {
       "[fleet]\n[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n[agent.a.link]\nkind = "
       "\"ros2\"\nodometry = \"/o\"\n"
       "cmd_vel = \"/c\"\n";
-  Parts parts;
-  EXPECT_EQ(parts.bridge, nullptr);
-  EXPECT_EQ(parts_of_sightline().bridge, nullptr);
-  parts.bridge = std::make_shared<NoBridge>();
-  const Scenario with = parse_scenario(text, "a.toml", parts);
+  Registry registry;
+  EXPECT_EQ(registry.bridge, nullptr);
+  EXPECT_EQ(built_in_registry().bridge, nullptr);
+  registry.bridge = std::make_shared<NoBridge>();
+  const Scenario with = parse_scenario(text, "a.toml", registry);
   EXPECT_EQ(summary(with), summary(test::scenario_of(text)));
-  EXPECT_EQ(with.parts->bridge, parts.bridge);
+  EXPECT_EQ(with.registry->bridge, registry.bridge);
 }
 
 }  // namespace

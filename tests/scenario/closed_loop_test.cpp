@@ -6,7 +6,7 @@
 #include <cmath>
 #include <thread>
 
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"
@@ -68,7 +68,7 @@ TEST(ClosedLoop, ASinkWithoutARingSeesTheSamplesOfTheRing) {
   const auto solver = make_solver(flight.solver, flight.team, flight.horizon);
   const Controllers controllers = {*solver};
   SimulatedClock clock;
-  Ring<Sample> ring(4, sized_sample(flight.team, controllers));
+  SpscQueue<Sample> ring(4, sized_sample(flight.team, controllers));
   const auto world = make_world(flight);
   ClosedLoop loop(flight, *world, controllers, clock, ring);
   std::string bytes;
@@ -198,8 +198,8 @@ TEST(ClosedLoop, AStartThatIsNoStateIsRefused) {
 TEST(ClosedLoop, FliesInTheWorldThatTheScenarioNames) {
   const std::string text = test::read_file(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml");
   int made = 0;
-  Parts parts;
-  parts.worlds.add("windy", [&made](const Scenario& scenario) -> std::unique_ptr<World> {
+  Registry registry;
+  registry.worlds.add("windy", [&made](const Scenario& scenario) -> std::unique_ptr<World> {
     ++made;
     PlantOptions options = plant_options(scenario);
     options.disturbances.wind = {0.5, 0, 0};
@@ -207,12 +207,12 @@ TEST(ClosedLoop, FliesInTheWorldThatTheScenarioNames) {
   });
   const auto in = [&](std::string_view kind) {
     Scenario flight =
-        parse_scenario(text + "\n[world]\nkind = \"" + std::string(kind) + "\"\n", "t.toml", parts);
+        parse_scenario(text + "\n[world]\nkind = \"" + std::string(kind) + "\"\n", "t.toml", registry);
     flight.simulation.duration = 1.0;
     const auto solver = make_solver(flight.solver, flight.team, flight.horizon);
     return flown(flight, *solver);
   };
-  Scenario plain = parse_scenario(text, "t.toml", parts);
+  Scenario plain = parse_scenario(text, "t.toml", registry);
   plain.simulation.duration = 1.0;
   const auto solver = make_solver(plain.solver, plain.team, plain.horizon);
   EXPECT_EQ(in("model"), flown(plain, *solver)) << "the default";
@@ -222,12 +222,12 @@ TEST(ClosedLoop, FliesInTheWorldThatTheScenarioNames) {
 }
 
 TEST(ClosedLoop, AWorldIsRegisteredOnceByAWord) {
-  Parts parts;
-  const MakeWorld make = *parts.worlds.find("model");
-  EXPECT_THROW(parts.worlds.add("model", make), std::invalid_argument);
-  EXPECT_THROW(parts.worlds.add("My World", make), std::invalid_argument);
-  EXPECT_THROW(parts.worlds.add("nothing", {}), std::invalid_argument);
-  EXPECT_EQ(parts.worlds.names().size(), 2U);
+  Registry registry;
+  const MakeWorld make = *registry.worlds.find("model");
+  EXPECT_THROW(registry.worlds.add("model", make), std::invalid_argument);
+  EXPECT_THROW(registry.worlds.add("My World", make), std::invalid_argument);
+  EXPECT_THROW(registry.worlds.add("nothing", {}), std::invalid_argument);
+  EXPECT_EQ(registry.worlds.names().size(), 2U);
 }
 
 }  // namespace

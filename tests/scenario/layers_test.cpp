@@ -43,7 +43,7 @@ class Layers : public testing::Test {
     return folder_ / name;
   }
   Scenario read(const std::string& text, const std::vector<std::string>& set = {}) const {
-    return read_scenario(write("upper.toml", "based_on = \"pair.toml\"\n" + text), parts_of_sightline(), set);
+    return read_scenario(write("upper.toml", "based_on = \"pair.toml\"\n" + text), built_in_registry(), set);
   }
   std::string refusal(const std::string& text, const std::vector<std::string>& set = {}) const {
     return refusal_of<ScenarioError>([&] { read(text, set); });
@@ -107,7 +107,7 @@ TEST_F(Layers, TheOneTextOfAllLayersReadsAsTheSameScenario) {
 
 TEST_F(Layers, TemplatesAndRangesMayBeFilledToo) {
   write("pair.toml",
-        "[template.t]\nrobot = \"multirotor\"\nR = [1, 1, 1, 1]\n[agent.\"r{0..1}\"]\nlike = \"t\"\n"
+        "[template.t]\nrobot = \"multirotor\"\nR = [1, 1, 1, 1]\n[agent.\"r{0..1}\"]\ninherits = \"t\"\n"
         "start = { p = { place = \"line\", from = [0.0, 0.0, 1.0], to = [3.0, 0.0, 1.0] } }\n");
   const Scenario s = read("[template.t]\nR = [3, 3, 3, 3]\n", {"agent.\"r{0..1}\".command_delay=0.1"});
   ASSERT_EQ(s.team.agents().size(), 2u);
@@ -161,7 +161,7 @@ TEST_F(Layers, FilesAreNamedRelativeToTheFileThatNamesThem) {
   EXPECT_EQ(s.team.couplings().size(), 2u);
   ASSERT_EQ(s.files.size(), 1u);
   EXPECT_EQ(s.files.begin()->first, "../below/region.toml");
-  EXPECT_EQ(parse_scenario(s.text, "elsewhere.toml", parts_of_sightline(), {.files = s.files}).text, s.text);
+  EXPECT_EQ(parse_scenario(s.text, "elsewhere.toml", built_in_registry(), {.files = s.files}).text, s.text);
 }
 
 TEST_F(Layers, ACampaignDrawsNumbersOfAllLayers) {

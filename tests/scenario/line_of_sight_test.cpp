@@ -45,7 +45,7 @@ class SightWatch final : public Sink<Sample> {
 
 SightWatch flown(const std::string& name, std::string_view hides, const std::vector<std::string>& set) {
   const Scenario scenario =
-      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name, parts_of_sightline(), set);
+      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name, built_in_registry(), set);
   Controls controls(scenario);
   SimulatedClock clock;
   const Controllers controllers = controls.controllers();

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/world/camera_world.hpp"
 #include "sightline/world/synthetic_detections.hpp"
 #include "tests/support/command.hpp"
@@ -134,16 +134,18 @@ TEST(ReadCamera, RendersOnlyInAWorldThatCan) {
       scenario_refusal(text),
       HasSubstr("agent.a.camera.render = true, expected false in the world \"model\": no world here renders "
                 "pictures"));
-  Parts parts;
-  const auto make = [&parts](const Scenario& scenario) { return (*parts.worlds.find("model"))(scenario); };
-  parts.worlds.add("shown", make, MovedBy::models, {}, [](const Scenario& scenario) {
+  Registry registry;
+  const auto make = [&registry](const Scenario& scenario) {
+    return (*registry.worlds.find("model"))(scenario);
+  };
+  registry.worlds.add("shown", make, MovedBy::models, {}, [](const Scenario& scenario) {
     return std::make_unique<SyntheticDetections>(scenario.team, camera_options(scenario));
   });
-  const Scenario scenario = parse_scenario("[world]\nkind = \"shown\"\n" + text, "a.toml", parts);
+  const Scenario scenario = parse_scenario("[world]\nkind = \"shown\"\n" + text, "a.toml", registry);
   EXPECT_TRUE(scenario.vision.cameras[0].render);
   EXPECT_GT(make_world(scenario)->measured_max().detections, 0U);
   EXPECT_EQ(
-      refusal_of<ScenarioError>([&] { parse_scenario(text, "a.toml", parts); }),
+      refusal_of<ScenarioError>([&] { parse_scenario(text, "a.toml", registry); }),
       "a.toml:27: agent.a.camera.render = true, expected false in the world \"model\", only world.kind = "
       "\"shown\" renders pictures");
 }

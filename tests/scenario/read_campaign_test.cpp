@@ -45,10 +45,10 @@ braking = 0.5
 agent = "uav0"
 around = "tag"
 range = { uniform = [0.5, 2.0] }
-bearing = { normal = [0.1, 0.2], exactly = 3.0, share = 0.25 }
+bearing = { normal = [0.1, 0.2], constant = 3.0, fraction = 0.25 }
 height = { choice = [1.0, 2.0, 3.0] }
 heading = { uniform = [-1.0, 1.0] }
-v = { choice = [0.0, 0.5], shares = [0.25, 0.75] }
+v = { choice = [0.0, 0.5], fractions = [0.25, 0.75] }
 [[campaign.draw]]
 key = "target.tag.p[2]"
 uniform = [0.0, 2.0]
@@ -65,12 +65,12 @@ uniform = [0.0, 2.0]
   EXPECT_THAT(start.range.values, testing::ElementsAre(0.5, 2.0));
   EXPECT_EQ(start.bearing.kind, Distribution::Kind::normal);
   EXPECT_THAT(start.bearing.values, testing::ElementsAre(0.1, 0.2));
-  EXPECT_EQ(start.bearing.exactly, 3.0);
-  EXPECT_EQ(start.bearing.share, 0.25);
+  EXPECT_EQ(start.bearing.constant, 3.0);
+  EXPECT_EQ(start.bearing.fraction, 0.25);
   EXPECT_EQ(start.height.kind, Distribution::Kind::choice);
-  EXPECT_THAT(start.height.shares, testing::Each(testing::DoubleEq(1.0 / 3.0)));
+  EXPECT_THAT(start.height.fractions, testing::Each(testing::DoubleEq(1.0 / 3.0)));
   EXPECT_THAT(start.heading->values, testing::ElementsAre(-1.0, 1.0));
-  EXPECT_THAT(start.velocity->shares, testing::ElementsAre(0.25, 0.75));
+  EXPECT_THAT(start.velocity->fractions, testing::ElementsAre(0.25, 0.75));
   ASSERT_EQ(read.draws.size(), 1U);
   EXPECT_EQ(read.draws[0].key, "target.tag.p[2]");
   EXPECT_THAT(read.draws[0].distribution.values, testing::ElementsAre(0.0, 2.0));

@@ -44,7 +44,7 @@ felt_by = ["uav{}"]
                         i, i - 1, i);
   return text;
 }
-const std::string by_view = "localized_by = \"view\"\n";
+const std::string by_view = "localization = \"vision\"\n";
 
 TEST(ReadEstimate, ARobotIsLocalizedByThoseThatItsCouplingsWatch) {
   const Scenario scenario = scenario_of(row(3, by_view) +
@@ -53,7 +53,7 @@ TEST(ReadEstimate, ARobotIsLocalizedByThoseThatItsCouplingsWatch) {
   ASSERT_EQ(scenario.localization.robots.size(), 2U);
   const LocalizedRobot& last = scenario.localization.robots[1];
   EXPECT_EQ(last.robot, BodyId{2});
-  EXPECT_THAT(last.watches, ElementsAre(BodyId{1})) << "a distance is no sensor";
+  EXPECT_THAT(last.observes, ElementsAre(BodyId{1})) << "a distance is no sensor";
   EXPECT_EQ(last.mount.pitch, 0.2);
   EXPECT_EQ(last.camera_rate, 22.0);
   const TelemetryOptions telemetry = telemetry_options(scenario);
@@ -77,8 +77,8 @@ TEST(ReadEstimate, WhoIsLocalizedByViewSearchesWhetherTheScenarioSaysSafetyOrNot
 
 TEST(ReadEstimate, WatchesNamesOthersAndLandmarksCount) {
   const std::string landmark = "[obstacle.mast]\np = [5.0, 1.0, 1.0]\n[obstacle.mast.tags]\nsize = 0.3\n";
-  const Scenario scenario = scenario_of(row(2, by_view + "watches = [\"mast\", \"uav0\"]\n") + landmark);
-  EXPECT_THAT(scenario.localization.robots[0].watches,
+  const Scenario scenario = scenario_of(row(2, by_view + "observes = [\"mast\", \"uav0\"]\n") + landmark);
+  EXPECT_THAT(scenario.localization.robots[0].observes,
               ElementsAre(scenario.team.find("mast"), scenario.team.find("uav0")));
 }
 
@@ -88,7 +88,7 @@ TEST(ReadEstimate, WhoTurnsByAChoiceWatchesAllThatItMayTurnTo) {
   const auto robot = [](int i) {
     return fmt::format(
         "[agent.uav{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, 1.0], heading = 3.14 }}\n"
-        "localized_by = \"view\"\nsensor = {{ pitch = 0.2 }}\ncamera = {{}}\ntags = {{}}\n",
+        "localization = \"vision\"\nsensor = {{ pitch = 0.2 }}\ncamera = {{}}\ntags = {{}}\n",
         i, 2.0 + i);
   };
   const auto best = [](std::string_view targets) {
@@ -99,7 +99,7 @@ TEST(ReadEstimate, WhoTurnsByAChoiceWatchesAllThatItMayTurnTo) {
   };
   const Scenario scenario = scenario_of(robot(0) + robot(1) + masts + best("\"mast\", \"pole\""));
   ASSERT_EQ(scenario.localization.robots.size(), 2U);
-  EXPECT_THAT(scenario.localization.robots[1].watches,
+  EXPECT_THAT(scenario.localization.robots[1].observes,
               testing::UnorderedElementsAre(scenario.team.find("mast"), scenario.team.find("pole")));
   EXPECT_THAT(scenario_refusal(robot(0) + robot(1) + masts + best("\"mast\", \"uav0\", \"uav1\"")),
               HasSubstr("robots are localized in a circle"));
@@ -108,7 +108,7 @@ TEST(ReadEstimate, WhoTurnsByAChoiceWatchesAllThatItMayTurnTo) {
 TEST(ReadEstimate, WithoutItNothingIsTold) {
   EXPECT_EQ(make_world(scenario_of(row(2)))->measured_max().motions, 0U);
   const std::string global =
-      "localized_by = \"global\"\nwatches = [\"uav0\"]\n[agent.uav1.estimate]\ntilt_bias = 0.02\n";
+      "localization = \"global\"\nobserves = [\"uav0\"]\n[agent.uav1.estimate]\ntilt_bias = 0.02\n";
   EXPECT_TRUE(scenario_of(row(2, global)).localization.robots.empty()) << "what it says counts by view alone";
 }
 
@@ -163,31 +163,32 @@ TEST(ReadEstimate, WhatCannotBeLocalizedIsRefused) {
   const auto refused = [](const std::string& text, const std::string& sentence) {
     EXPECT_THAT(scenario_refusal(text), HasSubstr(sentence));
   };
-  refused(row(2, "localized_by = \"sight\"\n"),
-          "agent.uav1.localized_by = \"sight\", expected one of \"global\", \"view\"");
+  refused(row(2, "localization = \"sight\"\n"),
+          "agent.uav1.localization = \"sight\", expected one of \"global\", \"vision\"");
   std::string blind = row(2, by_view);
   blind.erase(blind.find("[agent.uav1.camera]"), 32);
   refused(blind,
-          "agent.uav1.localized_by = \"view\", expected \"global\", or a robot with a camera, "
+          "agent.uav1.localization = \"vision\", expected \"global\", or a robot with a camera, "
           "[agent.uav1.camera]");
   std::string bare = row(2, by_view);
   bare.erase(bare.find("[agent.uav0.tags]"), 17);
-  refused(bare,
-          "agent.uav1.localized_by = \"view\", expected \"global\", or a coupling by which it watches a body "
-          "with "
-          "tags, or such bodies under watches");
-  refused(row(2, by_view + "watches = []\n"),
-          "agent.uav1.watches = [], expected an array of one or more names");
-  refused(row(2, by_view + "watches = [\"uav1\"]\n"),
-          "agent.uav1.watches[0] = \"uav1\", expected another body than itself");
-  refused(row(2, by_view + "watches = [\"uav0\", \"uav0\"]\n"),
-          "agent.uav1.watches[1] = \"uav0\", expected each body once");
-  refused(row(2, by_view + "watches = [\"mast\"]\n") + "[obstacle.mast]\np = [5.0, 1.0, 1.0]\n",
-          "agent.uav1.watches[0] = \"mast\", expected a body with tags, mast has none");
-  refused(row(2, by_view + "watches = [\"uav9\"]\n"),
-          "agent.uav1.watches[0] = \"uav9\", expected a known name, the nearest is \"uav0\"");
+  refused(
+      bare,
+      "agent.uav1.localization = \"vision\", expected \"global\", or a coupling by which it observes a body "
+      "with "
+      "tags, or such bodies under observes");
+  refused(row(2, by_view + "observes = []\n"),
+          "agent.uav1.observes = [], expected an array of one or more names");
+  refused(row(2, by_view + "observes = [\"uav1\"]\n"),
+          "agent.uav1.observes[0] = \"uav1\", expected another body than itself");
+  refused(row(2, by_view + "observes = [\"uav0\", \"uav0\"]\n"),
+          "agent.uav1.observes[1] = \"uav0\", expected each body once");
+  refused(row(2, by_view + "observes = [\"mast\"]\n") + "[obstacle.mast]\np = [5.0, 1.0, 1.0]\n",
+          "agent.uav1.observes[0] = \"mast\", expected a body with tags, mast has none");
+  refused(row(2, by_view + "observes = [\"uav9\"]\n"),
+          "agent.uav1.observes[0] = \"uav9\", expected a known name, the nearest is \"uav0\"");
   refused("[estimate]\nfilter = \"attitude\"\n" + row(3, by_view),
-          "\"uav2\" watches \"uav1\", which is localized itself, with the filter \"attitude\", expected "
+          "\"uav2\" observes \"uav1\", which is localized itself, with the filter \"attitude\", expected "
           "\"heading\"");
   refused("[estimate]\nsigma_hold = 0.7\n" + row(2), "estimate.sigma_hold = 0.7, expected a known key");
   refused("[estimate.broadcast]\nlatency = [0.2, 0.1]\n" + row(2),
@@ -199,7 +200,7 @@ TEST(ReadEstimate, AHeadingThatNothingTellsIsRefusedBeforeFlight) {
   std::string text = row(2, by_view);
   const std::string camera = "[agent.uav1.camera]\n",
                     compass = "[agent.uav1.estimate]\ncompass_noise = 0.05\n";
-  text.insert(text.find(camera) + camera.size(), "tells = \"position\"\n");
+  text.insert(text.find(camera) + camera.size(), "output = \"position\"\n");
   EXPECT_THAT(
       scenario_refusal(text),
       HasSubstr(
@@ -210,7 +211,7 @@ TEST(ReadEstimate, AHeadingThatNothingTellsIsRefusedBeforeFlight) {
   EXPECT_EQ(with.localization.robots[0].filter.compass_noise, 0.05);
   // Two landmarks tell it as well.
   std::string landmarks = text;
-  landmarks.insert(landmarks.find(by_view), "watches = [\"mast\", \"uav0\"]\n");
+  landmarks.insert(landmarks.find(by_view), "observes = [\"mast\", \"uav0\"]\n");
   EXPECT_EQ(
       scenario_of(landmarks + "[obstacle.mast]\np = [5.0, 1.0, 1.0]\ntags = {}\n").localization.robots.size(),
       1U);
@@ -229,7 +230,7 @@ TEST(ReadEstimate, CirclesAreRefusedThoseThatAnEventWouldMakeToo) {
   const Scenario fused = scenario_of("[estimate]\ncycles = \"intersection\"\n" + row(3, by_view) +
                                      "[[event]]\nat = 5.0\nadd = { couple = " + back + " }\n");
   EXPECT_EQ(fused.localization.cycles, Cycles::intersected);
-  EXPECT_THAT(fused.localization.robots[0].watches, ElementsAre(BodyId{0}, BodyId{2}));
+  EXPECT_THAT(fused.localization.robots[0].observes, ElementsAre(BodyId{0}, BodyId{2}));
 }
 
 TEST(ReadEstimate, TheDocumentHasTheParametersAsTheCodeSaysThem) {

@@ -54,7 +54,7 @@ TEST(ReadKeepApart, ALargeTeamHasRoomForThirtyPairsOfEachRobot) {
       "[[keep_apart]]\nagents = \"all\"\npotential = { too_near = {} }\n",
       "a.toml");
   EXPECT_EQ(scenario.team.swarms().at(0).capacity, 6000);
-  EXPECT_EQ(scenario.log.paths, 0.2) << "a thousand predictions a second";
+  EXPECT_EQ(scenario.log.prediction_period, 0.2) << "a thousand predictions a second";
 }
 
 TEST(ReadKeepApart, WhatIsWrongIsRefusedWithItsPlace) {

@@ -26,7 +26,7 @@ TEST(ReadLinkFault, EachHasWhatTheFileSaysAndTheUsualSize) {
       "[[fleet.fault]]\nrobot = \"b\"\nkind = \"drop\"\nat = 1\n"));
   ASSERT_EQ(s.fleet->faults.size(), 2u);
   const LinkFault& jump = s.fleet->faults[0];
-  EXPECT_EQ(jump.kind, LinkFaultKind::jump_told);
+  EXPECT_EQ(jump.kind, LinkFaultKind::jump_reported);
   EXPECT_EQ(jump.since, FaultClock::flight);
   EXPECT_EQ(jump.at, 5.0);
   EXPECT_EQ(jump.duration, 2.0);

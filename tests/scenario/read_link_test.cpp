@@ -66,8 +66,8 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
 }
 
 const std::string linked_by_view =
-    "[fleet]\n[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nlocalized_by = "
-    "\"view\"\nwatches "
+    "[fleet]\n[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\nlocalization = "
+    "\"vision\"\nobserves "
     "= [\"uav1\"]\nsensor = {}\ncamera = {}\n[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] "
     "}\ntags "
     "= {}\n[agent.uav1.link]\n" +
@@ -240,7 +240,7 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
       {fleet(px4 + "namespace = \"/1\"\n"), "link.namespace = \"/1\", expected"},
       {fleet(px4 + "odometry = \"/a\"\n"), "link.odometry = \"/a\", expected a known key"},
       {fleet(px4 + "poses = \"estimate\"\n"),
-       "link.poses = \"estimate\", expected \"odometry\", \"mocap\" or \"tf\", or localized_by = \"view\""},
+       "link.poses = \"estimate\", expected \"odometry\", \"mocap\" or \"tf\", or localization = \"vision\""},
       {fleet(px4 + "poses = \"gps\"\n"),
        "link.poses = \"gps\", expected one of \"odometry\", \"mocap\", \"tf\""},
       {fleet(px4 + "poses = \"mocap\"\n"), "link.pose_topic is missing, expected the topic of its poses"},

@@ -10,9 +10,9 @@
 #include <limits>
 #include <sstream>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/rotor_world.hpp"
 #include "tests/support/folder.hpp"
@@ -110,19 +110,20 @@ TEST(ReadVehicle, DownwashIsANumberOfAWorldOfVehicles) {
 }
 
 TEST(ReadVehicle, TheWindIsToldAsAirForEachVehicle) {
-  const std::string told = summary(scenario_of(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
-  EXPECT_THAT(told, HasSubstr("vehicle     uav: feels the wind as air at [8.31, 0.00, 0.00] m/s\n"));
+  const std::string reported =
+      summary(scenario_of(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
+  EXPECT_THAT(reported, HasSubstr("vehicle     uav: feels the wind as air at [8.31, 0.00, 0.00] m/s\n"));
 }
 
 TEST(ReadVehicle, AWorldOfOnesOwnIsGivenTheVehiclesWhereItSaysThatItHasThem) {
-  Parts parts;
-  const MakeWorld make = *parts.worlds.find("rotors");
-  parts.worlds.add("arena", make, MovedBy::vehicles).add("basin", *parts.worlds.find("model"));
-  EXPECT_EQ(parts.worlds.with_vehicles(), (std::vector<std::string_view>{"rotors", "arena"}));
+  Registry registry;
+  const MakeWorld make = *registry.worlds.find("rotors");
+  registry.worlds.add("arena", make, MovedBy::vehicles).add("basin", *registry.worlds.find("model"));
+  EXPECT_EQ(registry.worlds.with_vehicles(), (std::vector<std::string_view>{"rotors", "arena"}));
   const auto vehicles_in = [&](const std::string& world) {
     std::string text = two;
     text.replace(text.find("rotors"), 6, world);
-    return parse_scenario(text, "a.toml", parts).vehicles.size();
+    return parse_scenario(text, "a.toml", registry).vehicles.size();
   };
   EXPECT_EQ(vehicles_in("arena"), 1u);
   EXPECT_EQ(vehicles_in("basin"), 0u);
@@ -133,7 +134,7 @@ TEST(ReadVehicle, AWorldThatReadsModelFilesIsGivenTheirTextsAndSaysMassAndInerti
   std::filesystem::create_directories(folder / "models");
   std::ofstream(folder / "models/quad.txt") << "1.25";
   const auto weighed = [](const Vehicle& vehicle, const ModelBody& model) {
-    if (model.body != "hull") refuse("body = \"{}\", expected \"hull\"", model.body);
+    if (model.body != "hull") throw_invalid("body = \"{}\", expected \"hull\"", model.body);
     Vehicle read = vehicle;
     read.mass = std::stod(model.file.text);
     read.inertia = {0.01, 0.02, 0.025};
@@ -141,16 +142,16 @@ TEST(ReadVehicle, AWorldThatReadsModelFilesIsGivenTheirTextsAndSaysMassAndInerti
     return read;
   };
   int made = 0;
-  Parts parts;
-  const MakeWorld rotors = *parts.worlds.find("rotors");
-  parts.worlds.add(
+  Registry registry;
+  const MakeWorld rotors = *registry.worlds.find("rotors");
+  registry.worlds.add(
       "arena", [&](const Scenario& scenario) { return ++made, rotors(scenario); }, MovedBy::vehicles,
       weighed);
   const auto read_in_arena = [&](const std::string& world, const std::string& vehicle,
                                  const ScenarioChanges& changes = {}) {
     std::string text = uav(vehicle);
     text.replace(text.find("kind = \"rotors\""), 15, "kind = \"arena\"" + world);
-    return parse_scenario(text, folder / "a.toml", parts, changes);
+    return parse_scenario(text, folder / "a.toml", registry, changes);
   };
   const std::string hull = "model = \"models/quad.txt\"\nbody = \"hull\"\n";
   const Scenario scenario = read_in_arena("\nmodel = \"models/quad.txt\"", hull);
@@ -297,7 +298,7 @@ Flight fly(const Scenario& scenario) {
 Scenario cooperative(const std::string& preset, double duration) {
   const Scenario model = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
   Scenario scenario =
-      parse_scenario(model.text, "a.toml", parts_of_sightline(),
+      parse_scenario(model.text, "a.toml", built_in_registry(),
                      {.set = {"world.kind=\"rotors\"", "agent.uav0.vehicle.preset=\"" + preset + "\"",
                               "agent.uav1.vehicle.preset=\"" + preset + "\""}});
   scenario.simulation.duration = duration;

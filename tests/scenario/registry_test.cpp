@@ -1,4 +1,4 @@
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -73,15 +73,15 @@ robot = "bare"
 start = { p = [2, 0, 1], heading = 0.0 }
 )";
 
-Parts with_own() {
-  Parts parts;
-  parts.robots.add<Bare>();
-  parts.potentials.add<Gaze>();
-  return parts;
+Registry with_own() {
+  Registry registry;
+  registry.robots.add<Bare>();
+  registry.potentials.add<Gaze>();
+  return registry;
 }
 
-Scenario read(const std::string& more, const Parts& parts = with_own()) {
-  return parse_scenario(std::string(one_bare) + more, "a", parts);
+Scenario read(const std::string& more, const Registry& registry = with_own()) {
+  return parse_scenario(std::string(one_bare) + more, "a", registry);
 }
 
 TEST(Parts, a_part_of_somebody_else_is_a_word_wherever_ours_are) {
@@ -123,35 +123,37 @@ TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
             "a:9: couple[0].potential.gaze.kappa = 1000000000000, expected finite, at most 1e9 either way");
   EXPECT_EQ(couple("{ gazes = {} }"),
             "a:9: couple[0].potential.gazes = {}, expected a known key, the nearest is \"gaze\"");
-  EXPECT_THAT(refusal_of<std::exception>([] { read("", Parts{}); }),
+  EXPECT_THAT(refusal_of<std::exception>([] { read("", Registry{}); }),
               testing::HasSubstr("a:6: agent.b.robot = \"bare\", expected one of \"multirotor\""));
 }
 
 TEST(Parts, ours_know_nothing_of_what_another_program_adds) {
   (void)with_own();
-  EXPECT_EQ(Parts{}.potentials.find("gaze"), nullptr);
-  EXPECT_EQ(parts_of_sightline().potentials.find("gaze"), nullptr);
+  EXPECT_EQ(Registry{}.potentials.find("gaze"), nullptr);
+  EXPECT_EQ(built_in_registry().potentials.find("gaze"), nullptr);
   EXPECT_NE(with_own().potentials.find("gaze"), nullptr);
 }
 
 TEST(Parts, a_name_is_a_word_and_of_one_part_alone) {
-  Parts parts;
-  parts.potentials.add<Gaze>();
-  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<Gaze>(); }),
+  Registry registry;
+  registry.potentials.add<Gaze>();
+  EXPECT_EQ(refusal_of<std::exception>([&] { registry.potentials.add<Gaze>(); }),
             "a potential is called \"gaze\", expected a name of its own, another has this one");
-  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<Taken>(); }),
+  EXPECT_EQ(refusal_of<std::exception>([&] { registry.potentials.add<Taken>(); }),
             "a potential is called \"too_near\", expected a name of its own, another has this one");
-  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<OfText>(); }),
+  EXPECT_EQ(refusal_of<std::exception>([&] { registry.potentials.add<OfText>(); }),
             "a potential is called \"region\", expected a name of its own, another has this one");
   constexpr std::string_view word = "expected a word: a lower-case letter, then these, digits and _";
-  EXPECT_THAT(refusal_of<std::exception>([&] { parts.potentials.add<Spaced>(); }), testing::HasSubstr(word));
-  EXPECT_THAT(refusal_of<std::exception>([&] { parts.potentials.add<Named1>(); }), testing::HasSubstr(word));
-  EXPECT_EQ(refusal_of<std::exception>([&] { parts.potentials.add<BadDefault>(); }),
+  EXPECT_THAT(refusal_of<std::exception>([&] { registry.potentials.add<Spaced>(); }),
+              testing::HasSubstr(word));
+  EXPECT_THAT(refusal_of<std::exception>([&] { registry.potentials.add<Named1>(); }),
+              testing::HasSubstr(word));
+  EXPECT_EQ(refusal_of<std::exception>([&] { registry.potentials.add<BadDefault>(); }),
             "bad_default.d = -1, expected > 0 m");
 }
 
 TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_and_meaning) {
-  const Parts& parts = parts_of_sightline();
+  const Registry& registry = built_in_registry();
   const auto described = [](const auto& list) {
     for (const auto& part : list.all()) {
       EXPECT_FALSE(part->parameters.empty()) << part->name;
@@ -160,10 +162,11 @@ TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_a
       }
     }
   };
-  described(parts.robots), described(parts.potentials), described(parts.references), described(parts.limits);
-  EXPECT_THAT(parts.robots.names(), ElementsAre("multirotor", "angle_multirotor", "omni_rover", "unicycle",
-                                                "point_mass", "velocity_multirotor", "hover_multirotor"));
-  EXPECT_EQ(parts.potentials.names().size(), 10U);
+  described(registry.robots), described(registry.potentials), described(registry.references),
+      described(registry.limits);
+  EXPECT_THAT(registry.robots.names(), ElementsAre("multirotor", "angle_multirotor", "omni_rover", "unicycle",
+                                                   "point_mass", "velocity_multirotor", "hover_multirotor"));
+  EXPECT_EQ(registry.potentials.names().size(), 10U);
 }
 
 TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
@@ -182,16 +185,17 @@ TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
       EXPECT_NO_THROW(read_named(list, part->name, TomlTable(document))) << part->name << '\n' << text;
     }
   };
-  const Parts& parts = parts_of_sightline();
-  defaults(parts.robots), defaults(parts.potentials), defaults(parts.references), defaults(parts.limits);
+  const Registry& registry = built_in_registry();
+  defaults(registry.robots), defaults(registry.potentials), defaults(registry.references),
+      defaults(registry.limits);
 }
 
 TEST(Parts, what_a_potential_of_ours_says_of_keeping_apart_is_what_its_limit_does) {
-  for (const auto& part : parts_of_sightline().potentials.all()) {
+  for (const auto& part : built_in_registry().potentials.all()) {
     const TomlDocument document = parse_toml(" \n", "a");
     const Potential potential = part->read(TableSource(TomlTable(document)), {});
     EXPECT_EQ(keeps_apart(potential), limits_distance_from_below(potential)) << part->name;
-    EXPECT_EQ(watches(potential), potential.mount() != nullptr) << part->name;
+    EXPECT_EQ(observes(potential), potential.mount() != nullptr) << part->name;
     const bool limits = potential.violation({}, {}) != -std::numeric_limits<double>::infinity();
     EXPECT_EQ(potential.limit_unit() != "in its own unit", limits) << part->name;
   }
@@ -199,9 +203,10 @@ TEST(Parts, what_a_potential_of_ours_says_of_keeping_apart_is_what_its_limit_doe
 
 TEST(Parts, the_tables_of_the_documents_are_those_of_the_descriptions) {
   const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/parts.md");
-  const Parts& parts = parts_of_sightline();
-  for (const std::string& table : {parameters_table(parts.robots), parameters_table(parts.potentials),
-                                   parameters_table(parts.references), parameters_table(parts.limits)}) {
+  const Registry& registry = built_in_registry();
+  for (const std::string& table :
+       {parameters_table(registry.robots), parameters_table(registry.potentials),
+        parameters_table(registry.references), parameters_table(registry.limits)}) {
     EXPECT_NE(document.find(table), std::string::npos)
         << "docs/parts.md differs from what `sightline parts` prints, expected\n"
         << table;

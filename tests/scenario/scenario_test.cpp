@@ -138,7 +138,7 @@ TEST(Scenario, what_is_left_out_has_the_defaults_of_the_structs) {
   EXPECT_EQ(s.horizon.N, Horizon{}.N);
   EXPECT_EQ(s.solver.name, "newton_riccati");
   EXPECT_EQ(s.simulation.duration, Simulation{}.duration);
-  EXPECT_EQ(s.log.paths, LogOptions{}.paths);
+  EXPECT_EQ(s.log.prediction_period, LogOptions{}.prediction_period);
   EXPECT_EQ(s.team.agents()[0].R, std::vector<double>(4, 1.0));
   EXPECT_EQ(s.team.agents()[0].limits.u_min()[0], std::vector<double>(4, -1.0));
   EXPECT_DOUBLE_EQ(s.x0[3], std::cos(0.5));

@@ -22,7 +22,7 @@ weight = 0.4
 )";
 
 Scenario with_set(const std::vector<std::string>& set) {
-  return parse_scenario(team_text, "team.toml", parts_of_sightline(), {.files = {}, .set = set});
+  return parse_scenario(team_text, "team.toml", built_in_registry(), {.files = {}, .set = set});
 }
 
 std::string set_refusal(const std::string& assignment) {

@@ -46,11 +46,11 @@ R = [1.0, 1.0]
 start = { heading = 0.5, p = [1.0, 1.0, 1.0] }
 reference = { constant = { p = [0.0, 0.0, 1.0] } }
 [template.fast]
-like = "base"
+inherits = "base"
 u_max = [2.0, 2.0]
 [agent]
-a = { like = "fast", start = { p = [3.0, 0.0, 1.0] } }
-b = { like = "base", R = [5.0, 5.0], reference = { circle = { radius = 1.0 } } }
+a = { inherits = "fast", start = { p = [3.0, 0.0, 1.0] } }
+b = { inherits = "base", R = [5.0, 5.0], reference = { circle = { radius = 1.0 } } }
 )");
   const TomlTable agents = TomlTable(document).table("agent"), a = agents.table("a"), b = agents.table("b");
   EXPECT_FALSE(TomlTable(document).has("template"));
@@ -62,7 +62,7 @@ b = { like = "base", R = [5.0, 5.0], reference = { circle = { radius = 1.0 } } }
   EXPECT_FALSE(b.has("u_max"));
   EXPECT_THAT(b.table("reference").keys(), ElementsAre("circle"))
       << "what chooses one of several is taken whole";
-  EXPECT_FALSE(a.has("like"));
+  EXPECT_FALSE(a.has("inherits"));
 }
 
 TEST(Templates, ARangeStandsForNumberedRobotsInTheOrderOfTheFile) {
@@ -121,16 +121,18 @@ reference = { waypoints = { times = [0.0, 9.0], p = [[0.0, 0.0, 1.0], { place = 
 }
 
 TEST(Templates, WhatIsWrongIsNamedAtItsLine) {
-  EXPECT_EQ(template_refusal("[template.base]\nR = [1.0]\n[agent.a]\nlike = \"bas\"\n"),
-            "team.toml:4: agent.a.like = \"bas\", expected a template, the nearest is \"base\"");
-  EXPECT_EQ(template_refusal("[agent.a]\nlike = \"b\"\n"),
-            "team.toml:2: agent.a.like = \"b\", expected a template, there is none");
+  EXPECT_EQ(template_refusal("[template.base]\nR = [1.0]\n[agent.a]\ninherits = \"bas\"\n"),
+            "team.toml:4: agent.a.inherits = \"bas\", expected a template, the nearest is \"base\"");
+  EXPECT_EQ(template_refusal("[agent.a]\ninherits = \"b\"\n"),
+            "team.toml:2: agent.a.inherits = \"b\", expected a template, there is none");
   EXPECT_EQ(
-      template_refusal("[template.a]\nlike = \"b\"\n[template.b]\nlike = \"a\"\n[agent.r]\nlike = \"a\"\n"),
-      "team.toml:4: template.b.like = \"a\", expected a template that is not like itself, a like b is");
+      template_refusal(
+          "[template.a]\ninherits = \"b\"\n[template.b]\ninherits = \"a\"\n[agent.r]\ninherits = \"a\"\n"),
+      "team.toml:4: template.b.inherits = \"a\", expected a template that does not inherit itself, a "
+      "inherits b does");
   EXPECT_EQ(
       template_refusal("[agent.r]\n[template.a]\nR = [1.0]\n"),
-      "team.toml:2: template.a = {...}, expected a robot, target, obstacle or template that is like it");
+      "team.toml:2: template.a = {...}, expected a robot, target, obstacle or template that inherits it");
   EXPECT_EQ(
       template_refusal("[agent.\"r{3..1}\"]\n"),
       "team.toml:1: agent.\"r{3..1}\" = {}, expected a name, or a range of at most 1024 as in \"uav{0..7}\"");
@@ -150,7 +152,7 @@ TEST(Templates, WhatIsWrongIsNamedAtItsLine) {
 
 TEST(Templates, AWrongValueOfATemplateIsNamedAtTheLineOfTheTemplate) {
   const std::string text =
-      "[template.t]\nrobot = \"multirotor\"\nR = [1.0]\n[agent.\"r{0..1}\"]\nlike = \"t\"\n"
+      "[template.t]\nrobot = \"multirotor\"\nR = [1.0]\n[agent.\"r{0..1}\"]\ninherits = \"t\"\n"
       "start = { p = { place = \"line\", from = [0.0, 0.0, 1.0], to = [3.0, 0.0, 1.0] } }\n";
   try {
     parse_scenario(text, "team.toml");

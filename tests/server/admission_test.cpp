@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint16_t port_of_page = 8765;
 
-HttpRequest asking(std::string host, std::string origin = "", std::string query = "") {
+HttpRequest requesting(std::string host, std::string origin = "", std::string query = "") {
   HttpRequest request{"GET", "/live", std::move(query)};
   request.headers["host"] = std::move(host);
   if (!origin.empty()) request.headers["origin"] = std::move(origin);
@@ -19,33 +19,35 @@ HttpRequest asking(std::string host, std::string origin = "", std::string query 
 TEST(Admission, OnLoopbackItsOwnNamesAreHostsAndNoOther) {
   const Admission admission(port_of_page, "");
   for (const char* host : {"127.0.0.1:8765", "localhost:8765"})
-    EXPECT_EQ(admission.refusal(asking(host)), "") << host;
+    EXPECT_EQ(admission.refusal(requesting(host)), "") << host;
   // The last ones as a name that is turned to 127.0.0.1 says it.
   for (const char* host :
        {"", "127.0.0.1", "localhost", "127.0.0.1:8764", "192.168.0.2:8765", "localhost.:8765",
         "attacker.example:8765", "127.0.0.1.attacker.example:8765", "localhost:8765:8765"})
-    EXPECT_NE(admission.refusal(asking(host)), "") << host;
+    EXPECT_NE(admission.refusal(requesting(host)), "") << host;
 }
 
 TEST(Admission, APageOfAnotherOriginIsRefused) {
   const Admission admission(port_of_page, "");
-  EXPECT_EQ(admission.refusal(asking("localhost:8765", "http://localhost:8765")), "");
+  EXPECT_EQ(admission.refusal(requesting("localhost:8765", "http://localhost:8765")), "");
   for (const char* origin :
        {"null", "http://attacker.example", "https://localhost:8765", "http://localhost:8766",
         "http://127.0.0.1:8765", "http://localhost:8765.attacker.example"})
-    EXPECT_NE(admission.refusal(asking("localhost:8765", origin)), "") << origin;
+    EXPECT_NE(admission.refusal(requesting("localhost:8765", origin)), "") << origin;
 }
 
 TEST(Admission, AllowedOriginsMayAskForTopicsAndNothingElse) {
   const Admission admission(port_of_page, "", {"https://app.foxglove.dev", "file://"});
   for (const char* origin : {"", "http://localhost:8765", "https://app.foxglove.dev", "file://"})
-    EXPECT_EQ(admission.refusal(asking("localhost:8765", origin), Admission::Asked::topics), "") << origin;
+    EXPECT_EQ(admission.refusal(requesting("localhost:8765", origin), Admission::Requested::topics), "")
+        << origin;
   for (const char* origin : {"null", "http://app.foxglove.dev", "https://app.foxglove.dev.attacker.example"})
-    EXPECT_NE(admission.refusal(asking("localhost:8765", origin), Admission::Asked::topics), "") << origin;
-  for (const auto asked : {Admission::Asked::flight, Admission::Asked::open_file})
-    EXPECT_NE(admission.refusal(asking("localhost:8765", "https://app.foxglove.dev"), asked), "");
-  EXPECT_NE(admission.refusal(asking("attacker.example:8765", "https://app.foxglove.dev"),
-                              Admission::Asked::topics),
+    EXPECT_NE(admission.refusal(requesting("localhost:8765", origin), Admission::Requested::topics), "")
+        << origin;
+  for (const auto requested : {Admission::Requested::flight, Admission::Requested::open_file})
+    EXPECT_NE(admission.refusal(requesting("localhost:8765", "https://app.foxglove.dev"), requested), "");
+  EXPECT_NE(admission.refusal(requesting("attacker.example:8765", "https://app.foxglove.dev"),
+                              Admission::Requested::topics),
             "");
 }
 
@@ -61,16 +63,16 @@ TEST(Admission, AnOriginIsOneOfAPageThatOtherPagesCannotSay) {
 TEST(Admission, ToOthersTheTokenIsAskedForOfAllThatIsOfTheFlight) {
   const std::string token = random_token();
   const Admission admission(port_of_page, token);
-  const auto with = [&](const std::string& query) { return asking("192.168.0.2:8765", "", query); };
+  const auto with = [&](const std::string& query) { return requesting("192.168.0.2:8765", "", query); };
   EXPECT_EQ(admission.refusal(with("token=" + token)), "");
-  EXPECT_EQ(admission.refusal(with(""), Admission::Asked::open_file), "");
+  EXPECT_EQ(admission.refusal(with(""), Admission::Requested::open_file), "");
   std::string other = token;
   other.back() = other.back() == '0' ? '1' : '0';
   for (const std::string& query : {std::string(), std::string("token="), "token=" + other,
                                    "token=" + token + "0", "token=" + token.substr(1), "tokens=" + token})
     EXPECT_NE(admission.refusal(with(query)), "") << query;
   // A token does not make a name a host.
-  EXPECT_NE(admission.refusal(asking("attacker.example:8765", "", "token=" + token)), "");
+  EXPECT_NE(admission.refusal(requesting("attacker.example:8765", "", "token=" + token)), "");
 }
 
 TEST(Admission, TokensHave192BitsAndAreNotTheSame) {

@@ -23,7 +23,7 @@ TEST(Connection, AHeadIsWholeAtItsEmptyLine) {
   EXPECT_EQ(pair.one.head(), "GET / HTTP/1.1\r\nA: b");
   pair.one.answer("fine", pair.now);
   pair.one.send(pair.now);
-  EXPECT_EQ(pair.hear(), "fine");
+  EXPECT_EQ(pair.receive(), "fine");
   EXPECT_EQ(pair.one.state(), State::closed);
 }
 
@@ -54,14 +54,14 @@ TEST(Connection, AStateThatIsNotTakenWaitsAndNothingComesBetweenItsBytes) {
   EXPECT_TRUE(pair.one.sends());
   EXPECT_EQ(pair.one.given(), 7);
   pair.one.ping(pair.now);
-  std::string heard;
-  while (heard.size() < state.size() + 7) {
-    const std::string more = pair.hear();
+  std::string received;
+  while (received.size() < state.size() + 7) {
+    const std::string more = pair.receive();
     ASSERT_FALSE(more.empty());
-    heard += more;
+    received += more;
     pair.one.send(pair.now);
   }
-  EXPECT_EQ(heard, "head;" + state + websocket_frame(WebsocketOp::ping, ""));
+  EXPECT_EQ(received, "head;" + state + websocket_frame(WebsocketOp::ping, ""));
   EXPECT_FALSE(pair.one.sends());
 }
 
@@ -76,7 +76,7 @@ TEST(Connection, AWatcherThatSendsTooMuchIsToldWhyAndClosed) {
   }
   EXPECT_EQ(pair.one.state(), State::closed);
   EXPECT_TRUE(pair.one.broke_rules());
-  EXPECT_EQ(pair.hear(), websocket_close(WebsocketClose::against_the_rules));
+  EXPECT_EQ(pair.receive(), websocket_close(WebsocketClose::against_the_rules));
 }
 
 TEST(Connection, AWatcherThatEndsIsAnsweredByItsOwnCode) {
@@ -89,7 +89,7 @@ TEST(Connection, AWatcherThatEndsIsAnsweredByItsOwnCode) {
     pair.one.receive(pair.now);
     EXPECT_EQ(pair.one.state(), State::closed);
     EXPECT_FALSE(pair.one.broke_rules());
-    EXPECT_EQ(pair.hear(), websocket_frame(WebsocketOp::close, why.substr(0, 2)));
+    EXPECT_EQ(pair.receive(), websocket_frame(WebsocketOp::close, why.substr(0, 2)));
   }
 }
 

@@ -56,18 +56,18 @@ struct ShownFlight {
 
 TEST(FlightPage, AWatcherSeesTheFlightWithItsPredictionsAndEvents) {
   ShownFlight flight(1.0);
-  EXPECT_THAT(PageClient(flight.port()).ask("GET /scene.json"), HasSubstr("\"live\":true"));
+  EXPECT_THAT(PageClient(flight.port()).request("GET /scene.json"), HasSubstr("\"live\":true"));
   PageClient client(flight.port());
   ASSERT_THAT(client.watch(), testing::StartsWith("HTTP/1.1 101"));
-  std::string heard;
-  std::thread watcher([&] { heard = client.hear("\"t\":0.990", 5.0); });
+  std::string received;
+  std::thread watcher([&] { received = client.receive("\"t\":0.990", 5.0); });
   const LoopOutcome outcome = flight.fly();
   watcher.join();
   EXPECT_TRUE(outcome.finite);
   EXPECT_EQ(outcome.updates, 100);
-  EXPECT_THAT(heard, HasSubstr("\"t\":0.990"));
-  EXPECT_THAT(heard, HasSubstr("\"paths\":[["));
-  EXPECT_THAT(heard, HasSubstr("look away"));
+  EXPECT_THAT(received, HasSubstr("\"t\":0.990"));
+  EXPECT_THAT(received, HasSubstr("\"paths\":[["));
+  EXPECT_THAT(received, HasSubstr("look away"));
   EXPECT_EQ(flight.page.dropped(), 0);
 }
 
@@ -80,7 +80,7 @@ TEST(FlightPage, TheSolveTimeIsThatOfTheSolvers) {
   flight.sample.update_us = 500.0;
   flight.sample.solvers.assign(2, {.solve_us = 20.0});
   flight.page.show(flight.sample);
-  EXPECT_THAT(client.hear("\"it\":", 5.0), HasSubstr("\"us\":40,"));
+  EXPECT_THAT(client.receive("\"it\":", 5.0), HasSubstr("\"us\":40,"));
 }
 
 /// Hears the poses of uav0 until a flight of so many periods is over. @return their times, in periods
@@ -91,14 +91,14 @@ std::vector<std::int64_t> hear_poses(PageClient& client, std::int64_t last) {
   client.say(test::subscribe_frame(5, *channel));
   std::vector<std::int64_t> times;
   while (times.empty() || times.back() < last) {
-    const auto heard = ears.next(client);
-    if (!heard) break;
-    if (!heard->is_message()) continue;
-    EXPECT_EQ(heard->subscription(), 5U);
-    const std::string bytes = heard->bytes();
+    const auto received = ears.next(client);
+    if (!received) break;
+    if (!received->is_message()) continue;
+    EXPECT_EQ(received->subscription(), 5U);
+    const std::string bytes = received->bytes();
     const auto pose = decode_pose(std::as_bytes(std::span(bytes)));
-    EXPECT_TRUE(pose && pose->time == heard->time());
-    times.push_back(std::llround(1e-7 * static_cast<double>(heard->time())));
+    EXPECT_TRUE(pose && pose->time == received->time());
+    times.push_back(std::llround(1e-7 * static_cast<double>(received->time())));
   }
   return times;
 }
@@ -137,7 +137,7 @@ class Attackers {
         fmt::format("GET / HTTP/1.1\r\nHost: attacker.example:{}\r\n"
                     "Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n",
                     port_));
-    EXPECT_THAT(rebound.hear(), testing::StartsWith("HTTP/1.1 403"));
+    EXPECT_THAT(rebound.receive(), testing::StartsWith("HTTP/1.1 403"));
     half_open_.emplace_back(port_).say("GET / HTTP/1.1\r\n");
     send(test::PageClient::masked(1, std::string(1'000'000, '[')), true);
     send(test::PageClient::masked(2, std::string(1'000'000, '\xff')), true);
@@ -200,7 +200,7 @@ TEST(FlightPage, WatchersThatReadNothingOrLeaveDoNotHoldUpTheLoop) {
   deaf.watch();
   std::thread leaving([&] {
     while (!watchers.empty()) {
-      (void)watchers.front().hear("\"t\"", 1.0);
+      (void)watchers.front().receive("\"t\"", 1.0);
       watchers.pop_front();
     }
   });

@@ -19,10 +19,10 @@ TEST(FoxgloveFeed, KeepsMessagesOfTopicsThatSomebodyHasSubscribedToAlone) {
   FoxgloveFeed feed("paper");
   const SchemaId schema = feed.schema("P", "jsonschema", "{}");
   const ChannelId a = feed.channel(schema, "/a", "json", {}), b = feed.channel(schema, "/b", "json", {});
-  EXPECT_FALSE(feed.is_asked());
+  EXPECT_FALSE(feed.is_requested());
   feed.message(a, 0, 10, bytes_of("unheard"));
   feed.subscribed(b);
-  EXPECT_TRUE(feed.is_asked());
+  EXPECT_TRUE(feed.is_requested());
   feed.message(a, 1, 20, bytes_of("unheard"));
   feed.message(b, 0, 20, bytes_of("heard"));
   EXPECT_FALSE(is_readable(feed));
@@ -37,7 +37,7 @@ TEST(FoxgloveFeed, KeepsMessagesOfTopicsThatSomebodyHasSubscribedToAlone) {
   EXPECT_EQ(batches[0].messages[0].time, 20U);
   EXPECT_EQ(batches[0].bytes, "heard");
   feed.unsubscribed(b);
-  EXPECT_FALSE(feed.is_asked());
+  EXPECT_FALSE(feed.is_requested());
 }
 
 TEST(FoxgloveFeed, TopicsMayComeLater) {

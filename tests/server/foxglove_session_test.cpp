@@ -24,8 +24,8 @@ struct TalkingPair {
     pair.one.watch("", pair.now);
     session.emplace(feed, pair.one);
   }
-  void hear(std::string_view text, WebsocketOp op = WebsocketOp::text) {
-    session->hear({op, std::string(text)});
+  void receive(std::string_view text, WebsocketOp op = WebsocketOp::text) {
+    session->receive({op, std::string(text)});
   }
   void feed_one(ChannelId channel, std::string_view bytes, std::uint64_t time = 7) {
     feed.message(channel, 0, time, std::as_bytes(std::span(bytes)));
@@ -33,18 +33,18 @@ struct TalkingPair {
     session->tell(feed.take());
   }
   /// All that came.
-  std::vector<test::FoxgloveEars::Heard> heard() {
+  std::vector<test::FoxgloveEars::Heard> received() {
     std::vector<test::FoxgloveEars::Heard> list;
     do {
       pair.one.send(pair.now);
-      for (std::string bytes = pair.hear(); !bytes.empty(); bytes = pair.hear()) ears.take(bytes);
+      for (std::string bytes = pair.receive(); !bytes.empty(); bytes = pair.receive()) ears.take(bytes);
     } while (pair.one.waiting() > 0);
     while (auto one = ears.next()) list.push_back(*std::move(one));
     return list;
   }
   /// The sentence of the status that came last.
   std::string status() {
-    const auto all = heard();
+    const auto all = received();
     if (all.empty() || all.back().op != WebsocketOp::text) return "";
     return all.back().json().value("message", "");
   }
@@ -52,92 +52,92 @@ struct TalkingPair {
 
 TEST(FoxgloveSession, GreetsWithItselfAndItsTopics) {
   TalkingPair talk;
-  const auto heard = talk.heard();
-  ASSERT_EQ(heard.size(), 2U);
-  EXPECT_EQ(heard[0].json()["op"], "serverInfo");
-  EXPECT_EQ(heard[0].json()["name"], "paper");
-  EXPECT_EQ(heard[1].json()["channels"].size(), 2U);
-  EXPECT_EQ(test::advertised(heard[1].json(), "/b"), 1U);
+  const auto received = talk.received();
+  ASSERT_EQ(received.size(), 2U);
+  EXPECT_EQ(received[0].json()["op"], "serverInfo");
+  EXPECT_EQ(received[0].json()["name"], "paper");
+  EXPECT_EQ(received[1].json()["channels"].size(), 2U);
+  EXPECT_EQ(test::advertised(received[1].json(), "/b"), 1U);
 }
 
 TEST(FoxgloveSession, TellsWhatWasSubscribedToUnderTheClientsIdAndTheTime) {
   TalkingPair talk;
-  (void)talk.heard();
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":42,"channelId":1}]})");
+  (void)talk.received();
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":42,"channelId":1}]})");
   talk.feed_one(talk.a, "not this");
   talk.feed_one(talk.b, "this", 1'000'000'007);
-  auto heard = talk.heard();
-  ASSERT_EQ(heard.size(), 3U);  // two times, one message
-  EXPECT_TRUE(heard[1].is_message());
-  EXPECT_EQ(heard[1].subscription(), 42U);
-  EXPECT_EQ(heard[1].time(), 1'000'000'007U);
-  EXPECT_EQ(heard[1].bytes(), "this");
-  EXPECT_EQ(heard[2].payload, foxglove_time(1'000'000'007));
-  talk.hear(R"({"op":"unsubscribe","subscriptionIds":[42]})");
-  EXPECT_FALSE(talk.feed.is_asked());
+  auto received = talk.received();
+  ASSERT_EQ(received.size(), 3U);  // two times, one message
+  EXPECT_TRUE(received[1].is_message());
+  EXPECT_EQ(received[1].subscription(), 42U);
+  EXPECT_EQ(received[1].time(), 1'000'000'007U);
+  EXPECT_EQ(received[1].bytes(), "this");
+  EXPECT_EQ(received[2].payload, foxglove_time(1'000'000'007));
+  talk.receive(R"({"op":"unsubscribe","subscriptionIds":[42]})");
+  EXPECT_FALSE(talk.feed.is_requested());
   talk.feed_one(talk.b, "no more");
-  EXPECT_EQ(talk.heard().size(), 1U);
+  EXPECT_EQ(talk.received().size(), 1U);
   EXPECT_EQ(talk.session->sent(), 1);
 }
 
 TEST(FoxgloveSession, WhoLeavesHasSubscribedToNothing) {
   TalkingPair talk;
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0},{"id":1,"channelId":1}]})");
-  EXPECT_TRUE(talk.feed.is_asked());
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0},{"id":1,"channelId":1}]})");
+  EXPECT_TRUE(talk.feed.is_requested());
   talk.session.reset();
-  EXPECT_FALSE(talk.feed.is_asked());
+  EXPECT_FALSE(talk.feed.is_requested());
 }
 
 TEST(FoxgloveSession, RefusesByOneSentenceARequest) {
   TalkingPair talk;
-  (void)talk.heard();
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":2},{"id":1,"channelId":99}]})");
-  const auto heard = talk.heard();
-  ASSERT_EQ(heard.size(), 1U);
-  EXPECT_EQ(heard[0].json()["level"], 2);
-  EXPECT_THAT(heard[0].json()["message"].get<std::string>(),
+  (void)talk.received();
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":2},{"id":1,"channelId":99}]})");
+  const auto received = talk.received();
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].json()["level"], 2);
+  EXPECT_THAT(received[0].json()["message"].get<std::string>(),
               HasSubstr("channelId = 2, expected one that was advertised"));
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})");
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]})");
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})");
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]})");
   EXPECT_THAT(talk.status(), HasSubstr("subscription id = 0"));
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":0}]})");
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":0}]})");
   EXPECT_THAT(talk.status(), HasSubstr("not subscribed to already"));
-  talk.hear(R"({"op":"unsubscribe","subscriptionIds":[7]})");
+  talk.receive(R"({"op":"unsubscribe","subscriptionIds":[7]})");
   EXPECT_THAT(talk.status(), HasSubstr("subscription id = 7"));
-  talk.hear("nonsense");
+  talk.receive("nonsense");
   EXPECT_THAT(talk.status(), HasSubstr("no JSON object"));
-  talk.hear("\x01garbage", WebsocketOp::binary);
+  talk.receive("\x01garbage", WebsocketOp::binary);
   EXPECT_THAT(talk.status(), HasSubstr("a binary message, expected none"));
-  EXPECT_TRUE(talk.feed.is_asked());  // what stood before stands
+  EXPECT_TRUE(talk.feed.is_requested());  // what stood before stands
 }
 
 TEST(FoxgloveSession, TellsOfTopicsThatComeLater) {
   TalkingPair talk;
-  (void)talk.heard();
+  (void)talk.received();
   talk.feed.channel(talk.schema, "/late", "json", {});
   talk.feed_one(talk.a, "x");
-  const auto heard = talk.heard();
-  ASSERT_EQ(heard.size(), 2U);
-  EXPECT_EQ(test::advertised(heard[0].json(), "/late"), 2U);
-  EXPECT_EQ(heard[0].json()["channels"].size(), 1U);
+  const auto received = talk.received();
+  ASSERT_EQ(received.size(), 2U);
+  EXPECT_EQ(test::advertised(received[0].json(), "/late"), 2U);
+  EXPECT_EQ(received[0].json()["channels"].size(), 1U);
 }
 
 TEST(FoxgloveSession, OfOneThatTakesNothingLittleWaitsAndWhatIsLeftOutIsCountedAndTold) {
   TalkingPair talk;
-  talk.hear(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})");
+  talk.receive(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})");
   const std::string long_one(100'000, 'x');
   for (int i = 0; i < 200; ++i) talk.feed_one(talk.a, long_one);
   EXPECT_LE(talk.pair.one.waiting(), FoxgloveSession::waiting_max + 1000);
   EXPECT_GT(talk.session->dropped(), 100);
   EXPECT_EQ(talk.session->sent() + talk.session->dropped(), 200);
   const std::int64_t left_out = talk.session->dropped();
-  (void)talk.heard();
+  (void)talk.received();
   talk.feed_one(talk.a, "short again");
-  const auto heard = talk.heard();
-  ASSERT_EQ(heard.size(), 3U);
-  EXPECT_THAT(heard[0].json()["message"].get<std::string>(),
+  const auto received = talk.received();
+  ASSERT_EQ(received.size(), 3U);
+  EXPECT_THAT(received[0].json()["message"].get<std::string>(),
               HasSubstr(fmt::format("{} messages were left out", left_out)));
-  EXPECT_EQ(heard[1].bytes(), "short again");
+  EXPECT_EQ(received[1].bytes(), "short again");
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ fs::path logged_flight(const Scenario& scenario) {
   const auto world = make_world(scenario);
   Sample prototype = sized_sample(*world, controls.controllers(), controls.team_switcher());
   make_room_for_plans(scenario, prototype);
-  Ring<Sample> ring(64, prototype);
+  SpscQueue<Sample> ring(64, prototype);
   SimulatedClock clock;
   ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
   Log log(scenario, folder, controls.controllers(), ring);
@@ -154,20 +154,20 @@ TEST(LogPage, ThePageTellsOfALogThatGrowsAndOfOneThatTakesItsPlace) {
   log.grow(0.5);
   const LogPage page(log.folder, [&] { return scenario; });
   const auto body_of = [&](const std::string& path) {
-    const std::string answer = test::PageClient(page.port()).ask("GET " + path);
+    const std::string answer = test::PageClient(page.port()).request("GET " + path);
     return json::parse(answer.substr(answer.find("\r\n\r\n")));
   };
   const json scene = body_of("/scene.json");
   EXPECT_EQ(scene["live"], false);
   test::PageClient watcher(page.port());
   EXPECT_THAT(watcher.watch(), testing::StartsWith("HTTP/1.1 101"));
-  EXPECT_THAT(watcher.hear("growing"), testing::HasSubstr(scene["session"].get<std::string>()));
+  EXPECT_THAT(watcher.receive("growing"), testing::HasSubstr(scene["session"].get<std::string>()));
   const std::size_t before = body_of("/moments.json").size();
   EXPECT_EQ(body_of(fmt::format("/moments.json?from={}", before - 3)).size(), 3U);
   EXPECT_EQ(body_of("/moments.json?from=2&most=5").size(), 5U);
   EXPECT_EQ(body_of("/moments.json?from=100000").size(), 0U);
   log.grow(1.0);
-  EXPECT_THAT(watcher.hear("finished"), testing::HasSubstr("\"moments\":100"));
+  EXPECT_THAT(watcher.receive("finished"), testing::HasSubstr("\"moments\":100"));
   EXPECT_EQ(body_of(fmt::format("/moments.json?from={}", before)).size(), 100 - before);
   // A run begins anew: its file takes the place of the other.
   fs::copy_file(finished / "run.mcap", log.folder / "run.mcap.part");

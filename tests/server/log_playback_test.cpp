@@ -39,10 +39,10 @@ TEST(LogPlayback, PlaysAllMessagesAsFastAsTheyWereLoggedAndBeginsAnew) {
   std::vector<std::uint64_t> times;
   std::chrono::steady_clock::time_point first, last;
   while (times.size() < 102) {
-    const auto heard = ears.next(client);
-    ASSERT_TRUE(heard);
-    if (!heard->is_message()) continue;
-    times.push_back(heard->time());
+    const auto received = ears.next(client);
+    ASSERT_TRUE(received);
+    if (!received->is_message()) continue;
+    times.push_back(received->time());
     if (times.size() == 1) first = std::chrono::steady_clock::now();
     if (times.size() == 100) last = std::chrono::steady_clock::now();
   }
@@ -67,19 +67,19 @@ TEST(LogPlayback, BeginsAtTheBeginForWhoComesWhenNobodyListened) {
     client.say(test::subscribe_frame(0, *channel));
     std::uint64_t time = 1;
     for (int count = 0; count < 10;) {
-      const auto heard = ears.next(client);
-      ASSERT_TRUE(heard);
-      if (!heard->is_message()) continue;
+      const auto received = ears.next(client);
+      ASSERT_TRUE(received);
+      if (!received->is_message()) continue;
       if (count == 0) {
-        EXPECT_EQ(heard->time(), 0U);
+        EXPECT_EQ(received->time(), 0U);
       }
       ++count;
-      time = heard->time();
+      time = received->time();
     }
     EXPECT_EQ(time, 90'000'000U);
     client.say(PageClient::masked(8, ""));
     EXPECT_TRUE(test::soon([&] { return server.counts().watchers == 0; }));
-    EXPECT_TRUE(test::soon([&] { return !playback.feed().is_asked(); }));
+    EXPECT_TRUE(test::soon([&] { return !playback.feed().is_requested(); }));
     ::usleep(300'000);
   }
 }

@@ -43,7 +43,7 @@ class SeenSink final : public Sink<Sample> {
   Sample* sample_ = nullptr;
 };
 
-/// A flight with a log, a page and somebody who watches it.
+/// A flight with a log, a page and somebody who observes it.
 struct WatchedFlight {
   explicit WatchedFlight(double duration) : scenario(test::scenario_of(test::view_scenario)) {
     scenario.simulation.duration = duration;
@@ -127,7 +127,7 @@ TEST(Outside, NoDescriptorLeftEndsNoFlight) {
   });
   EXPECT_EQ(flown.outcome.updates, 500);
   EXPECT_TRUE(flown.logged);
-  EXPECT_THAT(PageClient(flight.port).ask("GET /scene.json"), testing::StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(PageClient(flight.port).request("GET /scene.json"), testing::StartsWith("HTTP/1.1 200"));
 }
 
 TEST(Outside, AStuckLogHoldsNoStopUp) {

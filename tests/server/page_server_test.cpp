@@ -34,23 +34,23 @@ PageServer on_loopback() { return PageServer({}, two_files()); }
 TEST(PageServer, ServesItsFilesAndNothingElse) {
   const PageServer server = on_loopback();
   EXPECT_EQ(server.url(), fmt::format("http://127.0.0.1:{}/", server.port()));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /"), HasSubstr("\r\n\r\n<p>page"));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /scene.json"), HasSubstr("application/json"));
-  EXPECT_TRUE(PageClient(server.port()).ask("HEAD /scene.json").ends_with("\r\n\r\n"));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /../etc/passwd"), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(PageClient(server.port()).ask("DELETE /"), StartsWith("HTTP/1.1 405"));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /live"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /"), HasSubstr("\r\n\r\n<p>page"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /scene.json"), HasSubstr("application/json"));
+  EXPECT_TRUE(PageClient(server.port()).request("HEAD /scene.json").ends_with("\r\n\r\n"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /../etc/passwd"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(PageClient(server.port()).request("DELETE /"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /live"), StartsWith("HTTP/1.1 400"));
 }
 
 TEST(PageServer, AFileCanBeMadeForEachRequestByWhatItAsks) {
   PageFiles files = two_files();
-  files["/made.json"] = {.type = "application/json", .body = {}, .made = [](const HttpRequest& asked) {
-                           return "from " + std::string(asked.parameter("from"));
+  files["/made.json"] = {.type = "application/json", .body = {}, .made = [](const HttpRequest& requested) {
+                           return "from " + std::string(requested.parameter("from"));
                          }};
   const PageServer server({}, files);
-  EXPECT_THAT(PageClient(server.port()).ask("GET /made.json?from=7"), HasSubstr("\r\n\r\nfrom 7"));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /made.json?from=8"), HasSubstr("\r\n\r\nfrom 8"));
-  EXPECT_TRUE(PageClient(server.port()).ask("HEAD /made.json?from=9").ends_with("\r\n\r\n"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /made.json?from=7"), HasSubstr("\r\n\r\nfrom 7"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /made.json?from=8"), HasSubstr("\r\n\r\nfrom 8"));
+  EXPECT_TRUE(PageClient(server.port()).request("HEAD /made.json?from=9").ends_with("\r\n\r\n"));
 }
 
 TEST(PageServer, WhatThrowsWhileItServesCostsThatClientAlone) {
@@ -60,15 +60,15 @@ TEST(PageServer, WhatThrowsWhileItServesCostsThatClientAlone) {
         throw std::runtime_error("no such row");
       }};
   const PageServer server({}, files, nullptr, [](std::string_view) { throw std::bad_alloc(); });
-  const std::string answer = PageClient(server.port()).ask("GET /made.json");
+  const std::string answer = PageClient(server.port()).request("GET /made.json");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 500 Internal Server Error"));
   EXPECT_THAT(answer, HasSubstr("this could not be made: no such row"));
   PageClient speaker(server.port());
   EXPECT_THAT(speaker.watch(), StartsWith("HTTP/1.1 101"));
   speaker.say(PageClient::masked(1, "{}"));
-  (void)speaker.hear();
+  (void)speaker.receive();
   EXPECT_TRUE(speaker.ended());
-  EXPECT_THAT(PageClient(server.port()).ask("GET /"), HasSubstr("<p>page"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /"), HasSubstr("<p>page"));
   EXPECT_TRUE(soon([&] { return server.counts().refused == 2; }));
 }
 
@@ -82,13 +82,13 @@ TEST(PageServer, AFileThatIsMadeSlowlyHoldsNobodyUpWhoPutsAnother) {
                          }};
   PageServer server({}, files);
   std::string answer;
-  std::thread client([&] { answer = PageClient(server.port()).ask("GET /slow.json"); });
+  std::thread client([&] { answer = PageClient(server.port()).request("GET /slow.json"); });
   ASSERT_TRUE(soon([&] { return begun.load(); }));
   server.put("/slow.json", {"application/json", "another"});  // does not wait for it
   go_on = true;
   client.join();
   EXPECT_TRUE(answer.ends_with("slow"));
-  EXPECT_TRUE(PageClient(server.port()).ask("GET /slow.json").ends_with("another"));
+  EXPECT_TRUE(PageClient(server.port()).request("GET /slow.json").ends_with("another"));
 }
 
 TEST(PageServer, WithoutADescriptorLeftItSleepsAndServesLater) {
@@ -104,7 +104,7 @@ TEST(PageServer, WithoutADescriptorLeftItSleepsAndServesLater) {
   std::this_thread::sleep_for(std::chrono::milliseconds(600));
   EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 0.2);
   for (const int fd : taken) ::close(fd);
-  EXPECT_THAT(client.ask("GET /"), HasSubstr("<p>page"));
+  EXPECT_THAT(client.request("GET /"), HasSubstr("<p>page"));
 }
 
 TEST(PageServer, AWrongHostAndAForeignOriginAreRefusedForPagesAndWatchers) {
@@ -113,11 +113,11 @@ TEST(PageServer, AWrongHostAndAForeignOriginAreRefusedForPagesAndWatchers) {
   EXPECT_THAT(PageClient(server.port()).watch("Origin: " + own + "\r\n"), StartsWith("HTTP/1.1 101"));
   EXPECT_THAT(PageClient(server.port()).watch("Origin: http://attacker.example\r\n"),
               StartsWith("HTTP/1.1 403"));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /", "Origin: http://attacker.example\r\n"),
+  EXPECT_THAT(PageClient(server.port()).request("GET /", "Origin: http://attacker.example\r\n"),
               StartsWith("HTTP/1.1 403"));
   PageClient rebound(server.port());
   rebound.say(fmt::format("GET / HTTP/1.1\r\nHost: attacker.example:{}\r\n\r\n", server.port()));
-  EXPECT_THAT(rebound.hear(), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(rebound.receive(), StartsWith("HTTP/1.1 403"));
   EXPECT_TRUE(soon([&] { return server.counts().refused == 3; }));
 }
 
@@ -125,9 +125,10 @@ TEST(PageServer, OnOtherAddressesATokenIsAskedForOnceInTheUrl) {
   const PageServer server({.address = "0.0.0.0"}, two_files());
   const std::string token = server.url().substr(server.url().find("token="));
   EXPECT_GE(token.size(), 6U + 32U);
-  EXPECT_THAT(PageClient(server.port()).ask("GET /"), StartsWith("HTTP/1.1 200"));  // the program of the page
-  EXPECT_THAT(PageClient(server.port()).ask("GET /scene.json"), StartsWith("HTTP/1.1 403"));
-  EXPECT_THAT(PageClient(server.port()).ask("GET /scene.json?" + token), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /"),
+              StartsWith("HTTP/1.1 200"));  // the program of the page
+  EXPECT_THAT(PageClient(server.port()).request("GET /scene.json"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /scene.json?" + token), StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(PageClient(server.port()).watch(), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(PageClient(server.port()).watch("", "/live?token=0123"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(PageClient(server.port()).watch("", "/live?" + token), StartsWith("HTTP/1.1 101"));
@@ -136,17 +137,17 @@ TEST(PageServer, OnOtherAddressesATokenIsAskedForOnceInTheUrl) {
 TEST(PageServer, TopicsAreForOwnAndAllowedOriginsAndForNoPage) {
   FoxgloveFeed feed("paper");
   const PageServer server({.origins = {"https://app.foxglove.dev"}}, two_files(), &feed);
-  const auto asked = [&](std::string_view more, std::string_view path = "/") {
+  const auto requested = [&](std::string_view more, std::string_view path = "/") {
     return PageClient(server.port()).ask_for_topics(more, path);
   };
-  EXPECT_THAT(asked(""), StartsWith("HTTP/1.1 101"));
-  EXPECT_THAT(asked("Origin: https://app.foxglove.dev\r\n"), StartsWith("HTTP/1.1 101"));
-  EXPECT_THAT(asked(fmt::format("Origin: http://127.0.0.1:{}\r\n", server.port())),
+  EXPECT_THAT(requested(""), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(requested("Origin: https://app.foxglove.dev\r\n"), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(requested(fmt::format("Origin: http://127.0.0.1:{}\r\n", server.port())),
               StartsWith("HTTP/1.1 101"));
   for (const char* origin : {"null", "file://", "http://attacker.example"})
-    EXPECT_THAT(asked(fmt::format("Origin: {}\r\n", origin)), StartsWith("HTTP/1.1 403")) << origin;
+    EXPECT_THAT(requested(fmt::format("Origin: {}\r\n", origin)), StartsWith("HTTP/1.1 403")) << origin;
   // The flight's own state stays with its own page.
-  EXPECT_THAT(asked("Origin: https://app.foxglove.dev\r\n", "/live"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(requested("Origin: https://app.foxglove.dev\r\n", "/live"), StartsWith("HTTP/1.1 403"));
   EXPECT_THROW(PageServer({.origins = {"null"}}, two_files(), &feed), std::invalid_argument);
 }
 
@@ -168,20 +169,20 @@ TEST(PageServer, OneThatTakesNoTopicsIsClosedAndWhatItMissedIsCounted) {
   for (PageClient* one : {&reader, &deaf}) {
     ASSERT_THAT(one->ask_for_topics(), StartsWith("HTTP/1.1 101"));
     one->say(test::subscribe_frame(0, 0));
-    ASSERT_TRUE(soon([&] { return feed.is_asked(); }));
+    ASSERT_TRUE(soon([&] { return feed.is_requested(); }));
   }
   ASSERT_TRUE(soon([&] { return server.counts().watchers == 2; }));
   const std::string long_one(300'000, 'x');
-  std::int64_t heard = 0, fed = 0;
+  std::int64_t received = 0, fed = 0;
   while (server.counts().closed == 0 && fed < 3000) {
     feed.message(a, 0, static_cast<std::uint64_t>(++fed), std::as_bytes(std::span(long_one)));
     feed.hand_over(static_cast<std::uint64_t>(fed));
-    for (bool told = false; !told;) {  // the reader hears each
+    for (bool reported = false; !reported;) {  // the reader hears each
       const auto message = ears.next(reader);
       ASSERT_TRUE(message);
-      if (!(told = message->is_message())) continue;
-      if (heard == 0) heard = static_cast<std::int64_t>(message->time()) - 1;
-      EXPECT_EQ(message->time(), static_cast<std::uint64_t>(++heard));
+      if (!(reported = message->is_message())) continue;
+      if (received == 0) received = static_cast<std::int64_t>(message->time()) - 1;
+      EXPECT_EQ(message->time(), static_cast<std::uint64_t>(++received));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -195,15 +196,15 @@ TEST(PageServer, AWatcherHearsTheNewestStateAtOnceAndThenEachNext) {
   server.post("first");
   PageClient client(server.port());
   EXPECT_THAT(client.watch(), HasSubstr("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"));
-  EXPECT_EQ(client.hear("first"),
+  EXPECT_EQ(client.receive("first"),
             "\x81\x05"
             "first");
   server.post("second");
-  EXPECT_EQ(client.hear("second"),
+  EXPECT_EQ(client.receive("second"),
             "\x81\x06"
             "second");
   client.say(PageClient::masked(9, "hi"));
-  EXPECT_EQ(client.hear("hi"),
+  EXPECT_EQ(client.receive("hi"),
             "\x8a\x02"
             "hi");
 }
@@ -213,23 +214,23 @@ TEST(PageServer, LongMessagesAndManyCloseTheirWatcherAlone) {
   PageClient quiet(server.port()), longer(server.port()), many(server.port());
   for (PageClient* one : {&quiet, &longer, &many}) ASSERT_THAT(one->watch(), StartsWith("HTTP/1.1 101"));
   longer.say(PageClient::masked(1, std::string(1'000'000, 'x')));
-  longer.hear();
+  longer.receive();
   EXPECT_TRUE(longer.ended());
   std::string flood;
   for (int i = 0; i < 10'000; ++i) flood += PageClient::masked(1, "x");
   many.say(flood);
-  many.hear();
+  many.receive();
   EXPECT_TRUE(many.ended());
   EXPECT_TRUE(soon([&] { return server.counts().closed == 2; }));
   server.post("still here");
-  EXPECT_THAT(quiet.hear("still here"), HasSubstr("still here"));
+  EXPECT_THAT(quiet.receive("still here"), HasSubstr("still here"));
 }
 
 TEST(PageServer, ALongHeadIsRefused) {
   const PageServer server = on_loopback();
   PageClient client(server.port());
   client.say("GET / HTTP/1.1\r\nX: " + std::string(100'000, 'x'));
-  client.hear();
+  client.receive();
   EXPECT_TRUE(client.ended());
   EXPECT_TRUE(soon([&] { return server.counts().refused == 1; }));
 }
@@ -243,8 +244,8 @@ TEST(PageServer, WhoSaysNothingIsClosedAndMoreThanThereIsRoomForAreRefused) {
   for (std::size_t i = 0; i < PageServer::connections_max + 10; ++i) silent.emplace_back(server.port());
   EXPECT_TRUE(soon([&] { return server.counts().refused == 11; }));
   server.post("as ever");
-  EXPECT_THAT(watcher.hear("as ever"), HasSubstr("as ever"));
-  EXPECT_TRUE(soon([&] { return PageClient(server.port()).ask("GET /").starts_with("HTTP/1.1 200"); },
+  EXPECT_THAT(watcher.receive("as ever"), HasSubstr("as ever"));
+  EXPECT_TRUE(soon([&] { return PageClient(server.port()).request("GET /").starts_with("HTTP/1.1 200"); },
                    2 * PageServer::patience));
 }
 
@@ -264,7 +265,7 @@ TEST(PageServer, AWatcherThatReadsNothingDelaysNobodyAndIsClosed) {
     server.post(state + last);
     slowest =
         std::max(slowest, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
-    ASSERT_THAT(reader.hear(last), HasSubstr(last));
+    ASSERT_THAT(reader.receive(last), HasSubstr(last));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     closed = server.counts().closed == 1;
   }
@@ -285,7 +286,7 @@ TEST(PageServer, AnotherServerTakesThePortOfOneThatEnded) {
     EXPECT_THROW(PageServer({.port = port}, two_files()), std::invalid_argument);
   }
   PageServer server({.port = port}, two_files());
-  EXPECT_THAT(PageClient(port).ask("GET /"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(PageClient(port).request("GET /"), StartsWith("HTTP/1.1 200"));
 }
 
 TEST(PageServer, AnAddressThatIsNoneIsRefusedByItsName) {

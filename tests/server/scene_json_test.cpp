@@ -125,26 +125,26 @@ TEST(SceneJson, APairThatAnEventTookAwayIsNotJudged) {
   const Scenario scenario = test::scenario_of(test::view_scenario);
   const SceneJson scene(scenario);
   PresentTeam present(scenario);
-  EXPECT_EQ(scene.asked(present), std::vector<char>{1});
+  EXPECT_EQ(scene.requested(present), std::vector<char>{1});
   Sample sample;
   sample.time = 0.5;
   sample.event_count = 1;
   sample.events[0] = {0.5, EventKind::event_in_force, 0, 0.0};
   present.follow(sample);
-  EXPECT_EQ(scene.asked(present), std::vector<char>{0});
+  EXPECT_EQ(scene.requested(present), std::vector<char>{0});
   ShownState state = pair_state();
-  state.asked = scene.asked(present);
+  state.requested = scene.requested(present);
   EXPECT_TRUE(json::parse(scene.moment(state, {}))["p"][0].is_null());
 }
 
 TEST(SceneJson, EventsAreInWords) {
   const SceneJson scene(test::scenario_of(test::view_scenario));
-  EXPECT_EQ(scene.words("event_in_force", 0), "event \"look away\" in force");
-  EXPECT_EQ(scene.words("event_in_force", 9), "event \"?\" in force");
-  EXPECT_EQ(scene.words("hold", 1), "uav1: hold");
-  EXPECT_EQ(scene.words("hold", 17), "?: hold");
-  EXPECT_EQ(scene.words("solver_status", 0), "solver: converged");
-  EXPECT_EQ(scene.words("missed_period", 3), "3 periods missed");
+  EXPECT_EQ(scene.describe("event_in_force", 0), "event \"look away\" in force");
+  EXPECT_EQ(scene.describe("event_in_force", 9), "event \"?\" in force");
+  EXPECT_EQ(scene.describe("hold", 1), "uav1: hold");
+  EXPECT_EQ(scene.describe("hold", 17), "?: hold");
+  EXPECT_EQ(scene.describe("solver_status", 0), "solver: converged");
+  EXPECT_EQ(scene.describe("missed_period", 3), "3 periods missed");
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(Tuner, EachShippedScenarioTakesAChangeAndComesToAScenarioThatIsFlown) {
                   {"weight", terms[0]["weight"].get<double>() + 0.1}}}};
     EXPECT_NO_THROW((void)tuner.change(change, std::nan(""), 0.0));
     ASSERT_EQ(scenario.tuned->size(), 1U);
-    scenario.tuned->happen(0, scenario.horizon.dt);
+    scenario.tuned->occur(0, scenario.horizon.dt);
     const Scenario again = parse_scenario(tuner.flight_text(), scenario.file);
     EXPECT_EQ(again.script.events.size(), events + 1);
     EXPECT_TRUE(again.simulation.compare.empty());
@@ -179,19 +179,19 @@ TEST(Tuner, SaysWhatMayBeTunedWithTheBoundsThatPartsSay) {
   Scenario scenario = scenario_of(tuned_scenario(1.0));
   scenario.tuned = std::make_shared<TunedScript>();
   Tuner tuner(scenario);
-  Tuner::Json told = tuner.tunables();
-  ASSERT_EQ(told["terms"].size(), 3U);
-  EXPECT_EQ(told["terms"][0]["name"], "bearing");
-  EXPECT_EQ(told["terms"][1]["name"], "couple[1]") << "one without a name has its place";
-  EXPECT_EQ(told["terms"][0]["weight"], 4.0);
-  const Tuner::Json& alpha = told["terms"][0]["parameters"][0];
+  Tuner::Json reported = tuner.tunables();
+  ASSERT_EQ(reported["terms"].size(), 3U);
+  EXPECT_EQ(reported["terms"][0]["name"], "bearing");
+  EXPECT_EQ(reported["terms"][1]["name"], "couple[1]") << "one without a name has its place";
+  EXPECT_EQ(reported["terms"][0]["weight"], 4.0);
+  const Tuner::Json& alpha = reported["terms"][0]["parameters"][0];
   EXPECT_EQ(alpha["key"], "alpha");
   EXPECT_EQ(alpha["value"], 0.5);
   EXPECT_EQ(alpha["unit"], "rad");
   EXPECT_EQ(alpha["low"], 0.0);
   EXPECT_TRUE(alpha["high"].is_number());
-  EXPECT_EQ(told["references"][1]["goal"], Tuner::Json({0.0, 0.0, 1.0}));
-  EXPECT_EQ(told["bodies"][0]["name"], "post");
+  EXPECT_EQ(reported["references"][1]["goal"], Tuner::Json({0.0, 0.0, 1.0}));
+  EXPECT_EQ(reported["bodies"][0]["name"], "post");
   (void)tuner.change(Tuner::Json::parse(lighter), 0.5, 0.1);
   EXPECT_EQ(tuner.tunables()["terms"][0]["weight"], 0.4);
 }

@@ -27,12 +27,12 @@ struct Tuned {
                                  : std::function<void(std::uint64_t)>()}) {}
 
   /// Says it. @return [number, id, accepted, sentence]
-  json ask(const std::string& message) {
+  json request(const std::string& message) {
     const std::size_t before = answered;
-    tuning.hear(message);
+    tuning.receive(message);
     json all;
     EXPECT_TRUE(soon([&] {
-      all = json::parse("{\"t\":0" + tuning.told() + "}")["answers"];
+      all = json::parse("{\"t\":0" + tuning.reported() + "}")["answers"];
       return !all.empty() && all.back()[0] >= before;
     })) << message;
     ++answered;
@@ -50,7 +50,7 @@ struct Tuned {
 TEST(Tuning, AChangeIsAnsweredAndHandedToTheFlight) {
   Tuned tuned;
   const json answer =
-      tuned.ask(R"({"id":"a","event":{"retune":{"couple":"bearing","weight":0.4}},"ramp":0.3})");
+      tuned.request(R"({"id":"a","event":{"retune":{"couple":"bearing","weight":0.4}},"ramp":0.3})");
   EXPECT_EQ(answer[1], "a");
   EXPECT_EQ(answer[2], true);
   EXPECT_THAT(answer[3].get<std::string>(), HasSubstr("retune bearing, weight 0.4"));
@@ -63,7 +63,7 @@ TEST(Tuning, AChangeIsAnsweredAndHandedToTheFlight) {
       tuned.tuning.files().at("/tuned.toml").body,
       testing::AllOf(testing::Not(HasSubstr("[[event]]")),
                      HasSubstr("\n# not in this text, since it is accepted and not flown yet: tune 0: ")));
-  tuned.scenario.tuned->happen(0, 0.25);
+  tuned.scenario.tuned->occur(0, 0.25);
   EXPECT_TRUE(soon([&] {
     return tuned.tuning.files().at("/tuned.toml").body.find("[[event]]\nat = 0.25\n") != std::string::npos;
   }));
@@ -72,21 +72,21 @@ TEST(Tuning, AChangeIsAnsweredAndHandedToTheFlight) {
 
 TEST(Tuning, AFlightIsPausedSteppedAndBegunAnew) {
   Tuned tuned;
-  EXPECT_THAT(tuned.ask(R"({"step":1})")[3].get<std::string>(),
+  EXPECT_THAT(tuned.request(R"({"step":1})")[3].get<std::string>(),
               HasSubstr("expected a flight that is paused"));
-  EXPECT_EQ(tuned.ask(R"({"id":"p","pause":true})")[2], true);
+  EXPECT_EQ(tuned.request(R"({"id":"p","pause":true})")[2], true);
   EXPECT_TRUE(tuned.clock.paused());
-  EXPECT_EQ(tuned.ask(R"({"step":3})")[3], "3 periods");
-  EXPECT_EQ(tuned.ask(R"({"pause":false})")[2], true);
+  EXPECT_EQ(tuned.request(R"({"step":3})")[3], "3 periods");
+  EXPECT_EQ(tuned.request(R"({"pause":false})")[2], true);
   EXPECT_FALSE(tuned.clock.paused());
-  EXPECT_EQ(tuned.ask(R"({"seed":7})")[2], true);
+  EXPECT_EQ(tuned.request(R"({"seed":7})")[2], true);
   EXPECT_EQ(tuned.seed, 7U);
 }
 
 TEST(Tuning, WhatCannotBeIsRefusedWithASentence) {
   Tuned tuned, alone(false);
   const auto refused = [](Tuned& of, const std::string& message, const std::string& sentence) {
-    const json answer = of.ask(message);
+    const json answer = of.request(message);
     EXPECT_EQ(answer[2], false) << message;
     EXPECT_THAT(answer[3].get<std::string>(), HasSubstr(sentence)) << message;
   };
@@ -116,12 +116,13 @@ TEST(Tuning, WhatCannotBeIsRefusedWithASentence) {
 // No more is kept than was said, however much comes.
 TEST(Tuning, AFloodIsBounded) {
   Tuned tuned;
-  for (int i = 0; i < 10'000; ++i) tuned.tuning.hear(R"({"id":"x","pause":false})");
-  EXPECT_GT(tuned.tuning.unheard(), 0);
+  for (int i = 0; i < 10'000; ++i) tuned.tuning.receive(R"({"id":"x","pause":false})");
+  EXPECT_GT(tuned.tuning.stale(), 0);
   EXPECT_TRUE(soon([&] {
-    return json::parse("{\"t\":0" + tuned.tuning.told() + "}")["answers"].size() == Tuning::answers_told;
+    return json::parse("{\"t\":0" + tuned.tuning.reported() + "}")["answers"].size() ==
+           Tuning::answers_reported;
   }));
-  EXPECT_LT(tuned.tuning.told().size(), 8192U);
+  EXPECT_LT(tuned.tuning.reported().size(), 8192U);
 }
 
 TEST(Tuning, WithoutItAPageIsReadOnlyAndCountsWhatItIsTold) {
@@ -129,27 +130,27 @@ TEST(Tuning, WithoutItAPageIsReadOnlyAndCountsWhatItIsTold) {
   PageClient client(server.port());
   client.watch();
   client.say(PageClient::masked(1, R"({"pause":true})"));
-  EXPECT_TRUE(soon([&] { return server.counts().unasked == 1; }));
+  EXPECT_TRUE(soon([&] { return server.counts().unrequested == 1; }));
   server.post("{}");
-  EXPECT_THAT(client.hear("{}"), HasSubstr("{}")) << "it goes on looking";
+  EXPECT_THAT(client.receive("{}"), HasSubstr("{}")) << "it goes on looking";
 }
 
 TEST(Tuning, AMessageThatIsTooLongOrTooManyClosesTheWatcherAndIsNotHeard) {
-  std::atomic<int> heard{0};
-  PageServer server({}, {}, nullptr, [&](std::string_view) { ++heard; });
+  std::atomic<int> received{0};
+  PageServer server({}, {}, nullptr, [&](std::string_view) { ++received; });
   PageClient loud(server.port()), much(server.port());
   loud.watch();
   much.watch();
   loud.say(PageClient::masked(1, std::string(PageServer::message_limit + 1, 'x')));
   for (int i = 0; i < 200; ++i) much.say(PageClient::masked(1, "{}"));
   EXPECT_TRUE(soon([&] { return server.counts().closed == 2; }));
-  EXPECT_LE(heard, PageServer::messages_a_second);
+  EXPECT_LE(received, PageServer::messages_a_second);
 }
 
 TEST(Tuning, AFileThatChangesIsServedAsItIsNow) {
   PageServer server({}, {{"/tuned.toml", {"application/toml", "before"}}});
   server.put("/tuned.toml", {"application/toml", "behind"});
-  EXPECT_THAT(PageClient(server.port()).ask("GET /tuned.toml"), HasSubstr("behind"));
+  EXPECT_THAT(PageClient(server.port()).request("GET /tuned.toml"), HasSubstr("behind"));
 }
 
 }  // namespace

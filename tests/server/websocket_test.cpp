@@ -37,13 +37,13 @@ TEST(Websocket, FramesArriveHoweverTheyAreCut) {
                             PageClient::masked(1, std::string(200, 'y'));
   for (std::size_t piece = 1; piece < 20; ++piece) {
     WebsocketReader reader(256);
-    std::string told;
+    std::string reported;
     for (std::size_t at = 0; at < bytes.size(); at += piece) {
       reader.take(std::string_view(bytes).substr(at, piece));
       while (const auto frame = reader.next())
-        told += std::to_string(static_cast<int>(frame->op)) + frame->payload;
+        reported += std::to_string(static_cast<int>(frame->op)) + frame->payload;
     }
-    EXPECT_EQ(told, "1Hello91" + std::string(200, 'y'));
+    EXPECT_EQ(reported, "1Hello91" + std::string(200, 'y'));
     EXPECT_FALSE(reader.fault());
   }
 }

@@ -19,20 +19,20 @@ namespace {
 
 // The paper's pair from far away, with what its solver is told before each update.
 template <class SolverKind = NewtonRiccati>
-struct ToldPair {
-  explicit ToldPair(double rate_max = infinity) : solver(team(rate_max), default_horizon) {
+struct ReportedPair {
+  explicit ReportedPair(double rate_max = infinity) : solver(team(rate_max), default_horizon) {
     added.assign(8, 0.0);
     before = added;
   }
   static Team team(double rate_max) {
-    Team told;
+    Team reported;
     const Team pair = paper::team(paper::Variant::joint);
     for (Agent agent : pair.agents()) {
       if (std::isfinite(rate_max)) agent.rate_max.assign(4, rate_max);
-      told.add(std::move(agent));
+      reported.add(std::move(agent));
     }
-    for (const Coupling& coupling : pair.couplings()) told.couple(coupling);
-    return told;
+    for (const Coupling& coupling : pair.couplings()) reported.couple(coupling);
+    return reported;
   }
   /// @return the inputs with what is added
   std::vector<double> step(double t) {
@@ -54,7 +54,7 @@ using Solvers = testing::Types<NewtonRiccati, Cmscgmres, Cgmres>;
 TYPED_TEST_SUITE(AppliedInputsOfAll, Solvers);
 
 TYPED_TEST(AppliedInputsOfAll, LimitsHoldForInputsWithWhatIsAdded) {
-  ToldPair<TypeParam> pair;
+  ReportedPair<TypeParam> pair;
   pair.added = {0.4, -0.3, 0.2, 0.0, -0.5, 0.0, 0.7, 0.1};
   std::vector<double> low(8, 1.0), high(8, -1.0);
   for (int k = 0; k < 300; ++k) {
@@ -71,7 +71,7 @@ TYPED_TEST(AppliedInputsOfAll, LimitsHoldForInputsWithWhatIsAdded) {
 }
 
 TEST(AppliedInputs, InputsMoveNoFasterThanTheyMayAndTheFlightIsHardlyAnother) {
-  ToldPair<> pair(2.0), free;
+  ReportedPair<> pair(2.0), free;
   double fastest = 0.0, jump = 0.0;
   for (int k = 0; k < 1500; ++k) {
     const std::vector<double> u0 = pair.before, v0 = free.before;
@@ -87,11 +87,11 @@ TEST(AppliedInputs, InputsMoveNoFasterThanTheyMayAndTheFlightIsHardlyAnother) {
 }
 
 TEST(AppliedInputs, WhatItIsToldOfAnotherSizeIsNothing) {
-  ToldPair<> told, untold;
-  told.solver.set_applied({std::vector<double>(3), std::vector<double>(8, 1.0)});
+  ReportedPair<> reported, unreported;
+  reported.solver.set_applied({std::vector<double>(3), std::vector<double>(8, 1.0)});
   for (int k = 0; k < 20; ++k) {
-    const std::span<const double> u = told.solver.step(0.01 * k, told.x),
-                                  v = untold.solver.step(0.01 * k, told.x);
+    const std::span<const double> u = reported.solver.step(0.01 * k, reported.x),
+                                  v = unreported.solver.step(0.01 * k, reported.x);
     EXPECT_TRUE(std::equal(u.begin(), u.end(), v.begin()));
   }
 }
@@ -126,10 +126,10 @@ TEST(AppliedInputs, ALeanThatIsAddedIsPlannedAsOneOfTheModel) {
   const std::vector<double> nothing(8), start = {-1, 0, 1, 1, 0, 0, 0, /**/ 1, 0.5, 1.5, -1, 0, 0, 0};
   const MakeSolver newton = newton_riccati_of(default_horizon);
   const Partition alone = {{AgentId{{0}}}, {AgentId{{1}}}};
-  const auto flown = [&](Solver& solver, bool told) {
+  const auto flown = [&](Solver& solver, bool reported) {
     std::vector<double> x = start, all;
     for (int k = 0; k < 100; ++k) {
-      solver.set_applied({nothing, nothing, told ? lean : std::vector<Vec2<double>>(2)});
+      solver.set_applied({nothing, nothing, reported ? lean : std::vector<Vec2<double>>(2)});
       const auto u = solver.step(0.01 * k, x);
       all.insert(all.end(), u.begin(), u.end());
       advance(solver.ocp().team(), x, u, 0.01);
@@ -141,11 +141,11 @@ TEST(AppliedInputs, ALeanThatIsAddedIsPlannedAsOneOfTheModel) {
     for (std::size_t i = 0; i < v.size(); ++i) most = std::max(most, std::abs(v[i] - w[i]));
     return most;
   };
-  const auto whole = newton(plain), untold = newton(plain), expected = newton(crooked);
+  const auto whole = newton(plain), unreported = newton(plain), expected = newton(crooked);
   const auto u = flown(*whole, true);
   EXPECT_LT(difference(u, flown(*expected, false)), 1e-5)
       << "where a step of robots that feel each other is left off";
-  EXPECT_GT(difference(u, flown(*untold, false)), 0.01);
+  EXPECT_GT(difference(u, flown(*unreported, false)), 0.01);
   PartitionedSolver parts(plain, alone, newton), parts_expected(crooked, alone, newton);
   EXPECT_LT(difference(flown(parts, true), flown(parts_expected, false)), 1e-9);
 }

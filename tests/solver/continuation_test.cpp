@@ -226,11 +226,11 @@ TYPED_TEST(AnyContinuation, AfterAGapOfHalfASecondItFindsBack) {
 }
 
 TYPED_TEST(AnyContinuation, AskingForTheKktResidualDoesNotDisturbTheFlight) {
-  TypeParam asked(paper::team(Variant::joint), {}), left(paper::team(Variant::joint), {});
-  fly(asked, paper::start(), 100, [&](double t, const std::vector<double>& x, const Solution& s) {
+  TypeParam requested(paper::team(Variant::joint), {}), left(paper::team(Variant::joint), {});
+  fly(requested, paper::start(), 100, [&](double t, const std::vector<double>& x, const Solution& s) {
     const std::vector<double> u(s.u.begin(), s.u.end());
-    EXPECT_TRUE(std::isfinite(asked.kkt(t, x)));
-    EXPECT_EQ(asked.kkt(t, std::vector<double>(14, not_a_number)), infinite);
+    EXPECT_TRUE(std::isfinite(requested.kkt(t, x)));
+    EXPECT_EQ(requested.kkt(t, std::vector<double>(14, not_a_number)), infinite);
     const auto expected = left.solve(t, x).u;
     for (std::size_t j = 0; j < u.size(); ++j) EXPECT_TRUE(same_bits(u[j], expected[j]));
   });

@@ -18,7 +18,7 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
     const Layout& layout = groups.layout();
     const auto couplings = make_couplings(potentials, layout, 2, KernelChoice::compiled_if_there);
     Descent descent(potentials, layout, influence_graph(potentials, 2));
-    Crew crew(1);
+    ThreadPool pool(1);
     Rows u(5, layout.u_length), s(1, layout.s_length);
     std::fill_n(u[2], layout.u_length, -1.0);
     std::fill_n(u[3], layout.u_length, 1.0);
@@ -53,12 +53,12 @@ TEST(Descent, WhatItsUnitsPayDoesNotRiseAndLimitsHold) {
           EXPECT_LE(after[1], before[1]) << "uav1 pays for itself alone";
         }
       };
-      const double alpha = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0], crew);
+      const double alpha = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0], pool);
       EXPECT_GE(alpha, 0.0);
       expect_no_rise();
       for (int i = 0; i < layout.u_length; ++i) EXPECT_TRUE(u[4][i] >= -1 && u[4][i] <= 1);
 
-      const double late = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0], crew,
+      const double late = descent.search(groups, *couplings, u[0], u[1], u[2], u[3], u[4], s[0], pool,
                                          Searching::all, {.holds = true});
       EXPECT_TRUE(late == 0.0 || late == 1.0) << "one length is tried";
       EXPECT_EQ(late == 1.0, alpha >= 1.0);

@@ -34,7 +34,7 @@ double defect(const Team& team, Random& random) {
   groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
   Krylov krylov(layout, influence_graph(potentials, agents), *couplings, 1, 60, 1e-13);
   std::copy_n(s[1], layout.s_length, s[2]);
-  Crew alone(1);
+  ThreadPool alone(1);
   const Krylov::Completion step = krylov.complete(groups, *couplings, u[3], s[2], alone);
   if (step.along != nullptr) {
     for (int i = 0; i < layout.u_length; ++i) u[3][i] += step.by * step.along[i];
@@ -75,11 +75,11 @@ TEST(Krylov, StepsThatAreAlikeAreCompletedInFewerIterationsToTheSame) {
   groups.roll_out(u[0], s[0]);
   couplings->evaluate(s[0], c[0]);
   Krylov krylov(layout, graph, *couplings, 1, 60, 1e-6);
-  Crew alone(1);
+  ThreadPool alone(1);
   std::array<int, 3> iterations{};
   for (int& n : iterations) {
     groups.solve(u[0], u[1], c[0], u[2], u[3], s[1]);
-    n = krylov.complete(groups, *couplings, u[3], s[1], alone, Likeness::of_updates).iterations;
+    n = krylov.complete(groups, *couplings, u[3], s[1], alone, WarmStart::of_updates).iterations;
     if (&n == iterations.data()) std::copy_n(u[3], layout.u_length, u[4]);
   }
   EXPECT_GT(iterations[0], 1);

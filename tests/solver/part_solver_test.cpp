@@ -28,8 +28,8 @@ struct Messages final : PartExchange {
     sent.assign(predictions.begin(), predictions.end());
     at = t;
   }
-  bool hears(BodyId, BodyId) const noexcept override { return true; }
-  bool is_heard(BodyId) const noexcept override { return true; }
+  bool receives_from(BodyId, BodyId) const noexcept override { return true; }
+  bool is_received(BodyId) const noexcept override { return true; }
 
   bool tells = false;
   int received = 0;
@@ -37,7 +37,7 @@ struct Messages final : PartExchange {
   std::vector<Prediction> sent;
 };
 
-// uav1, which watches uav0 of another part.
+// uav1, which observes uav0 of another part.
 Team follower_alone() {
   const Team whole = chain(2, paper::Variant::masked);
   return subteam_of(whole, std::vector{AgentId{whole.find("uav1")}}, Others::all);
@@ -49,7 +49,7 @@ TEST(PartSolver, IsTheSolverOfItsTeamWhereNothingComesAndSaysWhereItsRobotsWillB
   PartSolver part(follower_alone(), make_own_solver, messages);
   const auto alone = make_own_solver(follower_alone());
   EXPECT_EQ(part.name(), alone->name());
-  EXPECT_EQ(part.hearing(), &messages);
+  EXPECT_EQ(part.connectivity(), &messages);
   EXPECT_EQ(part.ocp().team().bodies(), 2);
   for (int k = 0; k < 5; ++k) {
     const Solution one = part.solve(0.01 * k, follower_start), other = alone->solve(0.01 * k, follower_start);
@@ -64,9 +64,10 @@ TEST(PartSolver, IsTheSolverOfItsTeamWhereNothingComesAndSaysWhereItsRobotsWillB
 }
 
 TEST(PartSolver, PlansWithWhatComesAndSendsNothingOfAStateThatIsRefused) {
-  Messages told, silent;
-  told.tells = true;
-  PartSolver one(follower_alone(), make_own_solver, told), other(follower_alone(), make_own_solver, silent);
+  Messages reported, silent;
+  reported.tells = true;
+  PartSolver one(follower_alone(), make_own_solver, reported),
+      other(follower_alone(), make_own_solver, silent);
   const Solution with = one.solve(0.0, follower_start), without = other.solve(0.0, follower_start);
   EXPECT_FALSE(std::equal(with.u.begin(), with.u.end(), without.u.begin(), without.u.end()));
   silent.at = -1.0;

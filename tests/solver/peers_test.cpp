@@ -50,11 +50,11 @@ TEST(Peers, ClocksAreKnownToHalfOfHowFarTheWaysDiffer) {
 TEST(Peers, AClockThatIsTooFarAwayIsNotHeard) {
   Talk talk{.ahead = 19 * ms, .there = 2 * ms, .back = 2 * ms};
   for (int i = 0; i < 5; ++i) talk.period();
-  EXPECT_TRUE(talk.first.hears(1, talk.now));
+  EXPECT_TRUE(talk.first.receives_from(1, talk.now));
   Talk far{.ahead = -21 * ms, .there = 2 * ms, .back = 2 * ms};
   for (int i = 0; i < 5; ++i) far.period();
   EXPECT_EQ(far.first.state(1, far.now), PeerState::other_time);
-  EXPECT_FALSE(far.second.hears(0, far.now - 21 * ms));
+  EXPECT_FALSE(far.second.receives_from(0, far.now - 21 * ms));
 }
 
 TEST(Peers, AClockThatIsSetAnewIsKnownSoonAndNotTrustedBefore) {
@@ -65,15 +65,15 @@ TEST(Peers, AClockThatIsSetAnewIsKnownSoonAndNotTrustedBefore) {
     for (int i = 0; i < 3; ++i) {
       talk.period();
       const bool far = std::abs(step) > Peers::offset_max;
-      EXPECT_FALSE(far && talk.first.hears(1, talk.now)) << step << ' ' << i;
+      EXPECT_FALSE(far && talk.first.receives_from(1, talk.now)) << step << ' ' << i;
     }
     ASSERT_TRUE(talk.first.offset(1).has_value());
     EXPECT_EQ(*talk.first.offset(1), step);
     EXPECT_EQ(*talk.second.offset(0), -step);
-    EXPECT_EQ(talk.first.hears(1, talk.now), std::abs(step) <= Peers::offset_max);
+    EXPECT_EQ(talk.first.receives_from(1, talk.now), std::abs(step) <= Peers::offset_max);
     talk.ahead = 0;  // and back
     for (int i = 0; i < 3; ++i) talk.period();
-    EXPECT_TRUE(talk.first.hears(1, talk.now)) << step;
+    EXPECT_TRUE(talk.first.receives_from(1, talk.now)) << step;
   }
 }
 
@@ -85,7 +85,7 @@ TEST(Peers, NothingCountsBeforeItIsAnsweredAndNoLongerThanItIsYoung) {
   talk.period();
   talk.period();
   const ClockTime sent = talk.now - 10 * ms;
-  EXPECT_EQ(talk.first.state(1, sent + 200 * ms), PeerState::heard);
+  EXPECT_EQ(talk.first.state(1, sent + 200 * ms), PeerState::received);
   EXPECT_EQ(talk.first.state(1, sent + 201 * ms), PeerState::stale);
 }
 
@@ -129,7 +129,7 @@ TEST(Peers, WhoSaidWhenItBeginsIsCountedOnFromThenOn) {
     holds.begins = begins + ahead;
     EXPECT_TRUE(talk.first.receive(holds, talk.now + 2 * ms));
     EXPECT_EQ(talk.first.state(1, begins - ms), PeerState::idle);
-    EXPECT_EQ(talk.first.state(1, begins + ms), PeerState::heard);
+    EXPECT_EQ(talk.first.state(1, begins + ms), PeerState::received);
     EXPECT_EQ(talk.first.state(1, talk.now + 202 * ms), PeerState::stale) << "nothing more came";
   }
 }

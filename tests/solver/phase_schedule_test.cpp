@@ -1,4 +1,4 @@
-#include "sightline/solver/newton/wave.hpp"
+#include "sightline/solver/newton/phase_schedule.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@ namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
 
-TEST(Wave, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
+TEST(PhaseSchedule, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
   Random random(1);
   for (const int threads : {1, 3}) {
-    Crew crew(threads);
+    ThreadPool pool(threads);
     for (int trial = 0; trial < 30; ++trial) {
       const int groups = 1 + static_cast<int>(random() % 60);
       Pairs neighbours;
@@ -23,7 +23,7 @@ TEST(Wave, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
         for (int b = 0; b <= a; ++b)
           if (random() % (trial % 2 == 0 ? 4 : 40) == 0) neighbours.emplace_back(a, b);
       }
-      const Wave wave(groups, neighbours, 3, threads);
+      const PhaseSchedule schedule(groups, neighbours, 3, threads);
       std::mutex mutex;
       std::vector<int> done(static_cast<std::size_t>(groups), 0);  // phases of each group
       const auto of = [&](int g) -> int& { return done[static_cast<std::size_t>(g)]; };
@@ -38,24 +38,24 @@ TEST(Wave, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDoneOnce) {
           ++of(g);
         };
       };
-      wave.run(crew, phase(0), phase(1), phase(2));
+      schedule.run(pool, phase(0), phase(1), phase(2));
       EXPECT_EQ(done, std::vector<int>(static_cast<std::size_t>(groups), 3));
     }
   }
 }
 
-TEST(Wave, AlongAChainNoGroupWaitsLongForItsNextPhase) {
+TEST(PhaseSchedule, AlongAChainNoGroupWaitsLongForItsNextPhase) {
   constexpr int groups = 128, phases = 5;
   Pairs chain;
   for (int g = 0; g + 1 < groups; ++g) chain.emplace_back(g, g + 1);
   for (const int threads : {1, 2}) {
-    const Wave wave(groups, chain, phases, threads);
-    EXPECT_LE(wave.rounds().size(), 2u);
+    const PhaseSchedule schedule(groups, chain, phases, threads);
+    EXPECT_LE(schedule.rounds().size(), 2u);
     int waited = 0;                     // for another round
     std::vector<int> last(groups, -1);  // place among the tasks of its part
-    for (const Wave::Round& round : wave.rounds()) {
+    for (const PhaseSchedule::Round& round : schedule.rounds()) {
       std::fill(last.begin(), last.end(), -1);
-      for (const std::vector<Wave::Task>& part : round) {
+      for (const std::vector<PhaseSchedule::Task>& part : round) {
         for (std::size_t i = 0; i < part.size(); ++i) {
           int& before = last[static_cast<std::size_t>(part[i].group)];
           waited += part[i].phase > 0 && before < 0;

@@ -45,9 +45,10 @@ TEST(RiccatiStage, OnNumbersItIsTheSolutionOfTheLinearQuadraticStage) {
     RiccatiStage<double> stage{.nx = nx, .nu = nu};
     stage.A = copy(A), stage.B = copy(B), stage.Q = copy(Q), stage.R = copy(R), stage.G = copy(G);
     stage.r = copy_vector(r);
-    double doubt = 0.0;
-    stage.eliminate(copy(P), copy_vector(e), std::vector<double>(static_cast<std::size_t>(nu), 1e-6), doubt);
-    EXPECT_EQ(doubt, 0.0);
+    double pivot_shift = 0.0;
+    stage.eliminate(copy(P), copy_vector(e), std::vector<double>(static_cast<std::size_t>(nu), 1e-6),
+                    pivot_shift);
+    EXPECT_EQ(pivot_shift, 0.0);
 
     const Eigen::MatrixXd M_uu = R + B.transpose() * P * B, M_ux = G + B.transpose() * P * A;
     const Eigen::VectorXd M_u = r + B.transpose() * e;
@@ -74,8 +75,8 @@ TEST(RiccatiStage, AnInputOfInfiniteWeightDoesNotMove) {
     stage.r = {1, 1, 1};
     const int held = static_cast<int>(random() % 3);
     stage.R(held, held) = std::numeric_limits<double>::infinity();
-    double doubt = 0.0;
-    stage.eliminate(copy(random_positive(random, 4)), {1, 1, 1, 1}, {1e-6, 1e-6, 1e-6}, doubt);
+    double pivot_shift = 0.0;
+    stage.eliminate(copy(random_positive(random, 4)), {1, 1, 1, 1}, {1e-6, 1e-6, 1e-6}, pivot_shift);
     EXPECT_EQ(stage.k[static_cast<std::size_t>(held)], 0.0);
     for (int j = 0; j < 4; ++j) EXPECT_EQ(stage.K(held, j), 0.0);
   }
@@ -85,9 +86,9 @@ TEST(RiccatiStage, APivotBelowItsFloorIsDoubtedByWhatItLacks) {
   RiccatiStage<double> stage{.nx = 1, .nu = 1};
   stage.R(0, 0) = -2.0;
   stage.r = {1.0};
-  double doubt = 0.0;
-  stage.eliminate(Matrix<double>(1, 1), {0.0}, {0.5}, doubt);
-  EXPECT_EQ(doubt, 2.5);
+  double pivot_shift = 0.0;
+  stage.eliminate(Matrix<double>(1, 1), {0.0}, {0.5}, pivot_shift);
+  EXPECT_EQ(pivot_shift, 2.5);
   EXPECT_EQ(stage.k[0], 2.0);
 }
 

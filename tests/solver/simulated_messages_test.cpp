@@ -26,7 +26,7 @@ std::vector<std::vector<Prediction>> two_parts() {
 /// Sends and receives from the first period on; what of the second part came to the first, by period.
 struct Flown {
   std::vector<double> sent_at;  // of what came, by the first part's clock; -1: nothing
-  std::vector<bool> heard;
+  std::vector<bool> received;
 };
 Flown flown(const ExchangeOptions& options, int periods) {
   const auto said = two_parts();
@@ -37,7 +37,7 @@ Flown flown(const ExchangeOptions& options, int periods) {
     for (int part = 0; part < 2; ++part) messages.receive(part, t);
     const ReceivedMessage news = messages.news(0, 1);
     all.sent_at.push_back(news.message != nullptr ? news.time : -1.0);
-    all.heard.push_back(messages.hears(0, 1));
+    all.received.push_back(messages.receives_from(0, 1));
     for (int part = 0; part < 2; ++part) messages.send(part, t, said[at(part)]);
   }
   return all;
@@ -47,7 +47,7 @@ TEST(SimulatedMessages, ComeAfterTheDelayAndSayWhenTheyWereSentWhateverTheClocks
   for (const double offset : {0.0, 0.015, -0.019}) {
     const Flown messages = flown({.delay = 0.03, .offset = offset}, 60);
     for (int k = 20; k < 60; ++k) {
-      ASSERT_TRUE(messages.heard[at(k)]) << k;
+      ASSERT_TRUE(messages.received[at(k)]) << k;
       EXPECT_NEAR(messages.sent_at[at(k)], (k - 3) * default_horizon.dt, 1e-6) << k;
     }
   }
@@ -78,7 +78,7 @@ TEST(SimulatedMessages, ClocksTooFarApartOrNothingAtAllIsNotHeard) {
   for (const ExchangeOptions& options :
        {ExchangeOptions{.offset = 0.03}, ExchangeOptions{.loss = 1.0}, ExchangeOptions{.delay = 0.3}}) {
     const Flown messages = flown(options, 100);
-    EXPECT_EQ(std::count(messages.heard.begin(), messages.heard.end(), true), 0);
+    EXPECT_EQ(std::count(messages.received.begin(), messages.received.end(), true), 0);
     EXPECT_EQ(std::count(messages.sent_at.begin(), messages.sent_at.end(), -1.0), 100);
   }
 }
@@ -107,17 +107,17 @@ TEST(PartsThatTalk, FlyTheSameBitsAgainAndAfterARestart) {
 
 TEST(PartsThatTalk, HearEachOtherFromTheFirstUpdateOnAndNotWhereNothingComes) {
   const Team team = chain(4, paper::Variant::joint);
-  const auto hears = [&](const ExchangeOptions& messages) {
+  const auto receives_from = [&](const ExchangeOptions& messages) {
     PartitionedSolver solver(team, even_parts(team, 2), make_part_solver,
                              {.order = ExchangeOrder::jacobi, .messages = messages});
     solver.solve(0.0, chain_start(4));
-    const Hearing* const hearing = solver.hearing();
-    EXPECT_TRUE(hearing->hears(BodyId{0}, BodyId{1})) << "of one part";
-    EXPECT_EQ(hearing->hears(BodyId{1}, BodyId{2}), hearing->is_heard(BodyId{2}));
-    return hearing->hears(BodyId{1}, BodyId{2});
+    const Connectivity* const connectivity = solver.connectivity();
+    EXPECT_TRUE(connectivity->receives_from(BodyId{0}, BodyId{1})) << "of one part";
+    EXPECT_EQ(connectivity->receives_from(BodyId{1}, BodyId{2}), connectivity->is_received(BodyId{2}));
+    return connectivity->receives_from(BodyId{1}, BodyId{2});
   };
-  EXPECT_TRUE(hears({.delay = 0.03, .loss = 0.2}));
-  EXPECT_FALSE(hears({.loss = 1.0}));
+  EXPECT_TRUE(receives_from({.delay = 0.03, .loss = 0.2}));
+  EXPECT_FALSE(receives_from({.loss = 1.0}));
 }
 
 TEST(PartsThatTalk, NoUpdateTakesMemory) {

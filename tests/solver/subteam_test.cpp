@@ -31,7 +31,7 @@ TEST(Subteam, HasItsRobotsAndThoseItIsCoupledWithAndFeelsItsOwnEndsAlone) {
   };
   const Team masked = subteam(paper::Variant::masked), joint = subteam(paper::Variant::joint);
   EXPECT_EQ(masked.agents().size(), 2u);
-  EXPECT_EQ(masked.bodies(), 3) << "uav2 watches uav1, which is not steered here";
+  EXPECT_EQ(masked.bodies(), 3) << "uav2 observes uav1, which is not steered here";
   EXPECT_FALSE(masked.is_agent(masked.find("uav1")));
   EXPECT_EQ(masked.couplings().size(), 6u);
   EXPECT_EQ(joint.agents().size(), 2u);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/plant.hpp"
 #include "tests/support/random_graph.hpp"
@@ -15,7 +15,7 @@ namespace {
 std::vector<double> commands(const test::GraphTeam& flown, int threads) {
   const Horizon horizon{.T = 0.5, .N = 6, .dt = 0.01};
   NewtonRiccatiOptions options;
-  if (threads > 1) options.crew = std::make_shared<Crew>(threads);
+  if (threads > 1) options.pool = std::make_shared<ThreadPool>(threads);
   NewtonRiccati solver(flown.team, horizon, options);
   Plant plant(flown.team, flown.x0, {.period = horizon.dt});
   std::vector<double> all;
@@ -28,7 +28,7 @@ std::vector<double> commands(const test::GraphTeam& flown, int threads) {
   return all;
 }
 
-TEST(Crews, CommandsAreTheSameWhateverTheThreads) {
+TEST(ThreadPools, CommandsAreTheSameWhateverTheThreads) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     Random random(seed);
     const test::GraphTeam flown = test::random_graph(random, NewtonRiccatiOptions::shared_from + 5);

@@ -11,22 +11,22 @@
 namespace sightline {
 namespace {
 
-constexpr ViewDoubt doubt{.sigma = 0.08, .growth = 0.1};
+constexpr ViewUncertainty uncertainty{.sigma = 0.08, .growth = 0.1};
 
 SensorCone cone_of(double sigmas) {
   return {.alpha = 0.4, .kappa_G = 0.05, .kappa_A = 20, .mount = {.sigmas = sigmas}};
 }
 
-/// The cone of a robot whose doubt at t = 0 is written into the formula.
-struct WrittenDoubt {
+/// The cone of a robot whose uncertainty at t = 0 is written into the formula.
+struct WrittenUncertainty {
   double sigmas;
 
   static constexpr std::string_view name = "written_doubt";
   template <class S>
   S operator()(const Sight<S>& observer, const Sight<S>& target, const S& t) const {
-    Sight<S> doubting = observer;
-    doubting.doubt = doubt.sigma + doubt.growth * t;
-    return cone_of(sigmas)(doubting, target);
+    Sight<S> uncertain = observer;
+    uncertain.uncertainty = uncertainty.sigma + uncertainty.growth * t;
+    return cone_of(sigmas)(uncertain, target);
   }
 };
 
@@ -43,9 +43,9 @@ constexpr std::array<double, 14> aside = {0, 0, 1.5, 1, 0, 0, 0, /**/ 1.5, 0.5, 
 
 /// States of all stages.
 template <class View>
-std::vector<double> planned(const View& view, std::span<const ViewDoubt> told) {
+std::vector<double> planned(const View& view, std::span<const ViewUncertainty> reported) {
   NewtonRiccati solver(Ocp(looking(view), default_horizon));
-  if (!told.empty()) solver.set_doubts(told);
+  if (!reported.empty()) solver.set_view_uncertainty(reported);
   for (int update = 0; update < 19; ++update) (void)solver.solve(0.0, aside);
   const Solution solution = solver.solve(0.0, aside);
   return {solution.x.begin(), solution.x.end()};
@@ -61,28 +61,28 @@ double angle_in(const std::vector<double>& plan) {
   return view_angle(SensorMount{}, a, b.p);
 }
 
-TEST(ViewDoubt, ThatIsToldIsPlannedWithAsOneThatIsWrittenIn) {
+TEST(ViewUncertainty, ThatIsToldIsPlannedWithAsOneThatIsWrittenIn) {
   for (const double sigmas : {0.5, 1.0, 3.0}) {
-    const std::vector<double> told = planned(cone_of(sigmas), std::array{doubt, ViewDoubt{}}),
-                              written = planned(WrittenDoubt{sigmas}, {});
-    for (std::size_t i = 0; i < told.size(); ++i) EXPECT_NEAR(told[i], written[i], 1e-9) << sigmas;
+    const std::vector<double> reported = planned(cone_of(sigmas), std::array{uncertainty, ViewUncertainty{}}),
+                              written = planned(WrittenUncertainty{sigmas}, {});
+    for (std::size_t i = 0; i < reported.size(); ++i) EXPECT_NEAR(reported[i], written[i], 1e-9) << sigmas;
   }
 }
 
-TEST(ViewDoubt, OfNobodyOrOfAnotherNumberOfBodiesChangesNothing) {
+TEST(ViewUncertainty, OfNobodyOrOfAnotherNumberOfBodiesChangesNothing) {
   const std::vector<double> sure = planned(cone_of(0.0), {});
   for (const std::vector<double>& other :
-       {planned(cone_of(2.0), {}), planned(cone_of(2.0), std::array{doubt}),
-        planned(cone_of(0.0), std::array{doubt, doubt}),
-        planned(cone_of(2.0), std::array{ViewDoubt{}, doubt})})
+       {planned(cone_of(2.0), {}), planned(cone_of(2.0), std::array{uncertainty}),
+        planned(cone_of(0.0), std::array{uncertainty, uncertainty}),
+        planned(cone_of(2.0), std::array{ViewUncertainty{}, uncertainty})})
     for (std::size_t i = 0; i < sure.size(); ++i) EXPECT_NEAR(other[i], sure[i], 1e-9);
 }
 
-TEST(ViewDoubt, TheMoreOfItTheNearerTheTargetIsPlannedToTheAxis) {
+TEST(ViewUncertainty, TheMoreOfItTheNearerTheTargetIsPlannedToTheAxis) {
   const double sure = angle_in(planned(cone_of(0.0), {}));
   double before = sure;
   for (const double sigmas : {1.0, 2.0, 3.0}) {
-    const double angle = angle_in(planned(cone_of(sigmas), std::array{doubt, ViewDoubt{}}));
+    const double angle = angle_in(planned(cone_of(sigmas), std::array{uncertainty, ViewUncertainty{}}));
     EXPECT_LT(angle, before) << sigmas;
     before = angle;
   }

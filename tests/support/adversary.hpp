@@ -202,7 +202,7 @@ inline SwarmOutcome fly_swarm(const Barrier& barrier, const Swarm& swarm, std::u
                           .v = {v.x, v.y, 0},
                           .d_hard = swarm.d_hard,
                           .tie = i < j ? 1.0 : -1.0,
-                          .conduct = Conduct::member});
+                          .behavior = Behavior::cooperative});
       }
       if (swarm.nominal == Swarm::Nominal::at_each_other)
         wanted[i] = towards(x[i], {x[nearest][0], x[nearest][1], x[nearest][2]});

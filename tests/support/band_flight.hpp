@@ -30,8 +30,8 @@ inline ViewFigures fly_in_loop(const ViewFlight& view, double distance) {
   constexpr double dt = 0.01, from = 4.0, circle = 0.8, turning = 0.3;
   constexpr double gusts = 0.3;  // [m/s^2]
   const std::uint64_t seed = view.seed;
-  RandomStream draw(seed, Chance::draw, 1), told(seed, Chance::position_noise, 9),
-      latency(seed, Chance::latency, 9);
+  RandomStream draw(seed, StreamId::draw, 1), reported(seed, StreamId::position_noise, 9),
+      latency(seed, StreamId::latency, 9);
   const double turned = 2 * std::numbers::pi * draw.uniform(), rate = view.target_speed / circle;
   Team team;
   const AgentId self = team.add(Multirotor{}, {.R = {.1, .1, .1, .1}});
@@ -77,7 +77,7 @@ inline ViewFigures fly_in_loop(const ViewFlight& view, double distance) {
   const auto filter = make_pose_filter(view.filter, view.mount);
   NewtonRiccati solver(Ocp(team, {.T = 1.0, .N = 20, .dt = dt}));
 
-  std::vector<double> u(8), rest(8), believed;
+  std::vector<double> u(8), rest(8), estimated;
   std::array<ExposedBody, 2> bodies;
   std::vector<std::pair<double, Measurement>> waiting;
   ViewFigures sum;
@@ -112,9 +112,9 @@ inline ViewFigures fly_in_loop(const ViewFlight& view, double distance) {
         last_seen = t;
         detection[0].stamp = t;
         Measurement z = sighting_of(detection[0], view.mount, roll_pitch);
-        z.p_other = seen.p + view.told_sigma * told.normals();
-        z.psi_other = wrap(std::atan2(seen.d.y, seen.d.x) + view.told_sigma * told.normal());
-        z.P_other = identity<4>(square(view.told_sigma));
+        z.p_other = seen.p + view.given_sigma * reported.normals();
+        z.psi_other = wrap(std::atan2(seen.d.y, seen.d.x) + view.given_sigma * reported.normal());
+        z.P_other = identity<4>(square(view.given_sigma));
         waiting.emplace_back(t + late, z);
       }
     }
@@ -127,10 +127,10 @@ inline ViewFigures fly_in_loop(const ViewFlight& view, double distance) {
     if (k == 1) filter->start(own.p, std::atan2(own.d.y, own.d.x), identity<4>(1e-4));
     const PoseEstimate estimate = filter->estimate();
     if (estimate.known) {
-      believed.assign(now.truth.begin(), now.truth.end());
-      believed[0] = estimate.p.x, believed[1] = estimate.p.y, believed[2] = estimate.p.z;
-      believed[3] = std::cos(estimate.psi), believed[4] = std::sin(estimate.psi);
-      const Solution solution = solver.solve(t, believed);
+      estimated.assign(now.truth.begin(), now.truth.end());
+      estimated[0] = estimate.p.x, estimated[1] = estimate.p.y, estimated[2] = estimate.p.z;
+      estimated[3] = std::cos(estimate.psi), estimated[4] = std::sin(estimate.psi);
+      const Solution solution = solver.solve(t, estimated);
       std::copy(solution.u.begin(), solution.u.end(), u.begin());
     }
     if (counts) {

@@ -1,11 +1,11 @@
-/// A chain of robots: the leader, uav0, flies the circle; every other watches the one before it.
+/// A chain of robots: the leader, uav0, flies the circle; every other observes the one before it.
 #pragma once
 
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {
 
-/// @param robots  in the order in which they stand in the team; robot i watches robot i - 1
+/// @param robots  in the order in which they stand in the team; robot i observes robot i - 1
 inline Team chain_of(const std::vector<int>& robots, paper::Variant variant) {
   Team team;
   for (const int i : robots) {

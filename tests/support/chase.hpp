@@ -73,7 +73,7 @@ class Chased {
     }
     ++turns_;
     u = wanted_;
-    return barrier.filter(x, neighbours, low, high, u, way_out_);
+    return barrier.filter(x, neighbours, low, high, u, maneuver_);
   }
   void fly(double time) {
     model.step(x.data(), u.data(), time);
@@ -89,7 +89,7 @@ class Chased {
   std::vector<double> wanted_;
   double period_;
   int kind_, hold_, turns_ = 0;
-  WayOut way_out_{};
+  EvasiveManeuver maneuver_{};
 };
 
 /// How far apart, along a direction, a reserve is `wanted` [m].
@@ -185,7 +185,7 @@ inline ChaseOutcome meet(const std::array<const Model*, 2>& models,
                      .d_hard = d_hard,
                      .part = barriers[1 - i]->acceleration() / barriers[i]->acceleration(),
                      .tie = i == 0 ? 1.0 : -1.0,
-                     .conduct = Conduct::member};
+                     .behavior = Behavior::cooperative};
   };
   const double angle = uniform(random, -std::numbers::pi, std::numbers::pi);
   const auto reserve_at = [&](double distance) {

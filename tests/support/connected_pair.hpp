@@ -26,11 +26,11 @@ struct ConnectedPair {
   void say(std::string_view bytes) {
     ASSERT_EQ(::write(fds[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
-  std::string hear() const {
-    std::string heard(1'000'000, ' ');
-    const ssize_t n = ::read(fds[1], heard.data(), heard.size());
-    heard.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-    return heard;
+  std::string receive() const {
+    std::string received(1'000'000, ' ');
+    const ssize_t n = ::read(fds[1], received.data(), received.size());
+    received.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+    return received;
   }
 };
 

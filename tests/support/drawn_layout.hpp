@@ -55,10 +55,10 @@ inline ViewChoice choice_of(const LayoutOptions& o, const ViewVariance& variance
 
 class DrawnLayout {
  public:
-  static constexpr double dt = 0.02, nearer_by = 0.3, told = 1e-4;
+  static constexpr double dt = 0.02, nearer_by = 0.3, reported = 1e-4;
 
   DrawnLayout(const LayoutOptions& options, const ViewVariance& variance, std::uint64_t seed)
-      : o_(options), variance_(variance), chance_(seed, Chance::draw, 0) {
+      : o_(options), variance_(variance), chance_(seed, StreamId::draw, 0) {
     for (int i = 0; i < o_.robots; ++i) {
       team_.add(Multirotor{});
       Robot& robot = robots_.emplace_back();
@@ -76,7 +76,7 @@ class DrawnLayout {
       move(t);
       if (how == Chooses::best) {
         ConditionState none;
-        const Known known{.t = t, .x = x_, .u = u_, .ages = {}, .presence = {}};
+        const EventContext known{.t = t, .x = x_, .u = u_, .ages = {}, .presence = {}};
         chooser.look({team_, known, 0.0, false, none});
         for (int i = o_.anchors; i < o_.robots; ++i) {
           const auto place = size(i - o_.anchors);
@@ -166,7 +166,7 @@ class DrawnLayout {
       double v = robot.variance + blind.walk * blind.walk * dt +
                  2 * blind.drift_sigma * blind.drift_sigma * robot.blind_for * dt;
       if (sees) {
-        const double known = (robot.sees < o_.anchors ? told : robots_[size(robot.sees)].variance) + adds;
+        const double known = (robot.sees < o_.anchors ? reported : robots_[size(robot.sees)].variance) + adds;
         if (v > known) v = known + (v - known) * std::exp(-dt / 0.2);
       }
       next[size(i)] = v;

@@ -70,8 +70,8 @@ inline Encirclement any_adversaries(std::uint64_t seed) {
 
 struct Fate {
   double nearest = std::numeric_limits<double>::infinity(), lowest = nearest;
-  double told = std::numeric_limits<double>::infinity();    ///< when a conflict was told first [s]
-  double broken = std::numeric_limits<double>::infinity();  ///< when the hard distance was [s]
+  double reported = std::numeric_limits<double>::infinity();  ///< when a conflict was told first [s]
+  double broken = std::numeric_limits<double>::infinity();    ///< when the hard distance was [s]
   double largest_command = 0.0;
 };
 
@@ -136,9 +136,9 @@ inline Fate fly_wish(const Encirclement& e) {
 }
 
 inline Fate fly_filtered(const Barrier& barrier, const Encirclement& e) {
-  WayOut way_out;
+  EvasiveManeuver maneuver;
   std::vector<Neighbour> others;
-  double told = std::numeric_limits<double>::infinity();
+  double reported = std::numeric_limits<double>::infinity();
   Fate fate = fly_among(e, [&](const State& x, const auto& pursuers, const auto& v, double t) {
     others.clear();
     for (std::size_t i = 0; i < pursuers.size(); ++i) {
@@ -148,10 +148,10 @@ inline Fate fly_filtered(const Barrier& barrier, const Encirclement& e) {
                         .speed_max = e.speed_max > 0 ? e.speed_max : pursuers[i].speed});
     }
     Command u = wish(e, x, pursuers);
-    if (barrier.filter(x, others, lowest, highest, u, way_out).conflict) told = std::min(told, t);
+    if (barrier.filter(x, others, lowest, highest, u, maneuver).conflict) reported = std::min(reported, t);
     return u;
   });
-  fate.told = told;
+  fate.reported = reported;
   return fate;
 }
 
@@ -180,7 +180,7 @@ inline Fate fly_plan(const Encirclement& e, int index) {
 }
 
 /// Whether one of the plans keeps the distance and the floor.
-inline bool has_way_out(const Encirclement& e) {
+inline bool has_maneuver(const Encirclement& e) {
   for (int i = 0; i < 500; ++i) {
     const Fate fate = fly_plan(e, i);
     if (fate.nearest >= e.d_hard && fate.lowest >= e.floor - 1e-9) return true;

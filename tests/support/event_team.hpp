@@ -3,14 +3,14 @@
 
 #include <string>
 
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/ocp/event.hpp"
-#include "sightline/ocp/roster.hpp"
 #include "sightline/potential/slope.hpp"
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {
 
-/// "uav0" .. : uav0 and, where there are two leaders, uav1 hold their places; each other watches the one before it
+/// "uav0" .. : uav0 and, where there are two leaders, uav1 hold their places; each other observes the one before it
 /// by "sees<i>", keeps off by "off<i>" and stays near by "near<i>".
 inline Team event_team(int robots, int leaders = 1) {
   Team team;

@@ -76,12 +76,12 @@ class FlightJudge {
 
   /// Nobody lands who was not told to, and whose data were not old.
   void judge_landings() {
-    for (const FlightLog::Told& told : log_.events) {
-      if (told.kind != "land") continue;
-      const std::string& name = log_.names.at(static_cast<std::size_t>(told.value));
-      if (team_.duty(name, told.time) == Duty::land) continue;
-      expect(team_.data_may_be_old(name, told.time), "{} lands at {:.2f} s, and nothing of it was old", name,
-             told.time);
+    for (const FlightLog::Reported& reported : log_.events) {
+      if (reported.kind != "land") continue;
+      const std::string& name = log_.names.at(static_cast<std::size_t>(reported.value));
+      if (team_.duty(name, reported.time) == Duty::land) continue;
+      expect(team_.data_may_be_old(name, reported.time), "{} lands at {:.2f} s, and nothing of it was old",
+             name, reported.time);
     }
   }
 
@@ -109,8 +109,8 @@ class FlightJudge {
   std::vector<nlohmann::json> told_of(const std::string& name) const {
     std::vector<nlohmann::json> found;
     for (const auto& limit : summary_.at("limits")) {
-      const std::string told = limit.at("name");
-      if (told == name) found.push_back(limit);
+      const std::string reported = limit.at("name");
+      if (reported == name) found.push_back(limit);
     }
     return found;
   }
@@ -132,15 +132,15 @@ class FlightJudge {
     }
     for (const auto& [name, of] : worst) {
       if (of.excess <= tolerance) continue;
-      const auto told = told_of(name);
-      expect(!told.empty(), "{} is broken by {:.4g} at {:.2f} s, and the summary has no such limit", name,
+      const auto reported = told_of(name);
+      expect(!reported.empty(), "{} is broken by {:.4g} at {:.2f} s, and the summary has no such limit", name,
              of.excess, of.time);
       double most = 0.0;
-      for (const auto& limit : told) {
+      for (const auto& limit : reported) {
         if (limit.at("fraction") > 0.0 && limit.at("worst").is_number())
           most = std::max(most, limit.at("worst").get<double>());
       }
-      expect(told.empty() || most >= of.excess - 1e-4 * std::max(1.0, of.excess),
+      expect(reported.empty() || most >= of.excess - 1e-4 * std::max(1.0, of.excess),
              "{} is broken by {:.6g} at {:.2f} s, the summary says {:.6g}", name, of.excess, of.time, most);
     }
   }
@@ -191,10 +191,10 @@ class FlightJudge {
         }
       }
     }
-    const auto& told = summary_.at("min_distance");
+    const auto& reported = summary_.at("min_distance");
     // Between samples they may be nearer; tests/independent judges by how much.
-    expect(told.is_null() ? std::isinf(least) : told.get<double>() < least + tolerance,
-           "the least distance is {:.6g} m, the summary says {}", least, told.dump());
+    expect(reported.is_null() ? std::isinf(least) : reported.get<double>() < least + tolerance,
+           "the least distance is {:.6g} m, the summary says {}", least, reported.dump());
   }
 
   /// Floor, ceiling and world, but for who lands.

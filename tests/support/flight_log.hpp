@@ -26,7 +26,7 @@ struct FlightLog {
     std::vector<std::optional<Seen>> seen;  // one a period; none while it is not there
     std::vector<std::vector<double>> u;     // applied, one a period
   };
-  struct Told {
+  struct Reported {
     double time = 0.0;
     std::string kind;
     int value = 0;
@@ -36,7 +36,7 @@ struct FlightLog {
   std::vector<std::string> names, script;
   std::map<std::string, Body> bodies;
   std::vector<std::string> status;  // one a period
-  std::vector<Told> events;
+  std::vector<Reported> events;
 
   double time(std::size_t k) const { return period * static_cast<double>(k); }
 

@@ -45,14 +45,14 @@ class FoxgloveEars {
     std::uint64_t length = more == 0 ? at(1) : 0;
     for (std::size_t i = 0; i < more; ++i) length = (length << 8U) | at(2 + i);
     if (bytes_.size() < 2 + more + length) return std::nullopt;
-    Heard heard{static_cast<WebsocketOp>(at(0) & 0x0fU), bytes_.substr(2 + more, length)};
+    Heard received{static_cast<WebsocketOp>(at(0) & 0x0fU), bytes_.substr(2 + more, length)};
     bytes_.erase(0, 2 + more + length);
-    return heard;
+    return received;
   }
   /// The next message of a client, within so long [s].
   std::optional<Heard> next(PageClient& client, double seconds = 5.0) {
     for (;;) {
-      if (auto heard = next()) return heard;
+      if (auto received = next()) return received;
       const std::string bytes = client.hear_some(seconds);
       if (bytes.empty()) return std::nullopt;
       take(bytes);
@@ -60,9 +60,9 @@ class FoxgloveEars {
   }
   /// The next of its kind in JSON, {"op": ..}; null: none came.
   nlohmann::json next_op(PageClient& client, std::string_view op, double seconds = 5.0) {
-    while (const auto heard = next(client, seconds))
-      if (heard->op == WebsocketOp::text)
-        if (auto json = heard->json(); json["op"] == op) return json;
+    while (const auto received = next(client, seconds))
+      if (received->op == WebsocketOp::text)
+        if (auto json = received->json(); json["op"] == op) return json;
     return nullptr;
   }
 

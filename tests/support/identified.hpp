@@ -64,12 +64,12 @@ class WrittenDown final : public World {
   std::span<const double> start() const noexcept override { return world_.start(); }
   void set_presence(std::span<const Presence> presence) noexcept override { world_.set_presence(presence); }
   Measured measure(double t) noexcept override { return now_ = world_.measure(t); }
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override {
     const std::size_t x = size(team().state_offset(robot_)), from = size(team().input_offset(robot_));
     motion_.add(team().model(robot_), &now_.measured[x], t - now_.stamps[at(robot_)], &now_.truth[x],
                 {u[from], u[from + 1], u[from + 2], u[from + 3]});
-    return world_.apply(t, believed, u, period, periods);
+    return world_.apply(t, estimated, u, period, periods);
   }
   const FlownMotion& motion() const { return motion_; }
 

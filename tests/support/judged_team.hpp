@@ -38,9 +38,9 @@ class JudgedTeam {
     each("couple", [&](const toml::table& at) { add_coupling(at, 0.0); });
     each("shape", [&](const toml::table& at) { add_shape(at); });
     each("constrain", [&](const toml::table& at) { add_constraint(at, 0.0); });
-    for (const FlightLog::Told& told : log.events) {
-      if (told.kind == "event_in_force")
-        happen(log.script.at(static_cast<std::size_t>(told.value)), told.time);
+    for (const FlightLog::Reported& reported : log.events) {
+      if (reported.kind == "event_in_force")
+        occur(log.script.at(static_cast<std::size_t>(reported.value)), reported.time);
     }
   }
 
@@ -62,9 +62,9 @@ class JudgedTeam {
   /// Whether it is told to land, or does so by itself, or stands on the ground.
   bool lands(const std::string& name, double t) const {
     if (duty(name, t) == Duty::land) return true;
-    return std::any_of(log_.events.begin(), log_.events.end(), [&](const FlightLog::Told& told) {
-      return (told.kind == "land" || told.kind == "grounded") && told.time <= t + same_time &&
-             log_.names[static_cast<std::size_t>(told.value)] == name;
+    return std::any_of(log_.events.begin(), log_.events.end(), [&](const FlightLog::Reported& reported) {
+      return (reported.kind == "land" || reported.kind == "grounded") && reported.time <= t + same_time &&
+             log_.names[static_cast<std::size_t>(reported.value)] == name;
     });
   }
 
@@ -292,7 +292,7 @@ class JudgedTeam {
   }
 
   /// What an event of the script makes of the team at a time.
-  void happen(const std::string& name, double t) {
+  void occur(const std::string& name, double t) {
     std::size_t place = 0;
     bool found = false;
     each("event", [&](const toml::table& event) {

@@ -57,7 +57,7 @@ inline Scenario leaning_scenario(const LeaningTask& task) {
     if (task.estimates) of("disturbance_time", "0.5");
     if (task.world != "model") of("vehicle.tilt_max", "0.4");
   }
-  Scenario scenario = parse_scenario(text, "leaning.toml", parts_of_sightline(), {.set = set});
+  Scenario scenario = parse_scenario(text, "leaning.toml", built_in_registry(), {.set = set});
   scenario.simulation.duration = task.duration;
   scenario.simulation.settle = 6.0;
   scenario.simulation.disturbances.wind = task.wind;

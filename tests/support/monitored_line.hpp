@@ -20,9 +20,9 @@ struct MonitoredLine {
   double t = 0.0;
 
   std::vector<std::size_t> look() {
-    const auto happening = monitor.look({t, x, u, ages, presence});
+    const auto triggered = monitor.look({t, x, u, ages, presence});
     t += 0.1;
-    return {happening.begin(), happening.end()};
+    return {triggered.begin(), triggered.end()};
   }
   std::vector<std::size_t> look(double distance) {
     x[7] = x[0] - distance, x[8] = x[1], x[9] = x[2];

@@ -43,7 +43,7 @@ class PageClient {
     return true;
   }
   /// What comes up to `end`, or to the end of the stream, or until for so long nothing comes [s]; what is behind it is heard next.
-  std::string hear(std::string_view end = "", double seconds = 5.0) {
+  std::string receive(std::string_view end = "", double seconds = 5.0) {
     std::size_t found = std::string::npos;
     while ((end.empty() || (found = rest_.find(end)) == std::string::npos) && ready(POLLIN, seconds)) {
       char bytes[4096];
@@ -55,9 +55,9 @@ class PageClient {
       rest_.append(bytes, static_cast<std::size_t>(n));
     }
     const std::size_t length = found == std::string::npos ? rest_.size() : found + end.size();
-    std::string heard = rest_.substr(0, length);
+    std::string received = rest_.substr(0, length);
     rest_.erase(0, length);
-    return heard;
+    return received;
   }
   /// What is there, at once, or within so long [s]; empty: nothing.
   std::string hear_some(double seconds) {
@@ -73,9 +73,9 @@ class PageClient {
   bool ended() const { return ended_; }
 
   /// A request with this first line, the right Host, and more lines.
-  std::string ask(std::string_view line, std::string_view more = "") {
+  std::string request(std::string_view line, std::string_view more = "") {
     say(fmt::format("{} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}\r\n", line, port_, more));
-    return hear();
+    return receive();
   }
   /// Begins to watch. @return the server's head
   std::string watch(std::string_view more = "", std::string_view path = "/live") {
@@ -83,7 +83,7 @@ class PageClient {
         "GET {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: keep-alive, Upgrade\r\nUpgrade: websocket\r\n"
         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n{}\r\n",
         path, port_, more));
-    return hear("\r\n\r\n");
+    return receive("\r\n\r\n");
   }
   /// Begins to speak Foxglove's protocol. @return the server's head
   std::string ask_for_topics(std::string_view more = "", std::string_view path = "/") {

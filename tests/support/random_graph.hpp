@@ -19,7 +19,7 @@ struct GraphTeam {
   std::vector<double> x0;
 };
 
-/// @param robots  at least 2; each watches, or keeps apart from, one to three of those before it, felt by one of the two or by both
+/// @param robots  at least 2; each observes, or keeps apart from, one to three of those before it, felt by one of the two or by both
 inline GraphTeam random_graph(Random& random, int robots) {
   GraphTeam made;
   std::vector<AgentId> ids;

@@ -464,7 +464,7 @@ class RandomScenario : DrawnLines {
       line("[[simulation.fault]]\n{}\nfrom = {:.2f}", any_of(drawn_faults), from);
       if (chance(0.7)) line("until = {:.2f}", from + between(0.05, 0.25 * duration_));
     }
-    line("[log]\npaths = 1.0");
+    line("[log]\nprediction_period = 1.0");
   }
 
   /// The world, and subteams.

@@ -39,11 +39,11 @@ struct SearchingOutcome {
   double known_from = 1e9;      ///< the first estimate [s]
   double found_after =
       1e9;  ///< after the end of hiding, or after it was misled: a right estimate, in view [s]
-  double sigma = 0.0, error = 0.0;               ///< of the position, at the end of hiding [m]
-  double nees = 0.0;                             ///< of position and heading, there
-  double nearest = 1e9;                          ///< [m]
-  int searches = 0, founds = 0, doubts = 0;      ///< events
-  FallbackLevel highest = FallbackLevel::valid;  ///< of the observer, once it is localized
+  double sigma = 0.0, error = 0.0;                  ///< of the position, at the end of hiding [m]
+  double nees = 0.0;                                ///< of position and heading, there
+  double nearest = 1e9;                             ///< [m]
+  int searches = 0, founds = 0, uncertainties = 0;  ///< events
+  FallbackLevel highest = FallbackLevel::valid;     ///< of the observer, once it is localized
 };
 
 class SearchingFlight {
@@ -51,7 +51,7 @@ class SearchingFlight {
   static constexpr double period = 0.01, half_view = 0.5, reach = 3.0, most_error = 0.3;
 
   explicit SearchingFlight(const SearchingOptions& options)
-      : o(options), draw_(options.seed, Chance::draw, 3), mount_{.pitch = 0.5, .offset = 0.17} {
+      : o(options), draw_(options.seed, StreamId::draw, 3), mount_{.pitch = 0.5, .offset = 0.17} {
     const auto u = [&](double low, double high) { return low + (high - low) * draw_.uniform(); };
     const double ax = u(0.3, 1.5), ay = u(0.3, 1.5), az = u(0, 0.3), wx = u(0.2, 0.6), wy = u(0.2, 0.6),
                  wz = u(0.2, 0.6), px = u(0, 6.28), py = u(0, 6.28), pz = u(0, 6.28), spin = u(-0.2, 0.2),
@@ -100,7 +100,7 @@ class SearchingFlight {
     localizer_ = std::make_unique<Localizer>(team, x0,
                                              LocalizerOptions{.robots = {{.robot = BodyId{0},
                                                                           .mount = mount_,
-                                                                          .watches = {BodyId{1}},
+                                                                          .observes = {BodyId{1}},
                                                                           .filter = {.filter = o.filter}}}});
   }
 
@@ -126,25 +126,26 @@ class SearchingFlight {
       if (t > event && flown.found_after > 1e8 && estimate.known && localizer_->views()[0].accepted > event &&
           unseen == 0.0 && norm(estimate.p - place(now.truth, 0)) < most_error)
         flown.found_after = t - event;
-      const ValidStates& believed = guard.believe(t, now.measured, now.stamps, localizer_->sigma());
+      const ValidStates& estimated =
+          guard.accept_measurement(t, now.measured, now.stamps, localizer_->sigma());
       guard.look(t, localizer_->views());
       std::fill(plan_ages.begin(), plan_ages.end(), guard.knows_all() ? 0.0 : t);
       std::fill(u.begin(), u.end(), 0.0);
       if (guard.knows_all()) {
-        const Solution solution = solver.solve(t, believed);
+        const Solution solution = solver.solve(t, estimated);
         std::copy(solution.u.begin(), solution.u.end(), u.begin());
       }
       if (o.hostile) drive(t, now.truth, u);
-      guard.fall_back(t, believed, plan_ages, none, u);
-      guard.keep_distances(t, believed, none, u);
+      guard.fall_back(t, estimated, plan_ages, none, u);
+      guard.keep_distances(t, estimated, none, u);
       guard.record(t, u);
       for (const Event& e : guard.events()) {
         flown.searches += e.kind == EventKind::search, flown.founds += e.kind == EventKind::found;
-        flown.doubts += e.kind == EventKind::measurement_jump;
+        flown.uncertainties += e.kind == EventKind::measurement_jump;
       }
       if (estimate.known) flown.highest = std::max(flown.highest, guard.levels()[0]);
       localizer_->apply(u, period, 1);
-      if (!test::apply(*world_, t, believed, u, period, 1)) break;
+      if (!test::apply(*world_, t, estimated, u, period, 1)) break;
     }
     return flown;
   }

@@ -24,9 +24,9 @@ class SeeingWorld : public World {
     measured.detections = seen_;
     return measured;
   }
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override {
-    return model_.apply(t, believed, u, period, periods);
+    return model_.apply(t, estimated, u, period, periods);
   }
 
  private:

@@ -24,7 +24,7 @@ class Served {
       }
       if (const std::size_t at = said.find("http://"); at != std::string::npos)
         url_ = said.substr(at, said.find('\n') - at);
-      told_ += said;
+      reported_ += said;
     }
   }
   /// Ends it now, as Ctrl-C does.
@@ -43,18 +43,18 @@ class Served {
   }
   /// Waits for its end. @return what it said
   std::string end() {
-    if (pipe_ == nullptr) return told_;
+    if (pipe_ == nullptr) return reported_;
     std::array<char, 4096> line{};
-    while (std::fgets(line.data(), line.size(), pipe_) != nullptr) told_ += line.data();
+    while (std::fgets(line.data(), line.size(), pipe_) != nullptr) reported_ += line.data();
     ::pclose(pipe_);
     pipe_ = nullptr;
-    return told_;
+    return reported_;
   }
 
  private:
   FILE* pipe_;
   int pid_ = 0;
-  std::string url_, told_;
+  std::string url_, reported_;
 };
 
 }  // namespace sightline::test

@@ -7,7 +7,7 @@ namespace sightline {
 
 inline Scenario small_campaign() {
   Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml",
-                                    parts_of_sightline(), {"simulation.rms_from=0.5"});
+                                    built_in_registry(), {"simulation.rms_from=0.5"});
   scenario.campaign->duration = 1.0;
   return scenario;
 }

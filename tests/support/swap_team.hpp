@@ -24,7 +24,7 @@ struct Swap {
       : Swap(n, {.circle = circle, .scatter = scatter, .seed = seed},
              16.0 * PassRight{.d_min = 1.2, .delta = delta, .kappa = 15.0}, radius, 320) {}
 
-  struct Ring {
+  struct SpscQueue {
     double circle = 8.0;   // its radius [m]
     double pace = 0.8;     // of the reference [m/s]
     double scatter = 0.0;  // of the starts, each axis [m]
@@ -42,7 +42,7 @@ struct Swap {
   }
 
  private:
-  Swap(int n, const Ring& ring, const Weighted& term, double reach, int room) {
+  Swap(int n, const SpscQueue& ring, const Weighted& term, double reach, int room) {
     const double circle = ring.circle, pace = ring.pace, scatter = ring.scatter;
     Random random(ring.seed);
     for (int i = 0; i < n; ++i) {

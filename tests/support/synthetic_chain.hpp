@@ -22,9 +22,9 @@ class SyntheticChain {
   SyntheticChain(const SyntheticOptions& options, int robots, std::vector<std::pair<int, int>> edges = {})
       : robots_(robots),
         edges_(std::move(edges)),
-        radio_(options.seed, Chance::position_noise, 99),
+        radio_(options.seed, StreamId::position_noise, 99),
         camera_rate_(options.camera_rate) {
-    RandomStream draw(options.seed, Chance::draw, 0);
+    RandomStream draw(options.seed, StreamId::draw, 0);
     for (int i = 0; i < 3 * robots; ++i) {
       phases_.push_back(2 * std::numbers::pi * draw.uniform());
       rates_.push_back(0.15 + 0.3 * draw.uniform());
@@ -107,7 +107,7 @@ inline std::vector<Consistency> fly_chain(SyntheticOptions options, int robots, 
   for (int run = 0; run < flights; ++run) {
     options.seed = 100 + static_cast<std::uint64_t>(run);
     SyntheticChain chain(options, robots, edges);
-    RandomStream radio(options.seed, Chance::fault, 0);
+    RandomStream radio(options.seed, StreamId::fault, 0);
     std::vector<std::unique_ptr<PoseFilter>> filters;
     std::vector<BroadcastTrack> tracks;
     for (int i = 0; i < robots; ++i) {

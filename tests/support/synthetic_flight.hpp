@@ -40,8 +40,8 @@ class SyntheticSensors {
 
   SyntheticSensors(const SyntheticOptions& options, int robot)
       : o(options),
-        motion_(options.seed, Chance::motion, robot),
-        camera_(options.seed, Chance::run, robot),
+        motion_(options.seed, StreamId::motion, robot),
+        camera_(options.seed, StreamId::run, robot),
         velocity_bias_(options.errors.velocity_bias * motion_.normals()),
         rate_bias_(options.errors.yaw_rate_bias * motion_.normal()) {
     tilt_error_ = {o.errors.tilt_bias * motion_.normal(), o.errors.tilt_bias * motion_.normal()};
@@ -143,8 +143,8 @@ class SyntheticFlight {
 
   explicit SyntheticFlight(const SyntheticOptions& options)
       : o(options),
-        draw_(options.seed, Chance::draw, 0),
-        radio_(options.seed, Chance::position_noise, 0),
+        draw_(options.seed, StreamId::draw, 0),
+        radio_(options.seed, StreamId::position_noise, 0),
         sensors_(options, 0),
         track_({.sighting_rate = options.camera_rate}) {
     for (double& phase : phases_) phase = 2 * std::numbers::pi * draw_.uniform();

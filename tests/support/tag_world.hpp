@@ -28,7 +28,7 @@ class TagWorld final : public World {
       : model_(std::move(team), std::move(x0), plant),
         cameras_(std::move(cameras)),
         hidden_(hidden),
-        chance_(plant.seed, Chance::run, 7) {}
+        chance_(plant.seed, StreamId::run, 7) {}
 
   const Team& team() const noexcept override { return model_.team(); }
   std::span<const double> start() const noexcept override { return model_.start(); }
@@ -49,9 +49,9 @@ class TagWorld final : public World {
     now.detections = arrived_;
     return now;
   }
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override {
-    return model_.apply(t, believed, u, period, periods);
+    return model_.apply(t, estimated, u, period, periods);
   }
   int detections() const { return seen_; }
 

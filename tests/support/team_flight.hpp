@@ -58,7 +58,7 @@ inline TeamFlight fly_script(const Team& all, const std::vector<double>& x0, con
                              std::vector<TimedSignal> signals = {},
                              MakeSolver make = newton_riccati_of(Horizon{})) {
   const Horizon horizon;
-  TeamSwitcher team_switcher(Roster(all, std::move(presence)), script, std::move(make));
+  TeamSwitcher team_switcher(ActiveTeam(all, std::move(presence)), script, std::move(make));
   ModelWorld world(all, x0, {.period = horizon.dt}, {.period = horizon.dt});
   SimulatedClock clock;
   const Controllers controllers = {*team_switcher.present().solver};

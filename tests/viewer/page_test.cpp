@@ -39,11 +39,11 @@ std::uint16_t free_port() { return PageServer({}, {}).port(); }
 
 /// What the browser answers to the steps, one each.
 std::vector<json> browse(const std::string& url, const std::string& steps, const fs::path& folder) {
-  const CommandResult told =
+  const CommandResult reported =
       shell("printf '" + steps + "quit\\n' | timeout 120 env " SIGHTLINE_BROWSER " " + url, folder);
-  EXPECT_EQ(told.code, 0) << told.err;
+  EXPECT_EQ(reported.code, 0) << reported.err;
   std::vector<json> answers;
-  std::istringstream lines(told.out);
+  std::istringstream lines(reported.out);
   for (std::string line; std::getline(lines, line);) answers.push_back(json::parse(line));
   return answers;
 }
@@ -169,7 +169,7 @@ TEST(Page, AFlightIsTunedInTheBrowser) {
                folder);
     ASSERT_EQ(answers.size(), 15U) << served.end();
     expect_drawn(answers[14]);
-    written = PageClient(served.port()).ask("GET /tuned.toml");
+    written = PageClient(served.port()).request("GET /tuned.toml");
   }
   EXPECT_THAT(written, testing::HasSubstr("retune = { couple = \"bearing\", weight = 0.4 }"));
   EXPECT_THAT(written, testing::HasSubstr("reference = { agent = \"uav1\""));

@@ -70,7 +70,8 @@ TEST(CameraWorld, PicturesComeAtTheirRateAndArriveAfterTheirLatency) {
 }
 
 TEST(CameraWorld, OfATagItMayTellThePositionAlone) {
-  CameraWorld whole = world_of(options_of({})), part = world_of(options_of({.tells = CameraTells::position}));
+  CameraWorld whole = world_of(options_of({})),
+              part = world_of(options_of({.output = CameraOutput::position}));
   const std::vector<Detection> poses = fly(whole, 100), positions = fly(part, 100);
   ASSERT_EQ(poses.size(), positions.size());
   ASSERT_FALSE(poses.empty());

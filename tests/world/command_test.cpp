@@ -101,16 +101,16 @@ TEST(CommandGate, ANumberBeyondItsLimitIsReplacedByTheLimitButNotReportedForARou
 TEST(CommandGate, LimitsComeBeforeRatesAndRatesHoldAsFarAsLimitsLeaveRoom) {
   CommandGate gate(slow_and_quick(), control_period);
   std::vector<InputLimits> limits = both(1.0);
-  const auto fly = [&](double asked, double added) {
+  const auto fly = [&](double requested, double added) {
     gate.set_limits(limits);
     gate.open(0.0);
-    Numbers u(8, asked);
+    Numbers u(8, requested);
     const Numbers sum(8, added);
     gate.keep_limits_and_rates(u, sum);
     (void)gate.pass(u, sum);
     EXPECT_TRUE(gate.replaced().empty());
     EXPECT_NEAR(gate.applied()[4],
-                std::clamp(asked + added, -limits[1].u_max()[0][0], limits[1].u_max()[0][0]), 1e-15)
+                std::clamp(requested + added, -limits[1].u_max()[0][0], limits[1].u_max()[0][0]), 1e-15)
         << "no rate";
     return gate.applied()[0];
   };

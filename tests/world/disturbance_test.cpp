@@ -46,7 +46,7 @@ TEST(Disturbances, EachFieldOutOfItsRangeIsNamed) {
 }
 
 TEST(RandomStream, NormalNumbersHaveMeanZeroVarianceOneAndKurtosisThree) {
-  RandomStream stream(5, Chance::gust, 0);
+  RandomStream stream(5, StreamId::gust, 0);
   constexpr int n = 400'000;
   double first = 0, second = 0, fourth = 0;
   for (int i = 0; i < n; ++i) {
@@ -59,7 +59,7 @@ TEST(RandomStream, NormalNumbersHaveMeanZeroVarianceOneAndKurtosisThree) {
 }
 
 TEST(RandomStream, UniformNumbersFillTheUnitIntervalEvenly) {
-  RandomStream stream(5, Chance::wake, 0);
+  RandomStream stream(5, StreamId::wake, 0);
   std::vector<int> counts(20, 0);
   for (int i = 0; i < 200'000; ++i) {
     const double v = stream.uniform();
@@ -76,11 +76,11 @@ TEST(RandomStream, SeedPurposeAndBodyEachNameAStreamOfItsOwn) {
     for (int i = 0; i < 100'000; ++i) sum += a.normal() * b.normal() / 100'000;
     return sum;
   };
-  const RandomStream stream(1, Chance::gust, 0);
+  const RandomStream stream(1, StreamId::gust, 0);
   EXPECT_NEAR(correlation(stream, stream), 1.0, 0.02);
-  EXPECT_NEAR(correlation(stream, {2, Chance::gust, 0}), 0.0, 0.02);
-  EXPECT_NEAR(correlation(stream, {1, Chance::wake, 0}), 0.0, 0.02);
-  EXPECT_NEAR(correlation(stream, {1, Chance::gust, 1}), 0.0, 0.02);
+  EXPECT_NEAR(correlation(stream, {2, StreamId::gust, 0}), 0.0, 0.02);
+  EXPECT_NEAR(correlation(stream, {1, StreamId::wake, 0}), 0.0, 0.02);
+  EXPECT_NEAR(correlation(stream, {1, StreamId::gust, 1}), 0.0, 0.02);
 }
 
 TEST(Gusts, HaveTheVarianceAndTheCorrelationOfTheProcessForAnyStep) {

@@ -23,8 +23,8 @@ Quaternion turned(const Vec3<double>& axis, double angle) {
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-RotorWrench asked(const Vehicle& v, FlightController& controller, const RigidBody& body,
-                  const std::array<double, 4>& u) {
+RotorWrench requested(const Vehicle& v, FlightController& controller, const RigidBody& body,
+                      const std::array<double, 4>& u) {
   return test::wrench(v, controller.update(body, rotation(body.q), u));
 }
 
@@ -44,7 +44,7 @@ TEST(FlightController, AtRestAndWithoutCommandItAsksForTheWeightAndNoTorque) {
   for (const auto& preset : Vehicle::presets()) {
     for (const Commands commands : {Commands::tilt, Commands::velocity, Commands::full_state}) {
       FlightController controller(preset.part, commands);
-      const RotorWrench w = asked(preset.part, controller, body_of(preset.part), {});
+      const RotorWrench w = requested(preset.part, controller, body_of(preset.part), {});
       EXPECT_NEAR(w.thrust, preset.part.weight(), 1e-12);
       EXPECT_LT(norm(w.torque), 1e-12);
     }
@@ -58,18 +58,18 @@ TEST(FlightController, TiltCommandsTiltForwardAndToTheRightInTheHeadingFrame) {
     RigidBody body = body_of(v);
     body.q = turned({0, 0, 1}, psi);
     FlightController controller(v, Commands::tilt);
-    const RotorWrench forward = asked(v, controller, body, {0.1, 0, 0, 0});
+    const RotorWrench forward = requested(v, controller, body, {0.1, 0, 0, 0});
     EXPECT_GT(forward.torque.y, 0.0);
     EXPECT_NEAR(forward.torque.x, 0.0, 1e-12);
     controller.begin();
-    const RotorWrench right = asked(v, controller, body, {0, 0.1, 0, 0});
+    const RotorWrench right = requested(v, controller, body, {0, 0.1, 0, 0});
     EXPECT_GT(right.torque.x, 0.0);
     EXPECT_NEAR(right.torque.y, 0.0, 1e-12);
     controller.begin();
-    const RotorWrench turn = asked(v, controller, body, {0, 0, 0, 0.1});
+    const RotorWrench turn = requested(v, controller, body, {0, 0, 0, 0.1});
     EXPECT_GT(turn.torque.z, 0.0);
     controller.begin();
-    EXPECT_GT(asked(v, controller, body, {0, 0, 0.1, 0}).thrust, v.weight());
+    EXPECT_GT(requested(v, controller, body, {0, 0, 0.1, 0}).thrust, v.weight());
   }
 }
 
@@ -78,7 +78,7 @@ TEST(FlightController, AsksForNoTiltTorqueAtTheTiltThatIsCommanded) {
   RigidBody body = body_of(v);
   body.q = turned({0, 1, 0}, 0.5 * v.tilt_max);
   FlightController controller(v, Commands::tilt);
-  const RotorWrench w = asked(v, controller, body, {0.5, 0, 0, 0});
+  const RotorWrench w = requested(v, controller, body, {0.5, 0, 0, 0});
   EXPECT_LT(norm(w.torque), 1e-12);
   // The collective makes up for the tilt.
   EXPECT_NEAR(w.thrust * std::cos(0.5 * v.tilt_max), v.weight(), 1e-12);
@@ -89,12 +89,12 @@ TEST(FlightController, VelocityCommandsLeanTowardsTheVelocityThatIsMissing) {
   RigidBody body = body_of(v);
   body.q = turned({0, 0, 1}, std::numbers::pi / 2);  // heads along y of G
   FlightController controller(v, Commands::velocity);
-  EXPECT_GT(asked(v, controller, body, {0.5, 0, 0, 0}).torque.y, 0.0);
+  EXPECT_GT(requested(v, controller, body, {0.5, 0, 0, 0}).torque.y, 0.0);
   controller.begin();
-  EXPECT_LT(asked(v, controller, body, {0, 0.5, 0, 0}).torque.x, 0.0);  // to the left
+  EXPECT_LT(requested(v, controller, body, {0, 0.5, 0, 0}).torque.x, 0.0);  // to the left
   controller.begin();
   body.v = {0, 0.5, 0};
-  EXPECT_LT(norm(asked(v, controller, body, {0.5, 0, 0, 0}).torque), 1e-12);
+  EXPECT_LT(norm(requested(v, controller, body, {0.5, 0, 0, 0}).torque), 1e-12);
 }
 
 TEST(FlightController, NeverAsksForMoreTiltThanTheLimitUnderVelocityCommands) {
@@ -104,7 +104,7 @@ TEST(FlightController, NeverAsksForMoreTiltThanTheLimitUnderVelocityCommands) {
   FlightController controller(v, Commands::velocity);
   // Held there by an error of 50 m/s, with no torque asked for beyond.
   for (int k = 0; k < 1000; ++k) {
-    const RotorWrench w = asked(v, controller, body, {50, 0, 0, 0});
+    const RotorWrench w = requested(v, controller, body, {50, 0, 0, 0});
     EXPECT_NEAR(w.torque.y, 0.0, 1e-9);
   }
 }
@@ -112,28 +112,29 @@ TEST(FlightController, NeverAsksForMoreTiltThanTheLimitUnderVelocityCommands) {
 TEST(FlightController, FullStateCommandsAskForTheirAccelerationAtOnceAndForTheWayToTheirTrajectory) {
   const Vehicle v = Vehicle::x500();
   FlightController controller(v, Commands::full_state);
-  EXPECT_NEAR(asked(v, controller, body_of(v), {0, 0, 1.0, 0}).thrust, v.mass * (gravity + 1.0), 0.1);
+  EXPECT_NEAR(requested(v, controller, body_of(v), {0, 0, 1.0, 0}).thrust, v.mass * (gravity + 1.0), 0.1);
   controller.begin();
-  EXPECT_GT(asked(v, controller, body_of(v), {1.0, 0, 0, 0}).torque.y, 0.0);
+  EXPECT_GT(requested(v, controller, body_of(v), {1.0, 0, 0, 0}).torque.y, 0.0);
   controller.begin();
-  asked(v, controller, body_of(v), {});  // its trajectory rests here
+  requested(v, controller, body_of(v), {});  // its trajectory rests here
   RigidBody moved = body_of(v);
   moved.p = moved.p + Vec3<double>{0, 0.2, 0};
-  EXPECT_GT(asked(v, controller, moved, {}).torque.x, 0.0) << "back, to the right";
+  EXPECT_GT(requested(v, controller, moved, {}).torque.x, 0.0) << "back, to the right";
   controller.begin();
   moved.q = turned({0, 0, 1}, 0.3);
-  EXPECT_LT(asked(v, controller, moved, {}).torque.z, 0.0) << "heads along x";
+  EXPECT_LT(requested(v, controller, moved, {}).torque.z, 0.0) << "heads along x";
 }
 
 TEST(FlightController, TheTrajectoryOfFullStateCommandsWaitsForABodyThatCannotFollow) {
   const Vehicle v = Vehicle::x500();
   FlightController controller(v, Commands::full_state);
-  for (int k = 0; k < 500; ++k) asked(v, controller, body_of(v), {8.0, 0, 0, 0});  // held for 1 s: 4 m, 8 m/s
-  const double lean = asked(v, controller, body_of(v), {}).torque.y;
+  for (int k = 0; k < 500; ++k)
+    requested(v, controller, body_of(v), {8.0, 0, 0, 0});  // held for 1 s: 4 m, 8 m/s
+  const double lean = requested(v, controller, body_of(v), {}).torque.y;
   controller.begin();
-  EXPECT_GT(lean, asked(v, controller, body_of(v), {2.0, 0, 0, 0}).torque.y);
+  EXPECT_GT(lean, requested(v, controller, body_of(v), {2.0, 0, 0, 0}).torque.y);
   controller.begin();
-  EXPECT_LT(lean, asked(v, controller, body_of(v), {3.5, 0, 0, 0}).torque.y);
+  EXPECT_LT(lean, requested(v, controller, body_of(v), {3.5, 0, 0, 0}).torque.y);
 }
 
 TEST(FlightController, IsFiniteForAnyFiniteBodyAndCommand) {

@@ -51,7 +51,7 @@ TEST(MotionSensor, ACompassTellsTheHeadingTenTimesASecondAndChangesNothingElse) 
   MotionSensor sensor(with, 1, 0), none(nearly_exact(), 1, 0);
   constexpr double dt = 0.01;
   double squares = 0.0;
-  int told = 0;
+  int received = 0;
   for (int k = 1; k <= 10000; ++k) {
     const double t = k * dt;
     const MotionSample u = sensor.measure(t, dt, {}, turn_z(0.5), {}, turn_z(0.5));
@@ -60,11 +60,11 @@ TEST(MotionSensor, ACompassTellsTheHeadingTenTimesASecondAndChangesNothingElse) 
     EXPECT_EQ(u.yaw_rate, plain.yaw_rate);
     EXPECT_EQ(u.v_V.x, plain.v_V.x);
     if (!u.compass) continue;
-    ++told;
+    ++received;
     squares += square(*u.compass - 0.5);
   }
-  EXPECT_EQ(told, 1000);
-  EXPECT_NEAR(std::sqrt(squares / told), 0.05, 0.005);
+  EXPECT_EQ(received, 1000);
+  EXPECT_NEAR(std::sqrt(squares / received), 0.05, 0.005);
 }
 
 TEST(MotionSensor, ItsErrorsAreOfTheSizeThatIsSaid) {
@@ -85,12 +85,12 @@ TEST(MotionSensor, ItsErrorsAreOfTheSizeThatIsSaid) {
 
 TEST(MotionSensor, SameSeedSameNumbersAndAnErrorOutOfItsRangeIsRefused) {
   MotionSensor a({}, 3, 1), b({}, 3, 1), c({}, 4, 1);
-  const auto told = [](MotionSensor& s) {
+  const auto received = [](MotionSensor& s) {
     return s.measure(0.01, 0.01, {}, identity<3>(), {}, identity<3>()).v_V.x;
   };
-  const double first = told(a);
-  EXPECT_EQ(first, told(b));
-  EXPECT_NE(first, told(c));
+  const double first = received(a);
+  EXPECT_EQ(first, received(b));
+  EXPECT_NE(first, received(c));
   FilterOptions bad;
   bad.gyro_noise = 0.0;
   EXPECT_EQ(refusal_of([&] { return MotionSensor(bad, 1, 0); }),

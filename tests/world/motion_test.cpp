@@ -291,14 +291,14 @@ struct Carried {
   std::vector<Vec3<double>> p;
   double fastest = 0.0;
 };
-Carried carried(double speed_max, const std::vector<Surroundings>& told) {
+Carried carried(double speed_max, const std::vector<Surroundings>& received) {
   Plant plant(robot_and_obstacle(), start_with({2, 0, 1}), {.speed_max = {speed_max}});
   Carried seen;
   for (int k = 0; k < 400; ++k) {
-    const auto newest = std::find_if(told.rbegin(), told.rend(), [&](const Surroundings& around) {
+    const auto newest = std::find_if(received.rbegin(), received.rend(), [&](const Surroundings& around) {
       return around.moves[0].begin <= k * control_period + 1e-9;
     });
-    if (newest != told.rend()) plant.surround(*newest);
+    if (newest != received.rend()) plant.surround(*newest);
     (void)plant.step(Numbers(4, 0.0), control_period);
     const auto x = plant.x();
     seen.p.push_back(obstacle_of(x));

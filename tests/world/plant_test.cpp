@@ -150,7 +150,7 @@ TEST(Plant, ManyBodiesMoveTheSameWhateverTheThreads) {
     PlantOptions options{
         .seed = 3,
         .disturbances = {.wind = {0.1, 0.2, 0}, .gust_sigma = 0.5, .input_delay = 0.055, .yaw_lag = 0.2},
-        .crew = threads > 1 ? std::make_shared<Crew>(threads) : nullptr};
+        .pool = threads > 1 ? std::make_shared<ThreadPool>(threads) : nullptr};
     Plant plant(team, x0, options);
     for (int k = 0; k < 50; ++k) {
       if (k == 20) plant.set_presence(presence);
@@ -306,24 +306,24 @@ class Strides final : public RobotDynamics {
   void begin(BodyId, double t, const double*) noexcept override { begun.push_back(t); }
   void steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept override {
     EXPECT_EQ(robot, robot_);
-    ++asked_;
-    told.push_back(u[0]);
+    ++requested_;
+    received.push_back(u[0]);
     pushed.push_back(acceleration.x);
   }
   void move(double t) noexcept override {
-    if (asked_ == 0) return;
-    EXPECT_EQ(std::exchange(asked_, 0), 1) << "it is told once, then moved";
+    if (requested_ == 0) return;
+    EXPECT_EQ(std::exchange(requested_, 0), 1) << "it is told once, then moved";
     until.push_back(t);
   }
   void show(BodyId robot, double* x) const noexcept override {
     EXPECT_EQ(robot, robot_);
     x[0] += 1.0;
   }
-  Numbers begun, until, told, pushed;
+  Numbers begun, until, received, pushed;
 
  private:
   BodyId robot_;
-  int asked_ = 0;
+  int requested_ = 0;
 };
 
 TEST(Plant, OtherDynamicsMoveTheirRobotWithTheCommandsDelaysAndDisturbancesOfThePlant) {
@@ -341,7 +341,7 @@ TEST(Plant, OtherDynamicsMoveTheirRobotWithTheCommandsDelaysAndDisturbancesOfThe
   EXPECT_EQ(strides.begun, Numbers{0.0});
   EXPECT_THAT(strides.until,
               testing::Pointwise(testing::DoubleNear(1e-12), Numbers{0.01, 0.014, 0.02, 0.024, 0.03}));
-  EXPECT_EQ(strides.told, (Numbers{0, 0, 0.2, 0.2, 0.4}));
+  EXPECT_EQ(strides.received, (Numbers{0, 0, 0.2, 0.2, 0.4}));
   EXPECT_EQ(strides.pushed, Numbers(5, 0.5));
   EXPECT_EQ(plant.x()[7], apart[7] + 5.0);
   for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(plant.x()[i], models.x()[i]);

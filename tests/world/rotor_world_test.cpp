@@ -348,7 +348,7 @@ TEST(RotorWorld, VehiclesAndTheirDownwashAreTheSameWhateverTheThreads) {
   const Hover many(Vehicle::crazyflie(), places);
   const auto flown = [&](int threads) {
     PlantOptions options = blowing;
-    if (threads > 1) options.crew = std::make_shared<Crew>(threads);
+    if (threads > 1) options.pool = std::make_shared<ThreadPool>(threads);
     RotorWorld world = many.world(options);
     return fly(world, 100, many.rest());
   };

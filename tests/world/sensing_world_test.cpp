@@ -44,9 +44,9 @@ TEST(SensingWorld, AnAttitudeIsWhatTheWorldTellsElseTheModelS) {
   EXPECT_EQ(sight.p.x, 1.5);
   Measured now{};
   EXPECT_EQ(world.attitude_of(BodyId{1}, sight, now), leaning(sight.d, sight.lean));
-  const std::vector<Quaternion> told = {no_attitude, {0.6, 0.8, 0.0, 0.0}};
-  now.attitudes = told;
-  EXPECT_EQ(world.attitude_of(BodyId{1}, sight, now), told[1]);
+  const std::vector<Quaternion> received = {no_attitude, {0.6, 0.8, 0.0, 0.0}};
+  now.attitudes = received;
+  EXPECT_EQ(world.attitude_of(BodyId{1}, sight, now), received[1]);
   EXPECT_EQ(world.attitude_of(BodyId{0}, sight, now), leaning(sight.d, sight.lean));
 }
 

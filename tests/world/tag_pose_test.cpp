@@ -44,7 +44,7 @@ double angle(const Rotation& a, const Rotation& b) {
 }
 
 TEST(TagPose, IsFoundFromExactCornersWithoutAGuess) {
-  RandomStream chance(1, Chance::sighting, 0);
+  RandomStream chance(1, StreamId::sighting, 0);
   for (const double d : {0.5, 1.0, 2.0, 3.0}) {
     for (const double az : {-40.0, 5.0, 20.0, 45.0}) {
       for (const double el : {0.0, 28.0}) {
@@ -69,7 +69,7 @@ TEST(TagPose, OfNoCornersOrCornersOfNoSquareIsNone) {
 
 /// The errors of poses from noisy corners have the covariance that is said: their squares by it have the mean of a chi^2 of 6.
 TEST(PoseInformation, SaysTheCovarianceOfPosesFromNoisyCorners) {
-  RandomStream chance(5, Chance::sighting, 0);
+  RandomStream chance(5, StreamId::sighting, 0);
   for (const double d : {0.8, 1.2}) {
     for (const double az : {25.0, 45.0}) {
       const RigidPose pose = pose_at(d, az, 15);

@@ -29,42 +29,42 @@ struct Heard {
   std::vector<std::pair<double, BodyBroadcast>> broadcasts;  // with the time of arrival
 };
 Heard listen(TelemetryWorld& world, int periods, std::vector<double> u = std::vector<double>(8)) {
-  Heard heard;
+  Heard received;
   for (int k = 0; k < periods; ++k) {
     const Measured now = world.measure(k * tick);
     EXPECT_LE(now.motions.size(), world.measured_max().motions);
     EXPECT_LE(now.broadcasts.size(), world.measured_max().broadcasts);
-    heard.motions.insert(heard.motions.end(), now.motions.begin(), now.motions.end());
-    for (const BodyBroadcast& one : now.broadcasts) heard.broadcasts.emplace_back(k * tick, one);
+    received.motions.insert(received.motions.end(), now.motions.begin(), now.motions.end());
+    for (const BodyBroadcast& one : now.broadcasts) received.broadcasts.emplace_back(k * tick, one);
     EXPECT_TRUE(test::apply(world, k * tick, now.measured, u, tick, 1));
   }
-  return heard;
+  return received;
 }
 
 TEST(TelemetryWorld, ARobotTellsItsMotionEachPeriodAfterTheFirst) {
   TelemetryWorld world(pair_at_rest(), {.robots = {{BodyId{1}, {}}}});
   std::vector<double> u(8);
   u[4] = 0.5;  // b flies ahead
-  const Heard heard = listen(world, 200, u);
-  ASSERT_EQ(heard.motions.size(), 199U);
+  const Heard received = listen(world, 200, u);
+  ASSERT_EQ(received.motions.size(), 199U);
   double v = 0.0;
-  for (const RobotMotion& one : heard.motions) {
+  for (const RobotMotion& one : received.motions) {
     EXPECT_EQ(one.robot, BodyId{1});
     EXPECT_NEAR(one.motion.dt, tick, 1e-12);
     v += one.motion.v_V.x / 199;
   }
   EXPECT_GT(v, 0.2) << "ahead is along its own heading";
-  EXPECT_TRUE(heard.broadcasts.empty());
+  EXPECT_TRUE(received.broadcasts.empty());
 }
 
 TEST(TelemetryWorld, ABodyBroadcastsItsPoseAtItsRateWithItsErrors) {
   TelemetryWorld world(
       pair_at_rest(),
       {.broadcasters = {BodyId{1}}, .radio = {.rate = 20.0, .position_sigma = 0.03, .heading_sigma = 0.1}});
-  const Heard heard = listen(world, 4000);
-  ASSERT_EQ(heard.broadcasts.size(), 800U);
+  const Heard received = listen(world, 4000);
+  ASSERT_EQ(received.broadcasts.size(), 800U);
   double x = 0.0, squares = 0.0, psi = 0.0, turns = 0.0;
-  for (const auto& [arrival, one] : heard.broadcasts) {
+  for (const auto& [arrival, one] : received.broadcasts) {
     EXPECT_EQ(arrival, one.pose.stamp);
     EXPECT_EQ(one.pose.P(0, 0), 0.03 * 0.03);
     EXPECT_NEAR(one.pose.P(3, 3), 0.01, 1e-15);
@@ -80,9 +80,9 @@ TEST(TelemetryWorld, ABodyBroadcastsItsPoseAtItsRateWithItsErrors) {
 TEST(TelemetryWorld, MessagesComeLateAndSomeAreLost) {
   TelemetryWorld world(pair_at_rest(),
                        {.broadcasters = {BodyId{0}}, .radio = {.latency = {0.05, 0.2}, .dropout = 0.3}});
-  const Heard heard = listen(world, 4000);
-  EXPECT_NEAR(static_cast<double>(heard.broadcasts.size()), 0.7 * 4000, 100);
-  for (const auto& [arrival, one] : heard.broadcasts) {
+  const Heard received = listen(world, 4000);
+  EXPECT_NEAR(static_cast<double>(received.broadcasts.size()), 0.7 * 4000, 100);
+  for (const auto& [arrival, one] : received.broadcasts) {
     EXPECT_GE(arrival - one.pose.stamp, 0.05 - 1e-9);
     EXPECT_LE(arrival - one.pose.stamp, 0.2 + tick);
   }
@@ -110,8 +110,8 @@ TEST(TelemetryWorld, OneThatIsAbsentTellsNothingAndComesAgainWithoutAJump) {
 TEST(TelemetryWorld, ItsChanceIsEachBodysOwn) {
   const auto first = [](const TelemetryOptions& options) {
     TelemetryWorld world(pair_at_rest(), options);
-    const Heard heard = listen(world, 10);
-    for (const auto& [arrival, one] : heard.broadcasts)
+    const Heard received = listen(world, 10);
+    for (const auto& [arrival, one] : received.broadcasts)
       if (one.body == BodyId{1}) return one.pose.p.x;
     return 0.0;
   };

@@ -26,16 +26,16 @@ class Outside final : public test::SeeingWorld {
     measured.truth = {};
     return measured;
   }
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override {
-    believed_all &= believed.size() == two_robots_start.size();
-    (void)SeeingWorld::apply(t, believed, u, period, periods);
-    told += periods;
+    believed_all &= estimated.size() == two_robots_start.size();
+    (void)SeeingWorld::apply(t, estimated, u, period, periods);
+    received += periods;
     return --left_ > 0;
   }
 
   bool believed_all = true;
-  std::int64_t told = 0;  // periods
+  std::int64_t received = 0;  // periods
 
  private:
   int left_;
@@ -104,7 +104,7 @@ TEST(World, IsToldEveryPeriodOnceThoughSomeAreMissed) {
   const LoopOutcome outcome = Loop(outside, {solver}, clock, kept, {.duration = 1.0}).run();
   EXPECT_EQ(outcome.missed, 30);
   EXPECT_EQ(outcome.updates, 70);
-  EXPECT_EQ(outside.told, 100);
+  EXPECT_EQ(outside.received, 100);
 }
 
 }  // namespace

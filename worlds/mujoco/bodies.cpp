@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "worlds/mujoco/mjcf.hpp"
 #include "worlds/mujoco/shape.hpp"
 
@@ -30,8 +30,8 @@ ModelPointer model_of(const Team& team, const std::vector<RobotVehicle>& vehicle
   try {
     return load(mjcf, surroundings ? &*surroundings : nullptr);
   } catch (const std::invalid_argument& error) {
-    if (!surroundings) refuse("MuJoCo refuses the model of the team: {}", error.what());
-    refuse("model = \"{}\", MuJoCo refuses it: {}", surroundings->name, error.what());
+    if (!surroundings) throw_invalid("MuJoCo refuses the model of the team: {}", error.what());
+    throw_invalid("model = \"{}\", MuJoCo refuses it: {}", surroundings->name, error.what());
   }
 }
 
@@ -62,8 +62,8 @@ MujocoWorld::Bodies::Bodies(const Team& team, const std::vector<RobotVehicle>& v
                                                                 model_->body_inertia + 3 * body.id;
     if (*mass != v.mass || inertia[0] != v.inertia.x || inertia[1] != v.inertia.y ||
         inertia[2] != v.inertia.z)
-      refuse("model = \"{}\", its settings change the mass or the inertia of {}",
-             surroundings ? surroundings->name : "", team.name(BodyId{i}));
+      throw_invalid("model = \"{}\", its settings change the mass or the inertia of {}",
+                    surroundings ? surroundings->name : "", team.name(BodyId{i}));
   }
 }
 
@@ -195,15 +195,16 @@ std::string_view MujocoWorld::Bodies::surface(int geom) const noexcept {
 }
 
 void MujocoWorld::Bodies::check_start(const Team& team) {
-  if (!find_contacts(*model_, *data_)) refuse("MuJoCo finds no contacts: {}", on_one_line(last_error()));
+  if (!find_contacts(*model_, *data_))
+    throw_invalid("MuJoCo finds no contacts: {}", on_one_line(last_error()));
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
     const int a = owner_[size(contact.geom1)], b = owner_[size(contact.geom2)];
     if ((a >= 0) == (b >= 0) || contact.dist > -depth_at_start_max) continue;
     const int own = a >= 0 ? contact.geom1 : contact.geom2, other = a >= 0 ? contact.geom2 : contact.geom1;
     if (bits_[size(own)].second == outer_bit) continue;
-    refuse("{} starts {:.3g} m deep in {}, expected outside of it", team.name(BodyId{std::max(a, b)}),
-           -contact.dist, surface(other));
+    throw_invalid("{} starts {:.3g} m deep in {}, expected outside of it", team.name(BodyId{std::max(a, b)}),
+                  -contact.dist, surface(other));
   }
 }
 

@@ -136,8 +136,8 @@ const char* last_error() noexcept { return message.data(); }
 
 const char* warning(const mjData& data) noexcept {
   for (const int kind : fatal) {
-    const mjWarningStat& told = data.warning[kind];
-    if (told.number > 0) return mju_warningText(kind, told.lastinfo);
+    const mjWarningStat& reported = data.warning[kind];
+    if (reported.number > 0) return mju_warningText(kind, reported.lastinfo);
   }
   return nullptr;
 }

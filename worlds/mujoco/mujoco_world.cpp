@@ -19,9 +19,9 @@ MujocoWorld::MujocoWorld(const Team& team, std::vector<double> x0, const std::ve
 
 MujocoWorld::Bodies& MujocoWorld::bodies() const noexcept { return static_cast<Bodies&>(fleet()); }
 
-bool MujocoWorld::apply(double t, std::span<const double> believed, const Command& u, double period,
+bool MujocoWorld::apply(double t, std::span<const double> estimated, const Command& u, double period,
                         std::int64_t periods) noexcept {
-  return VehicleWorld::apply(t, believed, u, period, periods) && !bodies().failed();
+  return VehicleWorld::apply(t, estimated, u, period, periods) && !bodies().failed();
 }
 
 void MujocoWorld::before(double) noexcept {
@@ -58,12 +58,12 @@ Vehicle vehicle_of_mjcf(const Vehicle& vehicle, const ModelBody& model) {
   return read;
 }
 
-void add_mujoco(Parts& parts) {
+void add_mujoco(Registry& registry) {
   const auto make = [](const Scenario& scenario) -> std::unique_ptr<World> {
     return std::make_unique<MujocoWorld>(scenario.team, scenario.x0, scenario.vehicles,
                                          plant_options(scenario), sensor_options(scenario), scenario.model);
   };
-  parts.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf, mujoco::make_renderer);
+  registry.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf, mujoco::make_renderer);
 }
 
 }  // namespace sightline

@@ -4,7 +4,7 @@
 #include "sightline/scenario/read_camera.hpp"
 #include "worlds/mujoco/camera/rendered_detections.hpp"
 #else
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #endif
 
 namespace sightline::mujoco {
@@ -15,7 +15,7 @@ std::unique_ptr<DetectionSource> make_renderer(const Scenario& scenario) {
 }
 #else
 std::unique_ptr<DetectionSource> make_renderer(const Scenario&) {
-  refuse("a camera has render = true, expected false: this program was built without EGL or AprilTag");
+  throw_invalid("a camera has render = true, expected false: this program was built without EGL or AprilTag");
 }
 #endif
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "worlds/mujoco/engine.hpp"
 #include "worlds/mujoco/mjcf.hpp"
 
@@ -81,13 +81,13 @@ Shape shape_of(const ModelBody& model) {
   try {
     read = load(included(file), &file);
   } catch (const std::invalid_argument& error) {
-    refuse("model = \"{}\", MuJoCo refuses it: {}", file.name, error.what());
+    throw_invalid("model = \"{}\", MuJoCo refuses it: {}", file.name, error.what());
   }
   const auto names = names_of_bodies(*read);
-  if (names.empty()) refuse("model = \"{}\", expected an MJCF with a body that has a name", file.name);
+  if (names.empty()) throw_invalid("model = \"{}\", expected an MJCF with a body that has a name", file.name);
   const int body = mj_name2id(read.get(), mjOBJ_BODY, model.body.c_str());
   if (body <= 0)
-    refuse("body = \"{}\", expected one of {}: {}", model.body, file.name, fmt::join(names, ", "));
+    throw_invalid("body = \"{}\", expected one of {}: {}", model.body, file.name, fmt::join(names, ", "));
 
   const DataPointer data = data_of(*read);
   mj_kinematics(read.get(), data.get());
@@ -99,11 +99,11 @@ Shape shape_of(const ModelBody& model) {
     shape.mass += read->body_mass[part];
     add_inertia(*read, *data, part, body, inertia);
   }
-  if (!(shape.mass > 0)) refuse("body = \"{}\", expected one with mass, it has none", model.body);
+  if (!(shape.mass > 0)) throw_invalid("body = \"{}\", expected one with mass, it has none", model.body);
   shape.inertia = {inertia[0], inertia[4], inertia[8]};
   const double off = std::max({std::abs(inertia[1]), std::abs(inertia[2]), std::abs(inertia[5])});
   if (off > off_axis_max * std::min({inertia[0], inertia[4], inertia[8]}))
-    refuse(
+    throw_invalid(
         "body = \"{}\", expected principal axes of inertia along its x, y and z, a product of inertia is "
         "{:.3g} "
         "kg m^2",
@@ -114,7 +114,7 @@ Shape shape_of(const ModelBody& model) {
     if (!touches || !belongs(*read, read->geom_bodyid[geom], body)) continue;
     const int type = read->geom_type[geom];
     if (type == mjGEOM_PLANE || type == mjGEOM_HFIELD)
-      refuse("body = \"{}\", expected one without planes and height fields that touch", model.body);
+      throw_invalid("body = \"{}\", expected one without planes and height fields that touch", model.body);
     shape.geoms.push_back(geom_of(*read, *data, geom, body));
   }
   return shape;

@@ -313,33 +313,33 @@ class Pair {
 class KnownPairs {
  public:
   PairAdvice advice(std::vector<Member> members, const Ends& ends, const std::vector<PairAdvice>& earlier) {
-    std::vector<Likeness> likeness;
+    std::vector<WarmStart> warm_start;
     for (const Member& m : members) {
       const Weighted& term = m.of->term;
-      likeness.push_back({std::string(term.potential.name()), term.weight, m.turned, m.felt_by(ends.first),
-                          m.felt_by(ends.second), m.in_world ? ends.places() : std::array<double, 6>{},
-                          formula_of(term.potential)});
+      warm_start.push_back({std::string(term.potential.name()), term.weight, m.turned, m.felt_by(ends.first),
+                            m.felt_by(ends.second), m.in_world ? ends.places() : std::array<double, 6>{},
+                            formula_of(term.potential)});
     }
     for (const auto& [index, other] : known_) {
-      if (other != likeness) continue;
+      if (other != warm_start) continue;
       PairAdvice same = earlier[index];
       renumber(same, members);
       same.first = ends.first, same.second = ends.second, same.same_as = index;
       return same;
     }
-    known_.emplace_back(earlier.size(), std::move(likeness));
+    known_.emplace_back(earlier.size(), std::move(warm_start));
     return Pair(std::move(members), ends).advice();
   }
 
  private:
-  struct Likeness {
+  struct WarmStart {
     std::string name;
     double weight;
     bool turned, felt_by_first, felt_by_second;
     std::array<double, 6> starts;  // 0 where they do not matter
     Program formula;
 
-    bool operator==(const Likeness&) const = default;
+    bool operator==(const WarmStart&) const = default;
   };
 
   /// Gives an advice the couplings of another pair, in the same order.
@@ -356,7 +356,7 @@ class KnownPairs {
     for (std::size_t i = 0; i < members.size(); ++i) a.limits[i].coupling = members[i].coupling;
   }
 
-  std::vector<std::pair<std::size_t, std::vector<Likeness>>> known_;
+  std::vector<std::pair<std::size_t, std::vector<WarmStart>>> known_;
 };
 
 /// Whether a limit can hold together with one of its own pair: then evading the other does not cost it.

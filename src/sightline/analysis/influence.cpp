@@ -56,9 +56,9 @@ std::string what_it_sees(const bool* seen, std::string_view name) {
 }
 
 std::string beyond(std::string_view who, std::string_view sees, std::string_view feeling,
-                   std::string_view way_out) {
+                   std::string_view maneuver) {
   return fmt::format("{} depends on {}, which {} cannot change: it will not be kept; {}", who,
-                     sees.empty() ? "no pose and no velocity" : sees, feeling, way_out);
+                     sees.empty() ? "no pose and no velocity" : sees, feeling, maneuver);
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ struct CycleInTeam {
 };
 
 /// What brings a cycle to rest, of what a user can change in a line.
-std::vector<std::string> ways_out(const CycleInTeam& cycle) {
+std::vector<std::string> maneuvers(const CycleInTeam& cycle) {
   const Team& team = cycle.team;
   std::vector<std::string> ways;
   const Team level = changed(team, [&](Coupling& c) {
@@ -139,12 +139,12 @@ std::vector<std::string> ways_out(const CycleInTeam& cycle) {
 
 /// A team that events can make of a scenario's.
 struct Possible {
-  Roster roster;
-  std::set<std::size_t> happened{};
+  ActiveTeam active_team;
+  std::set<std::size_t> occurred{};
   std::vector<std::string> stages;
   std::vector<std::string> names{};  // of the events that led to it
 
-  auto key() const { return std::pair(happened, stages); }
+  auto key() const { return std::pair(occurred, stages); }
 };
 
 bool is_armed(const TeamEvent& event, const std::vector<std::string>& stages) {
@@ -163,7 +163,7 @@ bool waits(const Script& script, const Possible& at, std::size_t event) {
   if (time == nullptr) return false;
   for (std::size_t i = 0; i < script.events.size(); ++i) {
     const auto* other = std::get_if<AtTime>(&script.events[i].trigger);
-    if (other != nullptr && other->t < time->t && !at.happened.contains(i) &&
+    if (other != nullptr && other->t < time->t && !at.occurred.contains(i) &&
         is_armed(script.events[i], at.stages))
       return true;
   }
@@ -174,21 +174,21 @@ Possible after(const Script& script, const Possible& before, std::size_t number)
   const TeamEvent& event = script.events[number];
   Possible next = before;
   const auto t = static_cast<double>(next.names.size() + 1);  // weights move at once, so any rising time does
-  for (const Action& action : event.actions) (void)next.roster.apply(action, t, 0.0);
-  next.happened.insert(number);
+  for (const Action& action : event.actions) (void)next.active_team.apply(action, t, 0.0);
+  next.occurred.insert(number);
   next.names.push_back(event.name.empty() ? fmt::format("event[{}]", number)
                                           : fmt::format("the event \"{}\"", event.name));
   if (event.enter.empty()) return next;
   for (std::string& stage : next.stages) {
     if (region_of(stage) == region_of(event.enter)) stage = event.enter;
   }
-  std::erase_if(next.happened, [&](std::size_t i) { return script.events[i].stage == event.enter; });
+  std::erase_if(next.occurred, [&](std::size_t i) { return script.events[i].stage == event.enter; });
   return next;
 }
 
 /// Takes in the cycles of a team that were not met before; ids become those of the scenario.
 void collect(const Scenario& scenario, const Possible& at, std::vector<ObservationCycle>& cycles) {
-  const Team team = at.roster.team(static_cast<double>(at.names.size() + 1));
+  const Team team = at.active_team.team(static_cast<double>(at.names.size() + 1));
   std::vector<double> x0;
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i}, original = scenario.team.find(team.name(body));
@@ -226,21 +226,21 @@ std::vector<ObservationCycle> observation_cycles(const Team& team, std::span<con
     const auto drift = in_team.drift(team);
     if (!drift) continue;
     cycle.drift = *drift;
-    cycle.ways_out = ways_out(in_team);
+    cycle.maneuvers = maneuvers(in_team);
   }
   return cycles;
 }
 
 std::vector<ObservationCycle> observation_cycles(const Scenario& scenario) {
   std::vector<ObservationCycle> cycles;
-  std::deque<Possible> open = {{Roster(scenario.team, scenario.presence), {}, scenario.script.begins}};
+  std::deque<Possible> open = {{ActiveTeam(scenario.team, scenario.presence), {}, scenario.script.begins}};
   std::set<std::pair<std::set<std::size_t>, std::vector<std::string>>> met = {open.front().key()};
   for (; !open.empty(); open.pop_front()) {
     const Possible& at = open.front();
     collect(scenario, at, cycles);
     for (std::size_t i = 0; i < scenario.script.events.size() && met.size() < teams_max; ++i) {
       const TeamEvent& event = scenario.script.events[i];
-      if (!is_armed(event, at.stages) || (at.happened.contains(i) && !event.repeat) || is_chosen(event) ||
+      if (!is_armed(event, at.stages) || (at.occurred.contains(i) && !event.repeat) || is_chosen(event) ||
           waits(scenario.script, at, i))
         continue;
       Possible next = after(scenario.script, at, i);
@@ -263,8 +263,8 @@ std::string to_string(const ObservationCycle& cycle, const Team& team) {
   text += fmt::format(": no rest suits all, they {} together for ever", !upright  ? "wander"
                                                                         : d.z > 0 ? "climb"
                                                                                   : "sink");
-  if (cycle.ways_out.empty()) return text + "; let one of them observe a body outside the cycle";
-  return text + fmt::format("; {}", fmt::join(cycle.ways_out, ", or "));
+  if (cycle.maneuvers.empty()) return text + "; let one of them observe a body outside the cycle";
+  return text + fmt::format("; {}", fmt::join(cycle.maneuvers, ", or "));
 }
 
 }  // namespace sightline

@@ -14,7 +14,7 @@ struct ObservationCycle {
   std::vector<AgentId> robots;  ///< each once, the least index first
   std::string after{};   ///< the events that led to it, in their order; empty: it is there from the start
   Vec3<double> drift{};  ///< where they go together, a direction; 0: they come to rest
-  std::vector<std::string> ways_out{};  ///< what brings them to rest, each tried
+  std::vector<std::string> maneuvers{};  ///< what brings them to rest, each tried
 };
 
 /// The cycles of a team whose states are x0 (team.nx()); at most one through each pair of observer and target.

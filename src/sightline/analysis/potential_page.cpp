@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sightline/analysis/potential_figures.hpp"
-#include "sightline/analysis/verdict_words.hpp"
+#include "sightline/analysis/verdict_text.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/plot/page.hpp"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <numbers>
 
-#include "sightline/analysis/verdict_words.hpp"
+#include "sightline/analysis/verdict_text.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/quantile.hpp"
 

@@ -1,4 +1,4 @@
-#include "sightline/analysis/verdict_words.hpp"
+#include "sightline/analysis/verdict_text.hpp"
 
 #include <fmt/format.h>
 

@@ -48,7 +48,7 @@ void Failure::record(const char* service) noexcept {
 }
 
 std::string_view Failure::sentence() const noexcept {
-  if (!happened()) return {};
+  if (!occurred()) return {};
   return {line_.data() + begin_of_line.size(), length_ - begin_of_line.size() - 1};
 }
 

@@ -22,7 +22,7 @@ class Failure {
   /// @param service  that failed, "the page"; text that lives as long as this
   void record(const char* service) noexcept;
 
-  bool happened() const noexcept { return state_.load(std::memory_order_acquire) == State::kept; }
+  bool occurred() const noexcept { return state_.load(std::memory_order_acquire) == State::kept; }
   /// "the page has ended: there is not enough memory"; empty where nothing failed. At most `length_max` bytes.
   std::string_view sentence() const noexcept;
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 
@@ -12,7 +12,7 @@ std::string Bounds::expected(std::string_view unit) const {
 }
 
 void refuse_parameter(std::string_view part, std::string_view key, double value, std::string_view expected) {
-  refuse("{}.{} = {}, expected {}", part, key, value, expected);
+  throw_invalid("{}.{} = {}, expected {}", part, key, value, expected);
 }
 
 std::string words_text(std::span<const std::string_view> words) {

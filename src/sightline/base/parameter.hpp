@@ -231,7 +231,7 @@ class ParameterSource {
   /// The place of the word in `known`.
   virtual std::size_t word(std::string_view key, std::span<const std::string_view> known) const = 0;
   /// Refuses the whole with what a part says of itself, "part.key = value, expected ...".
-  [[noreturn]] virtual void refuse(std::string_view sentence) const = 0;
+  [[noreturn]] virtual void throw_invalid(std::string_view sentence) const = 0;
 };
 
 namespace detail {

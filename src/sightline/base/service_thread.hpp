@@ -60,7 +60,7 @@ class ServiceThread {
     if (thread_.joinable()) thread_.join();
   }
 
-  bool failed() const noexcept { return failure_.happened(); }
+  bool failed() const noexcept { return failure_.occurred(); }
   /// Why the service has ended; empty where nothing failed.
   std::string_view failure() const noexcept { return failure_.sentence(); }
 

@@ -10,7 +10,7 @@ namespace sightline {
 
 /// @throws std::invalid_argument with the sentence, always
 template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+[[noreturn]] void throw_invalid(fmt::format_string<Args...> sentence, Args&&... args) {
   throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));
 }
 

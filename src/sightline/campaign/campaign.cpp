@@ -7,8 +7,8 @@
 #include <map>
 #include <mutex>
 
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/service_thread.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -67,7 +67,7 @@ class Order {
 
 }  // namespace
 
-Controls& Pilot::controls_of(const RunDraw& run, const Scenario& scenario) {
+Controls& RunWorker::controls_of(const RunDraw& run, const Scenario& scenario) {
   std::vector<double> values = variants_.team_values(run);
   const auto known = std::find_if(controls_.begin(), controls_.end(),
                                   [&](const auto& controls) { return controls.first == values; });
@@ -79,14 +79,14 @@ Controls& Pilot::controls_of(const RunDraw& run, const Scenario& scenario) {
   return *controls_.emplace_back(std::move(values), std::make_unique<Controls>(scenario)).second;
 }
 
-RunResult Pilot::fly(const RunDraw& run) {
+RunResult RunWorker::fly(const RunDraw& run) {
   Scenario scenario = variants_.of(run);
-  scenario.log.paths = 0;
+  scenario.log.prediction_period = 0;
   Controls& controls = controls_of(run, scenario);
   const Controllers controllers = controls.controllers();
   SimulatedClock clock;
   const auto world = make_world(scenario);
-  Judge judge(scenario, plan_, sized_sample(*world, controllers, controls.team_switcher()));
+  RunEvaluator judge(scenario, plan_, sized_sample(*world, controllers, controls.team_switcher()));
   ClosedLoop loop(scenario, *world, controllers, clock, judge, nullptr, controls.team_switcher());
   const LoopOutcome outcome = loop.fly();
   return judge.result(outcome, outcome.finite ? std::string() : world->ended());
@@ -95,7 +95,7 @@ RunResult Pilot::fly(const RunDraw& run) {
 const CampaignPlan& campaign_plan(const Scenario& scenario) {
   if (scenario.campaign_refusal) throw *scenario.campaign_refusal;
   if (scenario.campaign) return *scenario.campaign;
-  refuse("{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native());
+  throw_invalid("{}:1: campaign is missing, expected [campaign] with what is drawn", scenario.file.native());
 }
 
 void check_campaign(const Scenario& scenario, const CampaignPlan& plan) { Variants(scenario, plan); }
@@ -107,7 +107,7 @@ int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const Campa
   std::atomic<int> next{options.first};
   const auto work = [&] {
     try {
-      Pilot pilot(variants, plan);
+      RunWorker pilot(variants, plan);
       const auto stopped = [&] { return options.stop != nullptr && options.stop->load(); };
       const int size = options.shard.size(options.runs);
       for (int i = next++; i < size && !order.failed() && !stopped(); i = next++) {

@@ -26,10 +26,10 @@ struct CampaignOptions {
 };
 
 /// Flies runs one after another, in one thread, with solvers that are made once.
-class Pilot {
+class RunWorker {
  public:
   /// @param variants  outlives this
-  Pilot(const Variants& variants, const CampaignPlan& plan) : variants_(variants), plan_(plan) {}
+  RunWorker(const Variants& variants, const CampaignPlan& plan) : variants_(variants), plan_(plan) {}
 
   /// @throws ScenarioError where a number drawn is refused
   RunResult fly(const RunDraw& run);

@@ -3,7 +3,7 @@
 namespace sightline {
 
 double draw(const Distribution& d, RandomStream& random) {
-  if (d.share > 0 && random.uniform() <= d.share) return d.exactly;
+  if (d.fraction > 0 && random.uniform() <= d.fraction) return d.constant;
   switch (d.kind) {
     case Distribution::Kind::uniform:
       return d.values[0] + (d.values[1] - d.values[0]) * random.uniform();
@@ -14,14 +14,14 @@ double draw(const Distribution& d, RandomStream& random) {
   }
   double left = random.uniform();
   std::size_t i = 0;
-  while (i + 1 < d.values.size() && left > d.shares[i]) left -= d.shares[i++];
+  while (i + 1 < d.values.size() && left > d.fractions[i]) left -= d.fractions[i++];
   return d.values[i];
 }
 
 RunDraw draw_run(const CampaignPlan& plan, std::uint64_t seed, int index) {
-  RunDraw run{.index = index, .seed = RandomStream(seed, Chance::run, index).bits() >> 11, .values = {}};
+  RunDraw run{.index = index, .seed = RandomStream(seed, StreamId::run, index).bits() >> 11, .values = {}};
   const auto next = [&](const Distribution& distribution) {
-    RandomStream random(run.seed, Chance::draw, static_cast<int>(run.values.size()));
+    RandomStream random(run.seed, StreamId::draw, static_cast<int>(run.values.size()));
     run.values.push_back(draw(distribution, random));
   };
   for (const StartDraw& start : plan.starts) {

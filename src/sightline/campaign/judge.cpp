@@ -17,7 +17,7 @@ std::string_view to_string(Outcome outcome) {
   return names[static_cast<std::size_t>(outcome)];
 }
 
-Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
+RunEvaluator::RunEvaluator(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
     : team_(scenario.team),
       plan_(plan),
       period_(scenario.horizon.dt),
@@ -32,7 +32,7 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
       gaps_(sample_.solvers.size()) {
   const std::vector<Coupling> couplings = changes_ ? all_couplings(scenario) : team_.couplings();
   for (const Observation& pair : observations(couplings))
-    views_.push_back({.pair = pair, .asked = !changes_});
+    views_.push_back({.pair = pair, .requested = !changes_});
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
@@ -44,30 +44,30 @@ Judge::Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample)
 }
 
 /// What is asked of whom from this sample on. @return whether it is something else than before
-bool Judge::follow() {
+bool RunEvaluator::follow() {
   const bool changed = present_.follow(sample_);
   if (!changes_ || (!changed && updates_ > 0)) return false;
   const std::vector<Coupling> couplings = present_.couplings();
   if (changed) drift_.restart(couplings);
-  const std::vector<Observation> asked = observations(couplings);
+  const std::vector<Observation> requested = observations(couplings);
   for (View& view : views_) {
-    const bool now = std::any_of(asked.begin(), asked.end(), [&](const Observation& one) {
+    const bool now = std::any_of(requested.begin(), requested.end(), [&](const Observation& one) {
       return one.observer == view.pair.observer && one.target == view.pair.target;
     });
     // Who was not given the time to see it is not blamed.
-    if (view.asked && !now && (view.first < never || sample_.time - view.since > plan_.view_within))
+    if (view.requested && !now && (view.first < never || sample_.time - view.since > plan_.view_within))
       view.waited = view.wait();
-    if (now && !view.asked) view.since = sample_.time, view.first = view.last = never;
-    view.asked = now;
+    if (now && !view.requested) view.since = sample_.time, view.first = view.last = never;
+    view.requested = now;
   }
   return true;
 }
 
-void Judge::look() noexcept {
+void RunEvaluator::look() noexcept {
   for (int i = 0; i < team_.bodies(); ++i) sights_[at(BodyId{i})] = true_sight(team_, BodyId{i}, sample_);
 }
 
-void Judge::publish() noexcept {
+void RunEvaluator::publish() noexcept {
   if (failure_) return;
   try {
     judge();
@@ -76,7 +76,7 @@ void Judge::publish() noexcept {
   }
 }
 
-void Judge::judge() {
+void RunEvaluator::judge() {
   const bool is_update = sample_.of == Sample::Of::update, changed = is_update && follow();
   if (updates_ == 0) {
     sample_.u.swap(u_rest_);  // before any input
@@ -105,10 +105,10 @@ void Judge::judge() {
       robot.error.add(*steered, sample_.time, sights_[at(robot.body)]);
   if (!good || !apart) ++result_.violations;
 
-  bool any_asked = false, all_seen = true;
+  bool any_requested = false, all_seen = true;
   for (View& view : views_) {
-    if (!view.asked) continue;
-    any_asked = true;
+    if (!view.requested) continue;
+    any_requested = true;
     const auto sight = [&](BodyId body) { return sights_[at(body)]; };
     const Sight<double> observer = first_sight(sight, view.pair.observer, view.pair.third);
     const Sight<double>& target = sights_[at(view.pair.target)];
@@ -117,7 +117,7 @@ void Judge::judge() {
     result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);
     all_seen = all_seen && view.seen;
   }
-  if (any_asked && all_seen) ++seen_;
+  if (any_requested && all_seen) ++seen_;
   for (std::size_t c = 0; c < gaps_.size(); ++c) {
     const SolverRecord& record = sample_.solvers[c];
     gaps_[c].add(sample_.time, period_, record);
@@ -126,13 +126,13 @@ void Judge::judge() {
   }
 }
 
-void Judge::blame(Fault fault) noexcept {
+void RunEvaluator::blame(Fault fault) noexcept {
   if (fault_ != Fault::none) return;
   fault_ = fault;
   fault_time_ = sample_.time;
 }
 
-std::string Judge::reason(std::string ended, bool whole) const {
+std::string RunEvaluator::reason(std::string ended, bool whole) const {
   if (!ended.empty()) return ended;
   switch (fault_) {
     case Fault::not_finite:
@@ -149,7 +149,7 @@ std::string Judge::reason(std::string ended, bool whole) const {
   return whole ? "" : "the run broke off";
 }
 
-RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
+RunResult RunEvaluator::result(const LoopOutcome& outcome, std::string ended) const {
   if (failure_) std::rethrow_exception(failure_);
   RunResult result = result_;
   const auto periods = std::llround(plan_.duration / period_);
@@ -160,7 +160,7 @@ RunResult Judge::result(const LoopOutcome& outcome, std::string ended) const {
   bool at_end = true;
   for (const View& view : views_) {
     first = std::max(first, view.wait());
-    at_end = at_end && (view.seen || !view.asked);
+    at_end = at_end && (view.seen || !view.requested);
   }
   const bool in_time = views_.empty() || first <= plan_.view_within;
   result.time_to_first_view = std::isfinite(first) ? first : no_value;

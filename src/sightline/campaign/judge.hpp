@@ -70,12 +70,12 @@ struct RunResult {
 /// Takes the samples of a loop and judges them as they come; keeps none. Of a team that changes in flight those are judged that
 /// are there, by the couplings and limits in force. The hard distance of a pair is that of
 /// the scenario's [safety], or else of its [campaign].
-class Judge final : public Sink<Sample> {
+class RunEvaluator final : public Sink<Sample> {
  public:
   /// @param sample  of sized_sample()
-  Judge(const Scenario& scenario, const CampaignPlan& plan, Sample sample);
-  Judge(const Judge&) = delete;  // a loop writes into its sample
-  Judge& operator=(const Judge&) = delete;
+  RunEvaluator(const Scenario& scenario, const CampaignPlan& plan, Sample sample);
+  RunEvaluator(const RunEvaluator&) = delete;  // a loop writes into its sample
+  RunEvaluator& operator=(const RunEvaluator&) = delete;
 
   Sample* claim() noexcept override { return &sample_; }
   bool takes_between() const noexcept override { return true; }
@@ -92,12 +92,12 @@ class Judge final : public Sink<Sample> {
   static constexpr double never = std::numeric_limits<double>::infinity();
   struct View {
     Observation pair;
-    bool asked = false;                               // now
+    bool requested = false;                           // now
     bool seen = false;                                // in the last sample
     double since = 0.0, first = never, last = never;  // that it is asked, and seen [s]
     double waited = 0.0;                              // for the first sight, when it was asked before [s]
 
-    double wait() const { return asked ? std::max(waited, first - since) : waited; }
+    double wait() const { return requested ? std::max(waited, first - since) : waited; }
   };
 
   struct Robot {

@@ -15,8 +15,8 @@
 #include <utility>
 #include <variant>
 
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/table.hpp"
@@ -62,12 +62,13 @@ template <class T>
 const T& word_of(const AboutCampaign& about, std::string_view key) {
   const auto found = about.find(std::string(key));
   const T* const word = found == about.end() ? nullptr : std::get_if<T>(&found->second);
-  if (word == nullptr) refuse("its {} is missing or of another kind", key);
+  if (word == nullptr) throw_invalid("its {} is missing or of another kind", key);
   return *word;
 }
 
 ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
-  if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a shard", file.native());
+  if (!fs::is_regular_file(file))
+    throw_invalid("{}: is missing, expected the table of a shard", file.native());
   ShardTable table{.file = file};
   std::int64_t rows = 0, misplaced = 0, last = 0;
   try {
@@ -82,7 +83,7 @@ ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
       const char* const end = words.data() + words.size();
       const char* const number = std::min(words.data() + of + 4, end);
       if (std::from_chars(number, end, table.of_runs).ec != std::errc())
-        refuse("its shard is {}, expected I/N of RUNS", words);
+        throw_invalid("its shard is {}, expected I/N of RUNS", words);
       table.about.erase(shard);
     }
     Database::Statement made(database, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
@@ -102,17 +103,17 @@ ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
       if (!is_as_written(file, scratch)) throw std::runtime_error("bytes are not as they were written");
     }
   } catch (const std::exception& error) {
-    refuse("{}: holds no sound shard ({})", file.native(), sentence_of(error));
+    throw_invalid("{}: holds no sound shard ({})", file.native(), sentence_of(error));
   }
   if (table.of_runs == 0)
-    refuse("{}: holds a campaign that was not flown by --shard, expected a shard", file.native());
+    throw_invalid("{}: holds a campaign that was not flown by --shard, expected a shard", file.native());
   const int expected = table.shard.size(table.of_runs);
   if (rows != expected) {
-    refuse("{}: holds {} of the {} runs of shard {}: fly it to its end by --shard {} --resume", file.native(),
-           rows, expected, to_string(table.shard), to_string(table.shard));
+    throw_invalid("{}: holds {} of the {} runs of shard {}: fly it to its end by --shard {} --resume",
+                  file.native(), rows, expected, to_string(table.shard), to_string(table.shard));
   }
   if (misplaced > 0 || (rows > 0 && last != table.shard.run(expected - 1)))
-    refuse("{}: holds runs that are not of shard {}", file.native(), to_string(table.shard));
+    throw_invalid("{}: holds runs that are not of shard {}", file.native(), to_string(table.shard));
   return table;
 }
 
@@ -128,8 +129,8 @@ void check_same_campaign(const ShardTable& one, const ShardTable& other) {
     others.emplace_back("number of shards or runs");
   if (one.columns != other.columns) others.emplace_back("columns");
   if (others.empty()) return;
-  refuse("{}: holds a shard of another campaign than {}: another {}", other.file.native(), one.file.native(),
-         fmt::join(others, ", "));
+  throw_invalid("{}: holds a shard of another campaign than {}: another {}", other.file.native(),
+                one.file.native(), fmt::join(others, ", "));
 }
 
 /// By their first runs.
@@ -142,15 +143,15 @@ std::map<int, ShardTable> read_all(const std::vector<fs::path>& files, const fs:
     check_same_campaign(*one, table);
     const auto [there, added] = tables.emplace(table.shard.first(), table);
     if (!added)
-      refuse("{} and {} both hold shard {}", there->second.file.native(), file.native(),
-             to_string(table.shard));
+      throw_invalid("{} and {} both hold shard {}", there->second.file.native(), file.native(),
+                    to_string(table.shard));
   }
   std::vector<std::string> missing;
   for (int i = 1; i <= one->shard.of; ++i)
     if (!tables.contains(i % one->shard.of)) missing.push_back(std::to_string(i));
   if (!missing.empty())
-    refuse("of {} shards {} {} missing", one->shard.of, fmt::join(missing, ", "),
-           missing.size() == 1 ? "is" : "are");
+    throw_invalid("of {} shards {} {} missing", one->shard.of, fmt::join(missing, ", "),
+                  missing.size() == 1 ? "is" : "are");
   return tables;
 }
 
@@ -166,7 +167,7 @@ void check_room(const ShardTable& one, const fs::path& whole) {
   } catch (const std::runtime_error&) {  // no campaign
   }
   if (!same)
-    refuse(
+    throw_invalid(
         "{}: is there already and is not this campaign as a whole; give another folder by -o, or move the "
         "file away",
         whole.native());
@@ -175,7 +176,8 @@ void check_room(const ShardTable& one, const fs::path& whole) {
 }  // namespace
 
 CampaignWords campaign_words(const fs::path& file) {
-  if (!fs::is_regular_file(file)) refuse("{}: is missing, expected the table of a campaign", file.native());
+  if (!fs::is_regular_file(file))
+    throw_invalid("{}: is missing, expected the table of a campaign", file.native());
   try {
     Database database(file, Database::Open::as_it_is);
     const auto about = about_campaign(database);
@@ -194,12 +196,12 @@ CampaignWords campaign_words(const fs::path& file) {
             .runs = static_cast<int>(count.integer(0)),
             .recovered = static_cast<int>(count.integer(1))};
   } catch (const std::exception& error) {
-    refuse("{}: holds no campaign ({})", file.native(), sentence_of(error));
+    throw_invalid("{}: holds no campaign ({})", file.native(), sentence_of(error));
   }
 }
 
 void merge_shards(const std::vector<fs::path>& shards, const fs::path& whole) {
-  if (shards.empty()) refuse("no shard, expected one or more");
+  if (shards.empty()) throw_invalid("no shard, expected one or more");
   const fs::path unfinished = beside(whole), clean = whole.native() + ".clean";
   const std::map<int, ShardTable> tables = read_all(shards, unfinished);
   const ShardTable& one = tables.begin()->second;

@@ -165,7 +165,7 @@ double largest(const Distribution& d) {
   const double most = d.kind == Distribution::Kind::normal
                           ? d.values[0] + 3 * d.values[1]
                           : *std::max_element(d.values.begin(), d.values.end());
-  return d.share > 0 ? std::max(most, d.exactly) : most;
+  return d.fraction > 0 ? std::max(most, d.constant) : most;
 }
 
 std::string maps(std::vector<Runs>& tables, const CampaignPlan& plan) {
@@ -212,7 +212,7 @@ std::string choices(std::vector<Runs>& tables, const CampaignPlan& plan) {
 }
 
 std::string worst(Runs& runs, const std::string& command, const std::filesystem::path& folder) {
-  Database::Statement ask(
+  Database::Statement query(
       runs.database(),
       fmt::format(
           "SELECT \"index\", outcome, min_distance, time_to_first_view, fraction_in_view, barrier_conflict, "
@@ -225,13 +225,13 @@ std::string worst(Runs& runs, const std::string& command, const std::filesystem:
       "<h2>Worst runs</h2>\n<table>\n<tr class=\"soft\"><td>run</td><td>outcome</td><td>least distance</td>"
       "<td>first view</td><td>in view</td><td>barrier in conflict</td><td>failed by</td></tr>\n";
   std::string lines;
-  while (ask.step()) {
-    const std::int64_t index = ask.integer(0);
-    const auto value = [&](int column) { return ask.number(column).value_or(std::nan("")); };
+  while (query.step()) {
+    const std::int64_t index = query.integer(0);
+    const auto value = [&](int column) { return query.number(column).value_or(std::nan("")); };
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", index,
-        escaped(ask.text(1)), in(value(2), "m"), in(value(3), "s"), in(100 * value(4), "%"),
-        in(100 * value(5), "%"), escaped(ask.text(6)));
+        escaped(query.text(1)), in(value(2), "m"), in(value(3), "s"), in(100 * value(4), "%"),
+        in(100 * value(5), "%"), escaped(query.text(6)));
     lines += fmt::format("{} --only {} -o {}\n", command, index,
                          shell_word((folder / fmt::format("run_{}", index)).native()));
   }

@@ -23,16 +23,16 @@ double fewer_than(std::size_t k, std::size_t n) {
 /// Column of the runs that were recovered, by their index.
 std::map<std::int64_t, double> recovered(const CampaignTable& table, std::string_view column) {
   Database database(table.file, Database::Open::as_it_is);
-  Database::Statement ask(
+  Database::Statement query(
       database, fmt::format("SELECT \"index\", {} FROM runs WHERE outcome = 'recovered'", sql_name(column)));
   std::map<std::int64_t, double> values;
-  while (ask.step()) {
-    if (const auto value = ask.number(1)) values[ask.integer(0)] = *value;
+  while (query.step()) {
+    if (const auto value = query.number(1)) values[query.integer(0)] = *value;
   }
   return values;
 }
 
-std::string words(const Pairing& p) {
+std::string describe(const Pairing& p) {
   if (p.runs == 0) return "no run that both recovered";
   if (p.less == 0 && p.more == 0) return fmt::format("the same in {} runs that both recovered", p.runs);
   return fmt::format(
@@ -79,9 +79,9 @@ Pairing pair_runs(const CampaignTable& a, const CampaignTable& b, std::string_vi
 OutcomePairing pair_outcomes(const CampaignTable& a, const CampaignTable& b) {
   const auto outcomes = [](const CampaignTable& table) {
     Database database(table.file, Database::Open::as_it_is);
-    Database::Statement ask(database, "SELECT \"index\", outcome = 'recovered' FROM runs");
+    Database::Statement query(database, "SELECT \"index\", outcome = 'recovered' FROM runs");
     std::map<std::int64_t, bool> all;
-    while (ask.step()) all[ask.integer(0)] = ask.integer(1) != 0;
+    while (query.step()) all[query.integer(0)] = query.integer(1) != 0;
     return all;
   };
   const std::map<std::int64_t, bool> of_a = outcomes(a), of_b = outcomes(b);
@@ -102,11 +102,11 @@ std::vector<CampaignLine> energy_lines(const CampaignTable& a, const CampaignTab
       {"recovered",
        fmt::format("alone in {} of {} runs, the other alone in {} (McNemar: p = {:.2g})", outcomes.only_b,
                    outcomes.runs, outcomes.only_a, sign_test(outcomes.only_a, outcomes.only_b))},
-      {"energy", words(pair_runs(a, b, "energy"))}};
+      {"energy", describe(pair_runs(a, b, "energy"))}};
   const std::vector<std::string> of_b = Runs(b).energies();
   for (const std::string& column : Runs(a).energies()) {
     if (std::find(of_b.begin(), of_b.end(), column) == of_b.end()) continue;
-    lines.push_back({column, words(pair_runs(a, b, column))});
+    lines.push_back({column, describe(pair_runs(a, b, column))});
   }
   return lines;
 }

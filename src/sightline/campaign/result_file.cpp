@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/paired.hpp"
@@ -134,7 +134,7 @@ std::vector<Machine> machines_of(const std::vector<fs::path>& folders) {
         if (std::find(all.begin(), all.end(), machine) == all.end()) all.push_back(machine);
       }
     } catch (const Json::exception&) {
-      refuse("{}: holds no list of machines, expected what a campaign wrote", file.native());
+      throw_invalid("{}: holds no list of machines, expected what a campaign wrote", file.native());
     }
   }
   return all;

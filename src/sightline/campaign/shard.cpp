@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 
@@ -19,7 +19,7 @@ Shard shard_of(std::string_view text) {
   const bool read_both = slash != std::string_view::npos && read(text.substr(0, slash), shard.number) &&
                          read(text.substr(slash + 1), shard.of);
   if (!read_both || shard.of < 1 || shard.of > shards_max || shard.number < 0 || shard.number > shard.of) {
-    refuse("shard = {}, expected I/N, of N shards (at most {}) the I-th, as 3/8", text, shards_max);
+    throw_invalid("shard = {}, expected I/N, of N shards (at most {}) the I-th, as 3/8", text, shards_max);
   }
   return shard;
 }

@@ -39,7 +39,7 @@ std::string place(double distance, double bearing) {
                      map_centre - distance * std::cos(bearing));
 }
 
-std::string words(const SuccessMap::Cell& cell) {
+std::string describe(const SuccessMap::Cell& cell) {
   return fmt::format("{} of {} recovered", cell.recovered, cell.runs);
 }
 
@@ -82,14 +82,14 @@ std::string to_svg(const SuccessMap& map, const std::string& title) {
           "<title>{:.1f} to {:.1f} m, {:.0f} to {:.0f}°: {}</title></path>\n",
           colour(share(cell)), place(inner, from), place(outer, from), outer, outer, place(outer, to),
           place(inner, to), inner, inner, place(inner, from), map.range_max * ring / map.rings,
-          map.range_max * (ring + 1) / map.rings, 180 * from / pi, 180 * to / pi, words(cell));
+          map.range_max * (ring + 1) / map.rings, 180 * from / pi, 180 * to / pi, describe(cell));
     }
   }
   if (map.behind.runs > 0) {
     svg += fmt::format(
         "<path fill=\"none\" stroke=\"{}\" stroke-width=\"5\" d=\"M {} L {}\"><title>exactly behind: "
         "{}</title></path>\n",
-        colour(share(map.behind)), place(0, pi), place(map_radius + 8, pi), words(map.behind));
+        colour(share(map.behind)), place(0, pi), place(map_radius + 8, pi), describe(map.behind));
   }
   for (int ring = 2; ring <= map.rings; ring += 2) {
     svg += fmt::format(

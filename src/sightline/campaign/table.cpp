@@ -9,8 +9,8 @@
 #include <span>
 #include <stdexcept>
 
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/text_file.hpp"
 
@@ -40,8 +40,8 @@ std::vector<std::string> fixed_columns() {
 namespace {
 
 /// What a table says of its campaign, as a person asks where it is another one.
-constexpr std::array<std::string_view, 8> told_of_campaign = {"scenario", "text",     "seed", "duration",
-                                                              "version",  "compiler", "plan", shard_key};
+constexpr std::array<std::string_view, 8> reported_of_campaign = {"scenario", "text",     "seed", "duration",
+                                                                  "version",  "compiler", "plan", shard_key};
 constexpr std::chrono::milliseconds pause{500};  // between two commits
 constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot keep up holds the runs up
 
@@ -142,8 +142,8 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
 
 AboutCampaign about_campaign(Database& database) {
   AboutCampaign about;
-  Database::Statement ask(database, "SELECT key, value FROM campaign");
-  while (ask.step()) about.emplace(ask.text(0), ask.value(1));
+  Database::Statement query(database, "SELECT key, value FROM campaign");
+  while (query.step()) about.emplace(query.text(0), query.value(1));
   return about;
 }
 
@@ -250,15 +250,16 @@ void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
     last = count.integer(1);
     AboutCampaign there = about_campaign(*database_);
     there.erase(std::string(digest_key));
-    const auto differs = [&](const auto& asked) {
-      const auto found = there.find(asked.first);
-      return found == there.end() || found->second != asked.second;
+    const auto differs = [&](const auto& requested) {
+      const auto found = there.find(requested.first);
+      return found == there.end() || found->second != requested.second;
     };
-    for (const std::string_view key : told_of_campaign)
-      if (const auto asked = about.find(std::string(key)); asked != about.end() && differs(*asked))
+    for (const std::string_view key : reported_of_campaign)
+      if (const auto requested = about.find(std::string(key));
+          requested != about.end() && differs(*requested))
         others.emplace_back(key);
-    for (const auto& asked : about)
-      if (asked.first.starts_with(file_key) && differs(asked)) others.push_back(asked.first);
+    for (const auto& requested : about)
+      if (requested.first.starts_with(file_key) && differs(requested)) others.push_back(requested.first);
     if (there.size() != about.size() && others.empty()) others.emplace_back("plan or shard");
     Database::Statement made(*database_, "SELECT sql FROM sqlite_master WHERE name = 'runs'");
     if (!(made.step() && made.text(0) == columns)) others.emplace_back("columns");
@@ -294,12 +295,12 @@ int RunTable::rows(Outcome outcome) {
 }
 
 bool RunTable::holds(const RunDraw& run, const RunResult& result) {
-  Database::Statement ask(*database_, "SELECT * FROM runs WHERE \"index\" = ?");
-  ask.bind(0, std::int64_t{run.index});
-  if (!ask.step()) return false;
+  Database::Statement query(*database_, "SELECT * FROM runs WHERE \"index\" = ?");
+  query.bind(0, std::int64_t{run.index});
+  if (!query.step()) return false;
   const Row row = row_of(run, result);
   for (std::size_t i = 0; i < row.size(); ++i) {
-    if (ask.value(static_cast<int>(i)) != row[i]) return false;
+    if (query.value(static_cast<int>(i)) != row[i]) return false;
   }
   return true;
 }
@@ -365,15 +366,15 @@ void check_continues(RunTable& table, const std::filesystem::path& file, const S
                      const CampaignPlan& plan, const CampaignOptions& options) {
   if (table.rows() == 0) return;
   if (table.rows() > options.shard.size(options.runs)) {
-    refuse(
+    throw_invalid(
         "{}: holds {} runs of this campaign, expected at most {}: ask for as many, or give another folder by "
         "-o",
         file.native(), table.rows(), options.runs);
   }
   const Variants variants(scenario, plan);
   const RunDraw last = draw_run(plan, options.seed, options.shard.run(table.rows() - 1));
-  if (!table.holds(last, Pilot(variants, plan).fly(last))) {
-    refuse(
+  if (!table.holds(last, RunWorker(variants, plan).fly(last))) {
+    throw_invalid(
         "{}: holds {} runs, of which number {} flies otherwise now: another program, machine or file that "
         "the scenario "
         "names; give another folder by -o, or move the file away",

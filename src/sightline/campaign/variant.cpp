@@ -29,7 +29,7 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
       file_(base.file),
       text_(base.text),
       name_(base.name),
-      parts_(base.parts),
+      registry_(base.registry),
       solver_(base.solver) {
   const ScenarioNumbers numbers = numbers_of(parse_toml(text_, file_.native()));
   const auto find = [&](const std::string& key) {
@@ -147,7 +147,7 @@ Scenario Variants::of(const RunDraw& run, const std::filesystem::path& folder) c
 
 Scenario Variants::flown(std::string text, const std::filesystem::path& file, std::vector<std::string> set,
                          const RunDraw& run) const {
-  Scenario scenario = parse_scenario(std::move(text), file, parts_ ? *parts_ : parts_of_sightline(),
+  Scenario scenario = parse_scenario(std::move(text), file, registry_ ? *registry_ : built_in_registry(),
                                      {.files = {}, .set = std::move(set)});
   scenario.name = name_;
   scenario.solver = solver_;

@@ -45,7 +45,7 @@ class Variants {
   CampaignPlan plan_;
   std::filesystem::path file_;
   std::string text_, name_;
-  std::shared_ptr<const Parts> parts_;
+  std::shared_ptr<const Registry> registry_;
   std::vector<Start> starts_;
   /// A number that follows from a drawn value.
   struct Drawn {

@@ -9,7 +9,7 @@
 namespace sightline {
 
 /// Dead reckoning in a frame of its own: two of it tell the motion in between.
-struct Reckoned {
+struct DeadReckoning {
   Vec3<double> p{};
   double psi = 0.0;
 
@@ -20,12 +20,12 @@ struct Reckoned {
 };
 
 /// What a measurement says of the robot, and dead reckoning at its stamp.
-struct Meaning {
+struct PoseHypothesis {
   double stamp = 0.0;
   Vec3<double> p{};
   double psi = 0.0;
   double sigma = 0.0, psi_sigma = 0.0;  ///< [m], [rad]
-  Reckoned reckoned{};
+  DeadReckoning reckoned{};
 };
 
 /// The last few measurements of that kind. Two agree where the motion between them leads from one to the other,
@@ -38,7 +38,7 @@ class Agreement {
   void clear() noexcept { count_ = next_ = 0; }
   /// Adds one.
   /// @return how many agree with it, itself included
-  int add(const Meaning& meaning) noexcept {
+  int add(const PoseHypothesis& meaning) noexcept {
     int agreeing = 1;
     for (std::size_t i = 0; i < count_; ++i) agreeing += agree(items_[i], meaning) ? 1 : 0;
     items_[next_] = meaning;
@@ -48,7 +48,7 @@ class Agreement {
   }
 
  private:
-  static bool agree(const Meaning& a, const Meaning& b) noexcept {
+  static bool agree(const PoseHypothesis& a, const PoseHypothesis& b) noexcept {
     constexpr double near = 0.05, drift = 0.15, turn_drift = 0.05;  // [m] or [rad], [m/s], [rad/s]
     const double between = std::abs(b.stamp - a.stamp);
     if (between > window) return false;
@@ -59,7 +59,7 @@ class Agreement {
     return norm(a.p + way - b.p) <= near + 3 * norm(a.sigma, b.sigma) + drift * between;
   }
 
-  std::array<Meaning, memory> items_{};
+  std::array<PoseHypothesis, memory> items_{};
   std::size_t count_ = 0, next_ = 0;
 };
 

@@ -39,7 +39,7 @@ class AttitudeFilter {
   /// Over dt [s] within or after a sample.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
   /// An error of what the other body tells is fresh to this filter.
-  void hear(State&, const Measurement&) const noexcept {}
+  void receive(State&, const Measurement&) const noexcept {}
   /// At the end of a sample: its velocity.
   void end(State& s, const MotionSample& motion) const noexcept;
   /// Nobody measured the motion of the last `gap` seconds.

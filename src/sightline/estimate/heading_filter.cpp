@@ -65,20 +65,20 @@ void HeadingFilterOf<others>::advance(State& s, const MotionSample& motion, doub
       for (int j = 0; j < n; ++j) s.P(j, i) *= keep;
     }
     const double fresh = 1 - square(keep);
-    set_block(s.P, other_at, other_at, block<4, 4>(s.P, other_at, other_at) + fresh * s.other_told[0]);
+    set_block(s.P, other_at, other_at, block<4, 4>(s.P, other_at, other_at) + fresh * s.other_reported[0]);
   }
   make_symmetric(s.P);
   step.add_noise(options_, [&](int i, int j) -> double& { return s.P(i, j); });
 }
 
 template <int others>
-void HeadingFilterOf<others>::hear(State& s, const Measurement& z) const noexcept {
+void HeadingFilterOf<others>::receive(State& s, const Measurement& z) const noexcept {
   if constexpr (others > 0) {
     if (z.of != Measures::sighting || z.other_error != OtherError::lasting) return;
     // Of all times that it may be, the spectrum of this process is nowhere below that of the error.
-    const Mat<4, 4> told = options_.other_error_spread * z.P_other;
-    if (trace(s.other_told[0]) == 0) set_block(s.P, other_at, other_at, told);
-    s.other_told[0] = told;
+    const Mat<4, 4> received = options_.other_error_spread * z.P_other;
+    if (trace(s.other_reported[0]) == 0) set_block(s.P, other_at, other_at, received);
+    s.other_reported[0] = received;
   } else {
     (void)s, (void)z;
   }
@@ -105,9 +105,9 @@ Innovation<4, HeadingFilterOf<others>::n> HeadingFilterOf<others>::innovation(
     return of;
   }
   const bool leans = mount_.frame == MountFrame::body;
-  const Vec2<double> told = tilt_at(motion, z.stamp);
-  const double pitch = told.y + s.tilt_error.y;
-  const Mat<3, 3> R_VB = leans ? tilt(told.x + s.tilt_error.x, pitch) : identity<3>();
+  const Vec2<double> received = tilt_at(motion, z.stamp);
+  const double pitch = received.y + s.tilt_error.y;
+  const Mat<3, 3> R_VB = leans ? tilt(received.x + s.tilt_error.x, pitch) : identity<3>();
   const Mat<3, 3> R_VS = R_VB * sensor_attitude(mount_), R_VG = turn_z(-s.psi);
   const Vec3<double> m = R_VB * Vec3<double>{mount_.offset, 0, 0} + R_VS * z.z;
   const bool lasting = others > 0 && z.other_error == OtherError::lasting;

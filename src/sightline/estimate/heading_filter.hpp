@@ -77,7 +77,8 @@ class HeadingFilterOf {
     double rate_bias = 0.0;
     Vec2<double> tilt_error{};  ///< of roll, of pitch
     std::array<Column<4>, static_cast<std::size_t>(others)> other_error{};
-    std::array<Mat<4, 4>, static_cast<std::size_t>(others)> other_told{};  ///< covariance that it told last
+    std::array<Mat<4, 4>, static_cast<std::size_t>(others)>
+        other_reported{};  ///< covariance that it told last
     Mat<n, n> P{};
   };
 
@@ -95,7 +96,7 @@ class HeadingFilterOf {
   /// The same with its covariance; nothing where dt is not positive.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
   /// Before a measurement: what the other body tells of its error.
-  void hear(State& s, const Measurement& z) const noexcept;
+  void receive(State& s, const Measurement& z) const noexcept;
   /// At the end of a sample.
   void end(State&, const MotionSample&) const noexcept {}
   /// Nobody measured the motion of the last `gap` seconds.

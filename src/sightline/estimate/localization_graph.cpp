@@ -6,22 +6,22 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
 
 /// Whom a robot is localized by.
 std::vector<int> sources_of(const Localized& robot) {
-  return robot.is_anchor ? std::vector<int>{} : robot.watches;
+  return robot.is_anchor ? std::vector<int>{} : robot.observes;
 }
 
-void check_watches(const std::vector<Localized>& robots) {
+void check_observed(const std::vector<Localized>& robots) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (const int other : sources_of(robots[i])) {
       if (other < 0 || size(other) >= robots.size())
-        refuse("\"{}\" watches robot {}, expected 0 to {}", robots[i].name, other, robots.size() - 1);
-      if (size(other) == i) refuse("\"{}\" watches itself, expected another robot", robots[i].name);
+        throw_invalid("\"{}\" observes robot {}, expected 0 to {}", robots[i].name, other, robots.size() - 1);
+      if (size(other) == i) throw_invalid("\"{}\" observes itself, expected another robot", robots[i].name);
     }
   }
 }
@@ -66,7 +66,7 @@ std::string circle_text(const std::vector<Localized>& robots, const std::vector<
 
 LocalizationGraph::LocalizationGraph(std::vector<Localized> robots, Cycles cycles)
     : robots_(std::move(robots)), tier_(robots_.size(), 0), circle_(robots_.size()) {
-  check_watches(robots_);
+  check_observed(robots_);
   const std::vector<std::vector<bool>> reach = reach_of(robots_);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (robots_[i].is_anchor) continue;
@@ -74,13 +74,13 @@ LocalizationGraph::LocalizationGraph(std::vector<Localized> robots, Cycles cycle
     for (std::size_t j = 0; j < robots_.size(); ++j)
       anchored = anchored || (reach[i][j] && robots_[j].is_anchor);
     if (!anchored)
-      refuse(
+      throw_invalid(
           "\"{}\" is localized by nobody who is localized, expected a path from it to a robot whose pose is "
           "known",
           robots_[i].name);
     if (reach[i][i] && cycles == Cycles::refused)
-      refuse("robots are localized in a circle, {}, expected none: information would be counted twice",
-             circle_text(robots_, reach, i));
+      throw_invalid("robots are localized in a circle, {}, expected none: information would be counted twice",
+                    circle_text(robots_, reach, i));
   }
   // The first robot of a circle gives it its number.
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -106,7 +106,7 @@ LocalizationGraph::LocalizationGraph(std::vector<Localized> robots, Cycles cycle
 
 bool LocalizationGraph::uses(int observer, int target) const noexcept {
   const Localized& of = robot(observer);
-  return !of.is_anchor && std::find(of.watches.begin(), of.watches.end(), target) != of.watches.end();
+  return !of.is_anchor && std::find(of.observes.begin(), of.observes.end(), target) != of.observes.end();
 }
 
 OtherError LocalizationGraph::error_of(int observer, int target) const noexcept {

@@ -14,7 +14,7 @@ struct Localized {
   std::string name;
   bool is_anchor = false;  ///< its pose is known otherwise, as by motion capture
   std::vector<int>
-      watches{};  ///< by number, those that it may be localized by; of an anchor they do not count
+      observes{};  ///< by number, those that it may be localized by; of an anchor they do not count
 };
 
 /// What is done about robots that are localized by each other in a circle.
@@ -28,7 +28,7 @@ enum class Cycles {
 class LocalizationGraph {
  public:
   /// @throws std::invalid_argument with the robots' names, for a robot that no path leads from to an anchor, for
-  /// one that watches itself
+  /// one that observes itself
   ///         or a number that is none, and for a circle that is refused
   explicit LocalizationGraph(std::vector<Localized> robots, Cycles cycles = Cycles::refused);
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/math/elementary.hpp"
 
 namespace sightline {
@@ -63,7 +63,7 @@ std::vector<Unobservable> unobservable_states(const std::vector<SensingRobot>& r
                                               const std::vector<PlacedRobot>& places,
                                               const std::vector<Sees>& sightings) {
   if (places.size() != robots.size())
-    refuse("{} places of {} robots, expected one of each", places.size(), robots.size());
+    throw_invalid("{} places of {} robots, expected one of each", places.size(), robots.size());
   const std::size_t columns = 4 * robots.size();
   Echelon rows(columns);
   const auto one = [&](std::size_t robot, std::size_t state) {
@@ -79,7 +79,7 @@ std::vector<Unobservable> unobservable_states(const std::vector<SensingRobot>& r
     const int n = static_cast<int>(robots.size());
     if (sees.observer < 0 || sees.observer >= n || sees.target < 0 || sees.target >= n ||
         sees.observer == sees.target)
-      refuse("robot {} sees robot {}, expected two of {} robots", sees.observer, sees.target, n);
+      throw_invalid("robot {} sees robot {}, expected two of {} robots", sees.observer, sees.target, n);
     const std::size_t i = size(sees.observer), j = size(sees.target);
     const SinCos<double> h = sincos(places[i].heading);
     const double dx = places[j].x - places[i].x, dy = places[j].y - places[i].y;

@@ -26,12 +26,12 @@ namespace sightline {
 /// last. Headings are counted apart: where positions fit and headings do not, the position alone is taken, but as
 /// many headings that agree make it begin anew as well.
 template <class Filter>
-class Delayed final : public PoseFilter {
+class OutOfSequenceFilter final : public PoseFilter {
  public:
   using State = typename Filter::State;
   static constexpr int n = Filter::n;
 
-  Delayed(const FilterOptions& options, const Filter& filter)
+  OutOfSequenceFilter(const FilterOptions& options, const Filter& filter)
       : filter_(filter),
         start_(options.start_sightings),
         restart_(options.restart_sightings),
@@ -54,11 +54,11 @@ class Delayed final : public PoseFilter {
     MotionSample motion{};
     double from = 0.0, until = 0.0;
     State state{};  // before what is measured at `from`
-    Reckoned reckoned{};
+    DeadReckoning reckoned{};
   };
   struct Heading {  // of a compass, before there is an estimate
     double psi, variance, stamp;
-    Reckoned reckoned;
+    DeadReckoning reckoned;
   };
 
   Slot& at(std::size_t i) noexcept { return slots_[(first_ + i) % memory]; }
@@ -75,8 +75,9 @@ class Delayed final : public PoseFilter {
   Fit run(const Slot& slot, State& s, const Measurement* watched) noexcept;
   Fit replay(std::size_t from, const Measurement* watched) noexcept;
 
-  Reckoned reckoned_at(const Slot& slot, double stamp) const noexcept;
-  Meaning meaning(const Measurement& z, const Slot& slot, double psi, double psi_variance) const noexcept;
+  DeadReckoning dead_reckoning_at(const Slot& slot, double stamp) const noexcept;
+  PoseHypothesis meaning(const Measurement& z, const Slot& slot, double psi,
+                         double psi_variance) const noexcept;
   FitVerdict consider(const Measurement& z, std::size_t slot) noexcept;
   FitVerdict judge(const Measurement& z, FitVerdict verdict) noexcept;
   void begin(const Measurement& z, std::size_t slot, double psi, double psi_variance) noexcept;
@@ -89,7 +90,7 @@ class Delayed final : public PoseFilter {
   Bounded<Measurement, pending_max> pending_;
   State state_{};
   MotionSample last_{};
-  Reckoned reckoned_{};
+  DeadReckoning dead_reckoning_{};
   double now_ = -std::numeric_limits<double>::infinity();
   bool known_ = false;
   double begun_ = 0.0, last_accepted_ = 0.0;
@@ -98,16 +99,16 @@ class Delayed final : public PoseFilter {
 };
 
 template <class Filter>
-void Delayed<Filter>::advance(const MotionSample& motion) noexcept {
+void OutOfSequenceFilter<Filter>::advance(const MotionSample& motion) noexcept {
   if (!is_usable(motion) || motion.t + motion.dt <= now_) return;
   if (count_ == memory) drop_slot();
   Slot& slot = at(count_++);
   slot.motion = last_ = motion;
   slot.from = std::isfinite(now_) ? now_ : motion.t;
   slot.until = now_ = motion.t + motion.dt;
-  slot.reckoned = reckoned_;
+  slot.reckoned = dead_reckoning_;
   slot.state = state_;
-  reckoned_.advance(motion, slot.until - slot.from);
+  dead_reckoning_.advance(motion, slot.until - slot.from);
   if (known_) run(slot, state_, nullptr);
   const Bounded<Measurement, pending_max> waiting = pending_;
   pending_.clear();
@@ -115,7 +116,7 @@ void Delayed<Filter>::advance(const MotionSample& motion) noexcept {
 }
 
 template <class Filter>
-Fit Delayed<Filter>::take(const Measurement& z) noexcept {
+Fit OutOfSequenceFilter<Filter>::take(const Measurement& z) noexcept {
   if (!z.is_usable()) return {FitVerdict::unusable};
   if (z.stamp >= now_) {
     if (z.stamp > now_ + ahead || pending_.is_full()) return {FitVerdict::unusable};
@@ -132,7 +133,7 @@ Fit Delayed<Filter>::take(const Measurement& z) noexcept {
 }
 
 template <class Filter>
-void Delayed<Filter>::start(const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept {
+void OutOfSequenceFilter<Filter>::start(const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept {
   forget();
   count_ = 0;  // what was before cannot be replayed
   state_ = filter_.begin(p, psi, P, last_);
@@ -141,7 +142,7 @@ void Delayed<Filter>::start(const Vec3<double>& p, double psi, const Mat<4, 4>& 
 }
 
 template <class Filter>
-void Delayed<Filter>::forget() noexcept {
+void OutOfSequenceFilter<Filter>::forget() noexcept {
   known_ = false;
   measured_.clear();
   pending_.clear();
@@ -151,7 +152,7 @@ void Delayed<Filter>::forget() noexcept {
 }
 
 template <class Filter>
-PoseEstimate Delayed<Filter>::estimate() const noexcept {
+PoseEstimate OutOfSequenceFilter<Filter>::estimate() const noexcept {
   if (!known_) return {};
   PoseEstimate estimate = filter_.read(state_, last_);
   estimate.stamp = now_;
@@ -161,21 +162,21 @@ PoseEstimate Delayed<Filter>::estimate() const noexcept {
 
 /// The one that holds a stamp of the memory.
 template <class Filter>
-std::size_t Delayed<Filter>::slot_of(double stamp) const noexcept {
+std::size_t OutOfSequenceFilter<Filter>::slot_of(double stamp) const noexcept {
   std::size_t slot = count_ - 1;
   while (slot > 0 && at(slot).from > stamp) --slot;
   return slot;
 }
 
 template <class Filter>
-void Delayed<Filter>::drop_slot() noexcept {
+void OutOfSequenceFilter<Filter>::drop_slot() noexcept {
   first_ = (first_ + 1) % memory;
   --count_;
   if (count_ > 0) measured_.drop_before(at(0).from);  // it is in the states since
 }
 
 template <class Filter>
-bool Delayed<Filter>::remember(const Measurement& z) noexcept {
+bool OutOfSequenceFilter<Filter>::remember(const Measurement& z) noexcept {
   if (measured_.is_full()) {
     // Room for one: no state before the oldest is kept.
     const double oldest = measured_.begin()->stamp;
@@ -188,7 +189,7 @@ bool Delayed<Filter>::remember(const Measurement& z) noexcept {
 
 template <class Filter>
 template <int m>
-bool Delayed<Filter>::apply(State& s, const Innovation<m, n>& of, Fit& fit) const noexcept {
+bool OutOfSequenceFilter<Filter>::apply(State& s, const Innovation<m, n>& of, Fit& fit) const noexcept {
   Column<n> e;
   const Gated gated = update(s.P, of, e);
   fit.dimension = m;
@@ -198,7 +199,8 @@ bool Delayed<Filter>::apply(State& s, const Innovation<m, n>& of, Fit& fit) cons
 }
 
 template <class Filter>
-Fit Delayed<Filter>::weigh(State& s, const Measurement& z, const MotionSample& motion) const noexcept {
+Fit OutOfSequenceFilter<Filter>::weigh(State& s, const Measurement& z,
+                                       const MotionSample& motion) const noexcept {
   const Innovation<4, n> of = filter_.innovation(s, z, motion);
   Fit fit{FitVerdict::rejected};
   const bool heading = z.measures_heading();
@@ -222,7 +224,8 @@ Fit Delayed<Filter>::weigh(State& s, const Measurement& z, const MotionSample& m
 /// P / w and P_other / (1 - w) are a bound. The w that leaves the least variance is taken; none, where all are
 /// worse than nothing.
 template <class Filter>
-Fit Delayed<Filter>::intersect(State& s, const Measurement& z, const MotionSample& motion) const noexcept {
+Fit OutOfSequenceFilter<Filter>::intersect(State& s, const Measurement& z,
+                                           const MotionSample& motion) const noexcept {
   constexpr std::array weights = {0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995};
   // Of position and, at an arm of 1.4 m, heading.
   const auto variance = [&](const State& of) {
@@ -250,13 +253,13 @@ Fit Delayed<Filter>::intersect(State& s, const Measurement& z, const MotionSampl
 /// From the beginning of a slot to its end, with what was measured in it.
 /// @return how the watched one fitted
 template <class Filter>
-Fit Delayed<Filter>::run(const Slot& slot, State& s, const Measurement* watched) noexcept {
+Fit OutOfSequenceFilter<Filter>::run(const Slot& slot, State& s, const Measurement* watched) noexcept {
   Fit seen;
   double t = slot.from;
   for (const Measurement* z = measured_.from(slot.from); z != measured_.end() && z->stamp < slot.until; ++z) {
     filter_.advance(s, slot.motion, z->stamp - t);
     t = z->stamp;
-    filter_.hear(s, *z);
+    filter_.receive(s, *z);
     const Fit one =
         z->other_error == OtherError::unknown ? intersect(s, *z, slot.motion) : weigh(s, *z, slot.motion);
     if (watched != nullptr && z->stamp == watched->stamp && z->source == watched->source) seen = one;
@@ -269,7 +272,7 @@ Fit Delayed<Filter>::run(const Slot& slot, State& s, const Measurement* watched)
 
 /// From the beginning of a slot to now.
 template <class Filter>
-Fit Delayed<Filter>::replay(std::size_t from, const Measurement* watched) noexcept {
+Fit OutOfSequenceFilter<Filter>::replay(std::size_t from, const Measurement* watched) noexcept {
   state_ = at(from).state;
   Fit seen;
   for (std::size_t i = from; i < count_; ++i) {
@@ -281,23 +284,23 @@ Fit Delayed<Filter>::replay(std::size_t from, const Measurement* watched) noexce
 }
 
 template <class Filter>
-Reckoned Delayed<Filter>::reckoned_at(const Slot& slot, double stamp) const noexcept {
-  Reckoned reckoned = slot.reckoned;
+DeadReckoning OutOfSequenceFilter<Filter>::dead_reckoning_at(const Slot& slot, double stamp) const noexcept {
+  DeadReckoning reckoned = slot.reckoned;
   reckoned.advance(slot.motion, stamp - slot.from);
   return reckoned;
 }
 
 template <class Filter>
-Meaning Delayed<Filter>::meaning(const Measurement& z, const Slot& slot, double psi,
-                                 double psi_variance) const noexcept {
+PoseHypothesis OutOfSequenceFilter<Filter>::meaning(const Measurement& z, const Slot& slot, double psi,
+                                                    double psi_variance) const noexcept {
   const Place place = filter_.place_meant(z, psi, psi_variance, slot.motion);
-  return {z.stamp, place.p, psi, sqrt(trace(place.P)), sqrt(psi_variance), reckoned_at(slot, z.stamp)};
+  return {z.stamp, place.p, psi, sqrt(trace(place.P)), sqrt(psi_variance), dead_reckoning_at(slot, z.stamp)};
 }
 
 /// A measurement while there is no estimate.
 template <class Filter>
-FitVerdict Delayed<Filter>::consider(const Measurement& z, std::size_t slot) noexcept {
-  const Reckoned reckoned = reckoned_at(at(slot), z.stamp);
+FitVerdict OutOfSequenceFilter<Filter>::consider(const Measurement& z, std::size_t slot) noexcept {
+  const DeadReckoning reckoned = dead_reckoning_at(at(slot), z.stamp);
   if (z.of == Measures::heading) {
     if (z.stamp > compass_.stamp) compass_ = {z.yaw, z.yaw_variance, z.stamp, reckoned};
     return FitVerdict::waiting;
@@ -315,7 +318,7 @@ FitVerdict Delayed<Filter>::consider(const Measurement& z, std::size_t slot) noe
 
 /// What a measurement that was tried says of the estimate itself.
 template <class Filter>
-FitVerdict Delayed<Filter>::judge(const Measurement& z, FitVerdict verdict) noexcept {
+FitVerdict OutOfSequenceFilter<Filter>::judge(const Measurement& z, FitVerdict verdict) noexcept {
   const bool heading = z.measures_heading();
   if (verdict != FitVerdict::rejected) {
     last_accepted_ = std::max(last_accepted_, z.stamp);
@@ -328,7 +331,7 @@ FitVerdict Delayed<Filter>::judge(const Measurement& z, FitVerdict verdict) noex
   constexpr double doubt = 0.15;  // [rad^2]
   const double psi = heading ? z.heading() : filter_.heading(state_);
   const double variance = heading ? z.heading_variance() : doubt;
-  Meaning meant = meaning(z, at(slot), psi, variance);
+  PoseHypothesis meant = meaning(z, at(slot), psi, variance);
   if (verdict == FitVerdict::accepted_position || z.of == Measures::heading) {
     meant.sigma = std::numeric_limits<double>::infinity();  // the place is not in question
     if (turned_.add(meant) < restart_) return verdict;
@@ -347,11 +350,11 @@ FitVerdict Delayed<Filter>::judge(const Measurement& z, FitVerdict verdict) noex
 
 /// The estimate begins at the stamp of z, from z alone.
 template <class Filter>
-void Delayed<Filter>::begin(const Measurement& z, std::size_t slot, double psi,
-                            double psi_variance) noexcept {
+void OutOfSequenceFilter<Filter>::begin(const Measurement& z, std::size_t slot, double psi,
+                                        double psi_variance) noexcept {
   while (slot-- > 0) drop_slot();
   Slot& begun = at(0);
-  begun.reckoned = reckoned_at(begun, z.stamp);
+  begun.reckoned = dead_reckoning_at(begun, z.stamp);
   begun.from = z.stamp;
   begun.state =
       filter_.begin(filter_.place_meant(z, psi, psi_variance, begun.motion), psi, psi_variance, begun.motion);

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "sightline/estimate/attitude_filter.hpp"
-#include "sightline/estimate/delayed.hpp"
 #include "sightline/estimate/heading_filter.hpp"
+#include "sightline/estimate/out_of_sequence_filter.hpp"
 
 namespace sightline {
 
@@ -38,10 +38,10 @@ std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOp
 std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount) {
   options.check();
   if (options.filter == FilterKind::attitude)
-    return std::make_unique<Delayed<AttitudeFilter>>(options, AttitudeFilter(options, mount));
+    return std::make_unique<OutOfSequenceFilter<AttitudeFilter>>(options, AttitudeFilter(options, mount));
   if (options.filter == FilterKind::chain)
-    return std::make_unique<Delayed<ChainFilter>>(options, ChainFilter(options, mount));
-  return std::make_unique<Delayed<HeadingFilter>>(options, HeadingFilter(options, mount));
+    return std::make_unique<OutOfSequenceFilter<ChainFilter>>(options, ChainFilter(options, mount));
+  return std::make_unique<OutOfSequenceFilter<HeadingFilter>>(options, HeadingFilter(options, mount));
 }
 
 }  // namespace sightline

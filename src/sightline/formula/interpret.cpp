@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t large_page = std::size_t{2} << 20;
 
 /// Memory of a large team is read and written all along in each update.
-void ask_for_large_pages([[maybe_unused]] double* memory, [[maybe_unused]] std::size_t bytes) {
+void request_large_pages([[maybe_unused]] double* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
   madvise(memory, bytes, MADV_HUGEPAGE);  // it may not be heard
 #endif
@@ -30,7 +30,7 @@ Rows::Rows(int n, int length) : count_(n), stride_(padded(length)) {
   const bool is_large = bytes >= large_page;
   const std::size_t alignment = is_large ? large_page : row_alignment;
   memory_ = {static_cast<double*>(::operator new[](bytes, std::align_val_t(alignment))), Free{alignment}};
-  if (is_large) ask_for_large_pages(memory_.get(), bytes);
+  if (is_large) request_large_pages(memory_.get(), bytes);
   std::fill_n(memory_.get(), size(), 0.0);
 }
 

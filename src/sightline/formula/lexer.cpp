@@ -46,7 +46,8 @@ bool is_word(std::string_view name) {
 
 Lexer::Lexer(std::string_view text) : text_(text) {
   if (text.size() > formula_size_max) {
-    refuse(0, fmt::format("the formula has {} bytes, expected at most {}", text.size(), formula_size_max));
+    throw_invalid(
+        0, fmt::format("the formula has {} bytes, expected at most {}", text.size(), formula_size_max));
   }
   next();
 }
@@ -57,7 +58,7 @@ Token Lexer::take() {
   return taken;
 }
 
-void Lexer::refuse(std::size_t offset, std::string sentence) const {
+void Lexer::throw_invalid(std::size_t offset, std::string sentence) const {
   throw FormulaError(text_, offset, std::move(sentence));
 }
 
@@ -87,8 +88,8 @@ void Lexer::number() {
   const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), token_.value);
   take_text(TokenKind::number, static_cast<std::size_t>(end - begin));
   if (error != std::errc{}) {
-    refuse(token_.begin,
-           fmt::format("{} is beyond what a number can be, expected a finite constant", shown(token_)));
+    throw_invalid(token_.begin, fmt::format("{} is beyond what a number can be, expected a finite constant",
+                                            shown(token_)));
   }
 }
 
@@ -110,9 +111,9 @@ void Lexer::unknown_character() const {
   while (at_ + size < text_.size() && size < 4 && is_continuation(text_[at_ + size])) ++size;
   const std::string_view character = text_.substr(at_, size);
   const bool equals = character == "=";
-  refuse(at_, fmt::format("\"{}\" has no meaning here, expected {}", character,
-                          equals ? "a comparison, one of < <= > >="
-                                 : "numbers, names and the signs + - * / ^ ( ) , < <= > >="));
+  throw_invalid(at_, fmt::format("\"{}\" has no meaning here, expected {}", character,
+                                 equals ? "a comparison, one of < <= > >="
+                                        : "numbers, names and the signs + - * / ^ ( ) , < <= > >="));
 }
 
 }  // namespace sightline

@@ -55,7 +55,7 @@ class Lexer {
   Token take();
 
   /// @throws FormulaError
-  [[noreturn]] void refuse(std::size_t offset, std::string sentence) const;
+  [[noreturn]] void throw_invalid(std::size_t offset, std::string sentence) const;
 
  private:
   void next();

@@ -45,8 +45,8 @@ class Parser {
   Expression formula() {
     const Part value = sum();
     if (is_comparison(lexer_.token())) {
-      refuse(lexer_.token(),
-             fmt::format("{} compares, expected a formula of one value here", shown(lexer_.token())));
+      throw_invalid(lexer_.token(),
+                    fmt::format("{} compares, expected a formula of one value here", shown(lexer_.token())));
     }
     expect_end();
     return finish(value.step, value.unit);
@@ -60,7 +60,8 @@ class Parser {
     while (is_comparison(lexer_.token())) {
       const Token sign = lexer_.take();
       if (direction != '\0' && sign.text[0] != direction) {
-        refuse(sign, fmt::format("{} turns the chain round, expected {} again", shown(sign), direction));
+        throw_invalid(sign,
+                      fmt::format("{} turns the chain round, expected {} again", shown(sign), direction));
       }
       direction = sign.text[0];
       const Part right = sum();
@@ -79,15 +80,15 @@ class Parser {
     return t.kind == TokenKind::sign && (t.text[0] == '<' || t.text[0] == '>');
   }
 
-  [[noreturn]] void refuse(const Token& at, std::string sentence) const {
-    lexer_.refuse(at.begin, std::move(sentence));
+  [[noreturn]] void throw_invalid(const Token& at, std::string sentence) const {
+    lexer_.throw_invalid(at.begin, std::move(sentence));
   }
 
   void expect_end(std::string_view expected = "an operator or the end") const {
     const Token& token = lexer_.token();
     if (token.kind == TokenKind::end && expected.starts_with("an operator")) return;
-    if (token.is(")")) refuse(token, "\")\" closes no bracket, expected " + std::string(expected));
-    refuse(token, fmt::format("{} comes too early, expected {}", shown(token), expected));
+    if (token.is(")")) throw_invalid(token, "\")\" closes no bracket, expected " + std::string(expected));
+    throw_invalid(token, fmt::format("{} comes too early, expected {}", shown(token), expected));
   }
 
   Expression finish(int step, std::optional<Unit> unit) const {
@@ -97,27 +98,27 @@ class Parser {
   /// A step just made at a token: finite if it is known, and not one too many.
   Part made(const Token& at, int step, std::optional<Unit> unit, std::size_t begin) {
     if (const auto value = builder_.value(step); value && !std::isfinite(*value)) {
-      refuse(at, fmt::format("{} gives no finite number, expected a finite constant", shown(at)));
+      throw_invalid(at, fmt::format("{} gives no finite number, expected a finite constant", shown(at)));
     }
     if (builder_.size() > formula_steps_max) {
-      refuse(at,
-             fmt::format("more than {} operations by here, expected a shorter formula", formula_steps_max));
+      throw_invalid(
+          at, fmt::format("more than {} operations by here, expected a shorter formula", formula_steps_max));
     }
     return {step, unit, begin};
   }
 
   std::optional<Unit> same_unit(const Token& at, const Part& a, const Part& b) const {
     if (a.unit && b.unit && *a.unit != *b.unit) {
-      refuse(at, fmt::format("{} joins {} with {}, expected the same unit on both sides", shown(at),
-                             to_string(*a.unit), to_string(*b.unit)));
+      throw_invalid(at, fmt::format("{} joins {} with {}, expected the same unit on both sides", shown(at),
+                                    to_string(*a.unit), to_string(*b.unit)));
     }
     return a.unit ? a.unit : b.unit;
   }
 
   void expect_plain(const Part& part, std::string_view of) const {
     if (part.unit && *part.unit != units::none) {
-      lexer_.refuse(part.begin, fmt::format("{} has the unit {}, expected a plain number or an angle", of,
-                                            to_string(*part.unit)));
+      lexer_.throw_invalid(part.begin, fmt::format("{} has the unit {}, expected a plain number or an angle",
+                                                   of, to_string(*part.unit)));
     }
   }
 
@@ -140,7 +141,7 @@ class Parser {
       const Part right = signed_power();
       const bool times = sign.is("*");
       if (!times && builder_.value(right.step) == 0.0) {
-        lexer_.refuse(right.begin, "division by zero, expected a divisor that is not 0");
+        lexer_.throw_invalid(right.begin, "division by zero, expected a divisor that is not 0");
       }
       std::optional<Unit> unit;
       if (left.unit && right.unit) unit = times ? *left.unit * *right.unit : *left.unit / *right.unit;
@@ -172,13 +173,14 @@ class Parser {
     if (n && unit) {
       unit = to_power(*base.unit, *n);
       if (!unit) {
-        lexer_.refuse(exponent.begin, fmt::format("the power {} of {} has no unit, expected a whole or half "
-                                                  "power",
-                                                  *n, to_string(*base.unit)));
+        lexer_.throw_invalid(exponent.begin,
+                             fmt::format("the power {} of {} has no unit, expected a whole or half "
+                                         "power",
+                                         *n, to_string(*base.unit)));
       }
     }
     if (n && builder_.value(base.step) == 0.0 && *n < 0) {
-      lexer_.refuse(base.begin, "division by zero, expected a base that is not 0");
+      lexer_.throw_invalid(base.begin, "division by zero, expected a base that is not 0");
     }
     const bool whole = n && *n == std::round(*n) && std::fabs(*n) <= 64;
     if (whole) return made(sign, builder_.power(base.step, static_cast<int>(*n)), unit, base.begin);
@@ -203,7 +205,7 @@ class Parser {
       return {inner.step, inner.unit, token.begin};
     }
     if (token.kind == TokenKind::name) return lexer_.token().is("(") ? call(token) : name(token);
-    refuse(token, fmt::format("{} comes too early, expected a number, a name or \"(\"", shown(token)));
+    throw_invalid(token, fmt::format("{} comes too early, expected a number, a name or \"(\"", shown(token)));
   }
 
   /// The bracket that `open` opened.
@@ -213,10 +215,10 @@ class Parser {
       return;
     }
     if (lexer_.token().kind == TokenKind::end) {
-      refuse(open, fmt::format("{} is never closed, expected \")\"", shown(open)));
+      throw_invalid(open, fmt::format("{} is never closed, expected \")\"", shown(open)));
     }
-    refuse(lexer_.token(),
-           fmt::format("{} within brackets, expected an operator or \")\"", shown(lexer_.token())));
+    throw_invalid(lexer_.token(),
+                  fmt::format("{} within brackets, expected an operator or \")\"", shown(lexer_.token())));
   }
 
   Part number(const Token& token) {
@@ -232,8 +234,8 @@ class Parser {
         lexer_.take();
         const Token power = lexer_.take();
         if (power.kind != TokenKind::number || power.value != std::round(power.value) || power.value > 8) {
-          refuse(power,
-                 fmt::format("{} is no power of a unit, expected a whole number up to 8", shown(power)));
+          throw_invalid(
+              power, fmt::format("{} is no power of a unit, expected a whole number up to 8", shown(power)));
         }
         n = static_cast<int>(power.value);
       }
@@ -245,10 +247,10 @@ class Parser {
     const bool has_unit = factor(false);
     if (!has_unit && lexer_.token().kind == TokenKind::name) {
       const bool known = names_.contains(lexer_.token().text) || function_named(lexer_.token().text);
-      refuse(lexer_.token(), fmt::format("{} after a number, expected {}", shown(lexer_.token()),
-                                         known ? "an operator, as in 2 * x"
-                                               : "a unit, one of m, cm, mm, km, rad, deg, s, "
-                                                 "ms, Hz"));
+      throw_invalid(lexer_.token(), fmt::format("{} after a number, expected {}", shown(lexer_.token()),
+                                                known ? "an operator, as in 2 * x"
+                                                      : "a unit, one of m, cm, mm, km, rad, deg, s, "
+                                                        "ms, Hz"));
     }
     while (lexer_.token().is("/")) {
       const Lexer before = lexer_;
@@ -269,10 +271,10 @@ class Parser {
       return made(token, entry->second, found->second.unit(), token.begin);
     }
     if (function_named(token.text) != nullptr) {
-      refuse(token, fmt::format("{} is a function, expected its arguments in brackets", shown(token)));
+      throw_invalid(token, fmt::format("{} is a function, expected its arguments in brackets", shown(token)));
     }
     if (unit_named(token.text)) {
-      refuse(token, fmt::format("{} is a unit, expected a number before it", shown(token)));
+      throw_invalid(token, fmt::format("{} is a unit, expected a number before it", shown(token)));
     }
     unknown(token);
   }
@@ -281,14 +283,14 @@ class Parser {
     std::vector<std::string_view> known = {"pi"};
     for (const auto& [word, meaning] : names_) known.push_back(word);
     for (const Function& f : functions) known.push_back(f.name);
-    refuse(token, fmt::format("{} is unknown, expected a known name{}", shown(token),
-                              hint(token.text.substr(0, 40), known)));
+    throw_invalid(token, fmt::format("{} is unknown, expected a known name{}", shown(token),
+                                     hint(token.text.substr(0, 40), known)));
   }
 
   Part call(const Token& token) {
     const Function* function = function_named(token.text);
     if (function == nullptr && (names_.contains(token.text) || unit_named(token.text))) {
-      refuse(token, fmt::format("{} is no function, expected an operator after it", shown(token)));
+      throw_invalid(token, fmt::format("{} is no function, expected an operator after it", shown(token)));
     }
     if (function == nullptr) unknown(token);
     const Token open = lexer_.take();
@@ -300,11 +302,11 @@ class Parser {
     }
     close(open);
     if (arguments.size() < function->least || arguments.size() > function->most) {
-      refuse(token, fmt::format("{} has {} argument{}, expected {}", token.text, arguments.size(),
-                                arguments.size() == 1 ? "" : "s",
-                                function->least == function->most
-                                    ? fmt::format("{}", function->least)
-                                    : fmt::format("{} to {}", function->least, function->most)));
+      throw_invalid(token, fmt::format("{} has {} argument{}, expected {}", token.text, arguments.size(),
+                                       arguments.size() == 1 ? "" : "s",
+                                       function->least == function->most
+                                           ? fmt::format("{}", function->least)
+                                           : fmt::format("{} to {}", function->least, function->most)));
     }
     return apply(token, arguments);
   }
@@ -326,8 +328,8 @@ class Parser {
       smoothed_.insert("sqrt");
       const std::optional<Unit> unit = first.unit ? to_power(*first.unit, 0.5) : std::nullopt;
       if (first.unit && !unit) {
-        lexer_.refuse(first.begin, fmt::format("the root of {} has no unit", to_string(*first.unit)) +
-                                       ", expected an even power");
+        lexer_.throw_invalid(first.begin, fmt::format("the root of {} has no unit", to_string(*first.unit)) +
+                                              ", expected an even power");
       }
       return made(token, builder_.unary(Kind::root, first.step), unit, token.begin);
     }
@@ -363,8 +365,8 @@ class Parser {
    public:
     Deeper(Parser& parser, const Token& at) : parser_(parser) {
       if (++parser_.depth_ > formula_depth_max) {
-        parser_.refuse(at, fmt::format("brackets and powers are nested deeper than {}, expected fewer",
-                                       formula_depth_max));
+        parser_.throw_invalid(at, fmt::format("brackets and powers are nested deeper than {}, expected fewer",
+                                              formula_depth_max));
       }
     }
     ~Deeper() { --parser_.depth_; }

@@ -1,4 +1,4 @@
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -37,7 +37,7 @@ constexpr std::uint64_t packed(std::uint32_t job, int next, int end) {
 
 }  // namespace
 
-Crew::Crew(int threads) : threads_(threads) {
+ThreadPool::ThreadPool(int threads) : threads_(threads) {
   if (threads < 1 || threads > most)
     throw std::invalid_argument("threads = " + std::to_string(threads) + ", expected 1 to " +
                                 std::to_string(most));
@@ -55,19 +55,19 @@ Crew::Crew(int threads) : threads_(threads) {
   }
 }
 
-std::shared_ptr<Crew> crew_where(bool pays, std::shared_ptr<Crew> crew) {
-  return crew != nullptr && pays ? std::move(crew) : std::make_shared<Crew>(1);
+std::shared_ptr<ThreadPool> thread_pool_if(bool pays, std::shared_ptr<ThreadPool> pool) {
+  return pool != nullptr && pays ? std::move(pool) : std::make_shared<ThreadPool>(1);
 }
 
-Crew::~Crew() { end(); }
+ThreadPool::~ThreadPool() { end(); }
 
-void Crew::end() noexcept {
+void ThreadPool::end() noexcept {
   stop_.store(true, std::memory_order_relaxed);
   job_.fetch_add(1, std::memory_order_release);
   job_.notify_all();
 }
 
-bool Crew::share_out(int parts, Call call, void* work) noexcept {
+bool ThreadPool::share_out(int parts, Call call, void* work) noexcept {
   if (parts > parts_most || busy_.exchange(true, std::memory_order_acquire)) return false;
   call_ = call;
   work_ = work;
@@ -86,7 +86,7 @@ bool Crew::share_out(int parts, Call call, void* work) noexcept {
   return true;
 }
 
-bool Crew::take(Range& range, int& part) noexcept {
+bool ThreadPool::take(Range& range, int& part) noexcept {
   std::uint64_t word = range.word.load(std::memory_order_acquire);
   for (;;) {
     const int next = static_cast<int>(word >> 16 & 0xffff), end = static_cast<int>(word & 0xffff);
@@ -99,7 +99,7 @@ bool Crew::take(Range& range, int& part) noexcept {
 }
 
 /// Its own parts, then those that others have not begun. While some of what it did is not counted, the job is on.
-void Crew::work_on(int thread) noexcept {
+void ThreadPool::work_on(int thread) noexcept {
   for (int i = 0; i < threads_; ++i) {
     Range& range = ranges_[static_cast<std::size_t>((thread + i) % threads_)];
     int part = 0, did = 0;
@@ -113,7 +113,7 @@ void Crew::work_on(int thread) noexcept {
   }
 }
 
-void Crew::wait_for_work(int thread) noexcept {
+void ThreadPool::wait_for_work(int thread) noexcept {
   std::uint32_t seen = 0;
   for (;;) {
     seen = wait_for_news(job_, seen);

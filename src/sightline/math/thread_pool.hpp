@@ -20,16 +20,16 @@ class ServiceThread;
 /// Memory and threads are taken when it is made; share() neither allocates nor locks. The others wait for work by looking for it
 /// for some microseconds, then asleep. Whoever shares works too and takes over what another thread has not begun, so a thread that
 /// the machine holds up costs the parts it is at, no more. They compute in the floating point mode of whoever shares.
-class Crew {
+class ThreadPool {
  public:
   static constexpr int most = 64;  ///< threads
 
   /// @param threads  with the one that shares, 1 to `most`; 1: no thread is started
   /// @throws std::invalid_argument for another number of threads, std::system_error where the machine has none
-  explicit Crew(int threads);
-  ~Crew();
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  explicit ThreadPool(int threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
 
   int threads() const { return threads_; }
 
@@ -74,6 +74,6 @@ class Crew {
 };
 
 /// That crew where it is there and pays, else one that shares nothing.
-std::shared_ptr<Crew> crew_where(bool pays, std::shared_ptr<Crew> crew);
+std::shared_ptr<ThreadPool> thread_pool_if(bool pays, std::shared_ptr<ThreadPool> pool);
 
 }  // namespace sightline

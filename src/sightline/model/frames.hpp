@@ -27,7 +27,7 @@ template <class S>
 struct Sight : Pose<S> {
   Vec3<S> v;        ///< velocity [m/s]
   Vec2<S> lean{};   ///< xi = (xi_f, xi_s), forward and to the left [-]
-  S doubt{};        ///< standard deviation of where what it looks at is to it, sideways [m]; 0: it knows
+  S uncertainty{};  ///< standard deviation of where what it looks at is to it, sideways [m]; 0: it knows
   Vec3<S> third{};  ///< where in G the third body of a coupling is [m], by the first of its two
 };
 
@@ -71,7 +71,8 @@ struct SensorMount {
   double pitch = 0.5;                    ///< beta [rad], in [-pi/2, pi/2]
   double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
   MountFrame frame = MountFrame::level;  ///< whose pitch and offset these are
-  double sigmas = 0.0;  ///< standard deviations of Sight::doubt by which what it looks at may be off, >= 0
+  double sigmas =
+      0.0;  ///< standard deviations of Sight::uncertainty by which what it looks at may be off, >= 0
 
   bool operator==(const SensorMount&) const = default;
 
@@ -89,7 +90,7 @@ struct SensorMount {
   template <class S>
   Vec3<S> operator()(const Sight<S>& robot, const Vec3<S>& point) const {
     if (frame == MountFrame::level)
-      return farthest(robot.doubt, (*this)(static_cast<const Pose<S>&>(robot), point));
+      return farthest(robot.uncertainty, (*this)(static_cast<const Pose<S>&>(robot), point));
     const double c = cos(pitch), s = sin(pitch);
     const Vec2<S>& xi = robot.lean;
     const Vec3<S> r = robot.p - point;
@@ -102,17 +103,17 @@ struct SensorMount {
     const S eta = offset * (1.0 - per_x) + per_x * (arm - xi.x * r.z);
     const S y = (of_x * right + xi.y * (xi.x * ahead + r.z)) * (per_x * per_z);
     const S z = (r.z + xi.x * ahead - xi.y * right) * per_z;
-    return farthest(robot.doubt, Vec3<S>{z * s - eta * c, y, -(z * c) - eta * s});
+    return farthest(robot.uncertainty, Vec3<S>{z * s - eta * c, y, -(z * c) - eta * s});
   }
 
   /// Of the points that are `sigmas` standard deviations beside p_S, the one farthest off the axis: where it is in view, all
   /// are. Within about that radius rho of the axis, where they have no direction, by less: (y, z) grows by rho / sqrt(y^2 + z^2 +
   /// rho^2) of itself, docs/equations.md, 1.
   template <class S>
-  Vec3<S> farthest(const S& doubt, const Vec3<S>& p_S) const {
+  Vec3<S> farthest(const S& uncertainty, const Vec3<S>& p_S) const {
     if (sigmas == 0.0) return p_S;
     constexpr double axis = 1e-12;  // rho = 0 on the axis [m^2]
-    const S rho = sigmas * doubt;
+    const S rho = sigmas * uncertainty;
     const S grown = 1.0 + rho / sqrt(square(p_S.y) + square(p_S.z) + square(rho) + axis);
     return {p_S.x, grown * p_S.y, grown * p_S.z};
   }

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "sightline/base/parameter.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/model/robots.hpp"
 
 namespace sightline {
@@ -112,8 +112,8 @@ struct LaggedHoverMultirotor {
   void check() const {
     const bool all = tau > 0 && tau_z > 0 && tau_psi > 0, none = tau == 0 && tau_z == 0 && tau_psi == 0;
     if (lagging ? !all : !none)
-      refuse("{}.tau, tau_z, tau_psi = {}, {}, {} s, expected {}", name, tau, tau_z, tau_psi,
-             lagging ? "all three above 0 s, or none" : "0 s: its states do not lag");
+      throw_invalid("{}.tau, tau_z, tau_psi = {}, {}, {} s, expected {}", name, tau, tau_z, tau_psi,
+                    lagging ? "all three above 0 s, or none" : "0 s: its states do not lag");
   }
 
   template <class S>

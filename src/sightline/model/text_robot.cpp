@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -19,7 +19,7 @@ constexpr double corner = 1e-6;
 /// The place of a state, by its name.
 std::size_t place_of(const TextRobot& robot, std::string_view what, const std::string& name) {
   const auto found = std::find(robot.states.begin(), robot.states.end(), name);
-  if (found == robot.states.end()) refuse("{} = \"{}\", expected the name of a state", what, name);
+  if (found == robot.states.end()) throw_invalid("{} = \"{}\", expected the name of a state", what, name);
   return static_cast<std::size_t>(found - robot.states.begin());
 }
 
@@ -46,7 +46,7 @@ struct Parsed final : Model::Interface {
     std::set<std::size_t> taken(position_.begin(), position_.end());
     taken.insert(heading_.begin(), heading_.end());
     if (taken.size() != 3 + heading_.size())
-      refuse("a state is twice in position and heading, expected each once");
+      throw_invalid("a state is twice in position and heading, expected each once");
     assert(std::all_of(rates_.begin(), rates_.end(),
                        [](const Expression& rate) { return rate.steps().size() <= formula_steps_max; }) &&
            "a formula is not longer");
@@ -129,7 +129,8 @@ Vocabulary TextRobot::vocabulary() const {
   int next = 0;
   const auto enter = [&](std::string_view what, const std::string& word) {
     if (!is_free_name(word) || names.contains(word)) {
-      refuse("{} \"{}\", expected a name of its own: letters, digits and _, no function or unit", what, word);
+      throw_invalid("{} \"{}\", expected a name of its own: letters, digits and _, no function or unit", what,
+                    word);
     }
     names.insert_or_assign(word, Expression({{Expression::Kind::variable, next++}}, std::nullopt, {}));
   };
@@ -152,7 +153,7 @@ Vocabulary TextRobot::vocabulary() const {
 
 Model TextRobot::model() const {
   if (f.size() != states.size())
-    refuse("{} rates for {} states, expected one of each", f.size(), states.size());
+    throw_invalid("{} rates for {} states, expected one of each", f.size(), states.size());
   const Vocabulary names = vocabulary();
   std::vector<Expression> rates;
   for (const std::string& rate : f) rates.push_back(parse_formula(rate, names));
@@ -161,22 +162,23 @@ Model TextRobot::model() const {
 
 Model TextRobot::model(std::vector<Expression> rates) const {
   const auto size_is_within = [](std::string_view what, std::size_t n, std::size_t most) {
-    if (n == 0 || n > most) refuse("{} {}, expected 1 to {}", n, what, most);
+    if (n == 0 || n > most) throw_invalid("{} {}, expected 1 to {}", n, what, most);
   };
   size_is_within("states", states.size(), text_states_max);
   size_is_within("inputs", inputs.size(), text_inputs_max);
   if (rates.size() != states.size())
-    refuse("{} rates for {} states, expected one of each", rates.size(), states.size());
+    throw_invalid("{} rates for {} states, expected one of each", rates.size(), states.size());
   (void)vocabulary();
   for (const Expression& rate : rates) {
     if (rate.steps().size() > formula_steps_max)
-      refuse("a rate of {} operations, expected at most {}", rate.steps().size(), formula_steps_max);
+      throw_invalid("a rate of {} operations, expected at most {}", rate.steps().size(), formula_steps_max);
   }
   if (heading.size() > 2)
-    refuse("a heading of {} states, expected the angle, the two of the direction, or none", heading.size());
+    throw_invalid("a heading of {} states, expected the angle, the two of the direction, or none",
+                  heading.size());
   for (const auto* bound : {&u_min, &u_max}) {
     if (!bound->empty() && bound->size() != inputs.size())
-      refuse("limits of {} inputs for {}, expected one of each", bound->size(), inputs.size());
+      throw_invalid("limits of {} inputs for {}, expected one of each", bound->size(), inputs.size());
   }
   return Model(std::make_shared<const Parsed>(*this, std::move(rates)));
 }

@@ -1,4 +1,4 @@
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -12,7 +12,7 @@ Ramp settled(const Ramp& ramp, double t) { return ramp.lasts() && ramp.has_settl
 
 }  // namespace
 
-Roster::Roster(Team all, std::vector<Presence> presence) {
+ActiveTeam::ActiveTeam(Team all, std::vector<Presence> presence) {
   now_ = {.all = std::move(all),
           .agents = {},
           .couplings = {},
@@ -28,7 +28,7 @@ Roster::Roster(Team all, std::vector<Presence> presence) {
   }
 }
 
-std::string Roster::apply(const Action& action, double t, double ramp) {
+std::string ActiveTeam::apply(const Action& action, double t, double ramp) {
   // What has faded away makes room.
   const auto over = [t](const auto& term) { return term.ramp.is_over(t); };
   std::erase_if(now_.couplings, over);
@@ -37,7 +37,7 @@ std::string Roster::apply(const Action& action, double t, double ramp) {
 }
 
 /// What keeps the steered robots of a swarm off those of it that brake or sink.
-std::vector<Coupling> Roster::swarm_couplings() const {
+std::vector<Coupling> ActiveTeam::swarm_couplings() const {
   std::vector<Coupling> couplings;
   for (const Swarm& swarm : now_.all.swarms()) {
     for (std::size_t i = 0; i < swarm.agents.size(); ++i) {
@@ -53,7 +53,7 @@ std::vector<Coupling> Roster::swarm_couplings() const {
   return couplings;
 }
 
-Team Roster::team(double t) const {
+Team ActiveTeam::team(double t) const {
   const auto steered = [&](BodyId body) { return presence(body) == Presence::steered; };
   const auto in_force = [&](const Coupling& c) {
     if (c.ramp.is_over(t)) return false;
@@ -118,7 +118,7 @@ Team Roster::team(double t) const {
   return team;
 }
 
-Membership Roster::membership() const {
+Membership ActiveTeam::membership() const {
   Membership now{.presence = now_.presence, .partners = {}, .limits = {}, .around = now_.around};
   for (const Agent& agent : now_.agents) now.limits.push_back(agent.limits);
   now.partners.resize(now_.agents.size());
@@ -135,7 +135,7 @@ Membership Roster::membership() const {
   return now;
 }
 
-double Roster::at_rest_from(double t) const {
+double ActiveTeam::at_rest_from(double t) const {
   double end = -std::numeric_limits<double>::infinity();
   const auto count = [&](const Ramp& ramp) {
     if (!ramp.has_settled(t)) end = std::max(end, ramp.begin + ramp.duration);

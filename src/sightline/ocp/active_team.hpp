@@ -17,11 +17,11 @@ struct Membership {
   Surroundings around{};            ///< as events changed it
 };
 
-class Roster {
+class ActiveTeam {
  public:
   /// @param all       every body there will ever be, and what couples them at first
   /// @param presence  of each body; those that are missing are there: robots steered, the others on hold
-  explicit Roster(Team all, std::vector<Presence> presence = {});
+  explicit ActiveTeam(Team all, std::vector<Presence> presence = {});
 
   /// Makes one change at time t [s]; weights are blended over `ramp` [s].
   /// @return why it cannot be, a sentence: then nothing was changed; else empty

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 
 namespace sightline {
 namespace {
@@ -18,8 +18,8 @@ std::string subject_of(const Action& action, const Team& all) {
 
 class Examination {
  public:
-  Examination(const Script& script, const Roster& roster)
-      : events_(script.events), begins_(script.begins), choices_(script.choices), roster_(roster) {
+  Examination(const Script& script, const ActiveTeam& active_team)
+      : events_(script.events), begins_(script.begins), choices_(script.choices), active_team_(active_team) {
     for (std::size_t i = 0; i < events_.size(); ++i) check_numbers(i);
     check_stages();
     check_choices();
@@ -76,7 +76,7 @@ class Examination {
           fault(i,
                 "observe.observer = \"{}\", which turns by the shape \"{}\", expected a robot that no shape "
                 "turns",
-                roster_.all().name(observe->observer), choice.name);
+                active_team_.all().name(observe->observer), choice.name);
         }
       }
     }
@@ -132,11 +132,12 @@ class Examination {
       if (const auto* at = std::get_if<AtTime>(&events_[i].trigger); at != nullptr && at_once) {
         fixed.push_back({at->t, i});
       } else {
-        for (const Action& action : events_[i].actions) unforeseen.insert(subject_of(action, roster_.all()));
+        for (const Action& action : events_[i].actions)
+          unforeseen.insert(subject_of(action, active_team_.all()));
       }
     }
     std::stable_sort(fixed.begin(), fixed.end(), [](const Fixed& a, const Fixed& b) { return a.t < b.t; });
-    Roster trial = roster_;
+    ActiveTeam trial = active_team_;
     std::map<std::string, Fixed> last;
     std::map<std::pair<double, std::string_view>, std::size_t> entering;
     for (const Fixed& it : fixed) {
@@ -149,7 +150,7 @@ class Examination {
         }
       }
       for (const Action& action : event.actions) {
-        const std::string what = subject_of(action, roster_.all());
+        const std::string what = subject_of(action, active_team_.all());
         if (!what.empty()) {
           const auto before = last.find(what);
           if (before != last.end() && before->second.t == it.t) {
@@ -166,7 +167,7 @@ class Examination {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       std::set<std::string> once;
       for (const Action& action : events_[i].actions) {
-        const std::string what = subject_of(action, roster_.all());
+        const std::string what = subject_of(action, active_team_.all());
         if (!what.empty() && !once.insert(what).second &&
             !std::holds_alternative<AtTime>(events_[i].trigger)) {
           fault(i, "{} is changed twice at one time, expected one change", what);
@@ -178,7 +179,7 @@ class Examination {
   const std::vector<TeamEvent>& events_;
   const std::vector<std::string>& begins_;
   const std::vector<ViewChoice>& choices_;
-  const Roster& roster_;
+  const ActiveTeam& active_team_;
   std::vector<ScriptFault> faults_;
 };
 
@@ -213,7 +214,7 @@ bool changes_surroundings(const Script& script) {
 }
 
 std::string in_words(const TeamEvent& event, const Team& all) {
-  const auto words = [&](const auto& it) { return it.words(all); };
+  const auto words = [&](const auto& it) { return it.describe(all); };
   std::string text = fmt::format("{}, {}", event.name, std::visit(words, event.trigger));
   if (!event.stage.empty()) text += fmt::format(", in stage {}", event.stage);
   if (event.repeat) text += ", as often as that comes about";
@@ -225,8 +226,8 @@ std::string in_words(const TeamEvent& event, const Team& all) {
   return text;
 }
 
-std::vector<ScriptFault> faults_of(const Script& script, const Roster& roster) {
-  return Examination(script, roster).faults();
+std::vector<ScriptFault> faults_of(const Script& script, const ActiveTeam& active_team) {
+  return Examination(script, active_team).faults();
 }
 
 }  // namespace sightline

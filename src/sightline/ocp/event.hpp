@@ -1,4 +1,4 @@
-/// Teams that change in flight: what is to happen, and when. A script is data; `Roster` says what becomes of the
+/// Teams that change in flight: what is to happen, and when. A script is data; `ActiveTeam` says what becomes of the
 /// team, `EventMonitor` when. docs/events.md.
 ///
 /// Bodies are those of one Team that has all there will ever be. A run is in one stage at a time; it begins in
@@ -97,11 +97,11 @@ struct ScriptFault {
   std::string sentence;
 };
 
-class Roster;
+class ActiveTeam;
 
 /// What can be known without a flight: an observer of a choice that an event turns; numbers out of range, a stage that nothing enters, stages that could follow
 /// each other in no time, two events at one time that contradict each other, what is not there removed or what
 /// is there added.
-std::vector<ScriptFault> faults_of(const Script& script, const Roster& roster);
+std::vector<ScriptFault> faults_of(const Script& script, const ActiveTeam& active_team);
 
 }  // namespace sightline

@@ -17,7 +17,7 @@ EventMonitor::EventMonitor(const Script& script, const Team& all)
     state.enter = stage_of(event.enter);
   }
   for (const ViewChoice& choice : script_.choices) choosers_.emplace_back(choice);
-  happening_.reserve(states_.size());
+  triggered_.reserve(states_.size());
 }
 
 std::size_t EventMonitor::stage_of(const std::string& name) {
@@ -39,8 +39,8 @@ std::string_view EventMonitor::stage(std::string_view region) const noexcept {
   return {};
 }
 
-std::span<const std::size_t> EventMonitor::look(const Known& known) noexcept {
-  happening_.clear();
+std::span<const std::size_t> EventMonitor::look(const EventContext& known) noexcept {
+  triggered_.clear();
   ConditionState none;
   for (ViewChooser& chooser : choosers_) chooser.look({all_, known, 0.0, false, none});
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -48,11 +48,11 @@ std::span<const std::size_t> EventMonitor::look(const Known& known) noexcept {
     const bool signalled = signals_[i].exchange(false, std::memory_order_acquire);
     if (state.over || (state.stage != 0 && state.stage != region_of_stage(state.stage).stage)) continue;
     const double began = state.stage == 0 ? 0.0 : region_of_stage(state.stage).began;
-    const Moment moment{all_, known, began, signalled, state.condition, choosers_};
-    const auto happens = [&](const auto& trigger) { return trigger.happens(moment); };
-    if (std::visit(happens, script_.events[i].trigger)) happening_.push_back(i);
+    const EventInstant moment{all_, known, began, signalled, state.condition, choosers_};
+    const auto occurs = [&](const auto& trigger) { return trigger.occurs(moment); };
+    if (std::visit(occurs, script_.events[i].trigger)) triggered_.push_back(i);
   }
-  for (const std::size_t i : happening_) {
+  for (const std::size_t i : triggered_) {
     states_[i].over = !script_.events[i].repeat;
     const std::size_t next = states_[i].enter;
     Region& region = region_of_stage(next);
@@ -65,7 +65,7 @@ std::span<const std::size_t> EventMonitor::look(const Known& known) noexcept {
       state.condition = {};
     }
   }
-  return happening_;
+  return triggered_;
 }
 
 bool EventMonitor::signal(std::string_view name) noexcept {

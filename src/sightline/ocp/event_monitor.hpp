@@ -19,7 +19,7 @@ class EventMonitor {
 
   /// The events that happen now, in their order; a stage that one of them enters begins now. Allocates nothing.
   /// @return indices in the script, valid until the next call
-  std::span<const std::size_t> look(const Known& known) noexcept;
+  std::span<const std::size_t> look(const EventContext& known) noexcept;
 
   /// From any thread: the message is there; the events that wait for it happen at the next look.
   /// @return whether an event of the script has this signal
@@ -51,7 +51,7 @@ class EventMonitor {
   std::vector<State> states_;
   std::deque<std::atomic<bool>> signals_;  // of each event
   std::vector<ViewChooser> choosers_;
-  std::vector<std::size_t> happening_;
+  std::vector<std::size_t> triggered_;
   std::vector<std::size_t> stage_regions_;  // of each stage
   std::vector<Region> regions_;
 };

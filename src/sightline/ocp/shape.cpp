@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -104,16 +104,16 @@ void relay(Team& team, Script& script, const TermsOf& terms_of, const std::vecto
 }
 
 void best(Team& team, Script& script, const TermsOf& terms_of, ViewChoice choice, double ramp) {
-  if (choice.name.empty()) refuse("a choice of observers has no name, expected one for its couplings");
+  if (choice.name.empty()) throw_invalid("a choice of observers has no name, expected one for its couplings");
   choice.check(team);
   for (const ViewChoice& other : script.choices) {
     if (other.name == choice.name)
-      refuse("two choices of observers are called {}, expected two names", other.name);
+      throw_invalid("two choices of observers are called {}, expected two names", other.name);
     for (const AgentId observer : choice.observers) {
       if (std::find(other.observers.begin(), other.observers.end(), observer) == other.observers.end())
         continue;
-      refuse("\"{}\" observes in {} already, expected a robot that turns by one choice alone",
-             team.name(observer), other.name);
+      throw_invalid("\"{}\" observes in {} already, expected a robot that turns by one choice alone",
+                    team.name(observer), other.name);
     }
   }
   for (std::size_t i = 0; i < choice.observers.size(); ++i) {

@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/ocp/team.hpp"
 
 namespace sightline {
@@ -78,19 +78,19 @@ double largest_at(const Weighted& term, double radius) {
 
 void Swarm::check() const {
   const std::string_view name = term.potential.name();
-  if (!(radius > 0) || !std::isfinite(radius)) refuse("radius = {}, expected > 0 m", radius);
-  if (capacity < 1) refuse("capacity = {}, expected at least 1 pair", capacity);
+  if (!(radius > 0) || !std::isfinite(radius)) throw_invalid("radius = {}, expected > 0 m", radius);
+  if (capacity < 1) throw_invalid("capacity = {}, expected at least 1 pair", capacity);
   if (!std::isfinite(term.weight) || term.weight < 0) {
-    refuse("weight = {} of {}, expected >= 0", term.weight, name);
+    throw_invalid("weight = {} of {}, expected >= 0", term.weight, name);
   }
   if (!term.potential.is_pair()) {
-    refuse("{} sees one robot alone, expected a potential between two bodies", name);
+    throw_invalid("{} sees one robot alone, expected a potential between two bodies", name);
   }
   if (term.potential.sees_third())
-    refuse("{} looks past a third body, expected a potential between two", name);
-  if (agents.size() < 2) refuse("{} robots are kept apart, expected at least two", agents.size());
+    throw_invalid("{} looks past a third body, expected a potential between two", name);
+  if (agents.size() < 2) throw_invalid("{} robots are kept apart, expected at least two", agents.size());
   if (!sees_differences_alone(term.potential, radius)) {
-    refuse(
+    throw_invalid(
         "{} depends on more than the differences of two positions and of two headings, expected one of "
         "keep_out, "
         "too_near, pass_right or alike",
@@ -98,7 +98,7 @@ void Swarm::check() const {
   }
   const double rest = largest_at(term, radius);
   if (!(rest <= negligible)) {
-    refuse(
+    throw_invalid(
         "{} times {} is or slopes by {:.2g} at the radius of {} m, expected at most {}: a larger radius or a "
         "sharper potential",
         name, term.weight, rest, radius, negligible);

@@ -6,17 +6,18 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
 
 void check_weights(std::string_view agent, std::string_view field, const std::vector<double>& w, int n,
                    bool positive) {
-  if (static_cast<int>(w.size()) != n) refuse("{}.{} has {} entries, expected {}", agent, field, w.size(), n);
+  if (static_cast<int>(w.size()) != n)
+    throw_invalid("{}.{} has {} entries, expected {}", agent, field, w.size(), n);
   for (const double v : w) {
     if (!std::isfinite(v) || v < 0 || (positive && v == 0)) {
-      refuse("{}.{} = {}, expected {} 0", agent, field, v, positive ? ">" : ">=");
+      throw_invalid("{}.{} = {}, expected {} 0", agent, field, v, positive ? ">" : ">=");
     }
   }
 }
@@ -31,22 +32,22 @@ InputLimits::InputLimits(std::vector<double> times, std::vector<std::vector<doub
                          std::vector<std::vector<double>> u_max)
     : times_(std::move(times)), u_min_(std::move(u_min)), u_max_(std::move(u_max)) {
   if (times_.empty() || u_min_.size() != times_.size() || u_max_.size() != times_.size()) {
-    refuse("limits have {} times, {} u_min and {} u_max, expected as many of each", times_.size(),
-           u_min_.size(), u_max_.size());
+    throw_invalid("limits have {} times, {} u_min and {} u_max, expected as many of each", times_.size(),
+                  u_min_.size(), u_max_.size());
   }
   for (std::size_t k = 0; k < times_.size(); ++k) {
-    if (!std::isfinite(times_[k])) refuse("limits.times = {}, expected finite and rising", times_[k]);
+    if (!std::isfinite(times_[k])) throw_invalid("limits.times = {}, expected finite and rising", times_[k]);
     if (k > 0 && !(times_[k] > times_[k - 1])) {
-      refuse("limits.times = {} after {}, expected finite and rising", times_[k], times_[k - 1]);
+      throw_invalid("limits.times = {} after {}, expected finite and rising", times_[k], times_[k - 1]);
     }
     if (u_min_[k].size() != u_max_[k].size() || u_min_[k].size() != u_min_[0].size()) {
-      refuse("limits: u_min has {} entries, u_max has {}, expected as many in all", u_min_[k].size(),
-             u_max_[k].size());
+      throw_invalid("limits: u_min has {} entries, u_max has {}, expected as many in all", u_min_[k].size(),
+                    u_max_[k].size());
     }
     for (std::size_t i = 0; i < u_min_[k].size(); ++i) {
       if (!(u_min_[k][i] < u_max_[k][i]) || !std::isfinite(u_min_[k][i]) || !std::isfinite(u_max_[k][i])) {
-        refuse("limits: u_min[{0}] = {1}, u_max[{0}] = {2}, expected u_min < u_max, both finite", i,
-               u_min_[k][i], u_max_[k][i]);
+        throw_invalid("limits: u_min[{0}] = {1}, u_max[{0}] = {2}, expected u_min < u_max, both finite", i,
+                      u_min_[k][i], u_max_[k][i]);
       }
     }
   }
@@ -76,7 +77,8 @@ std::vector<AgentId> felt_by(std::initializer_list<AgentId> agents) { return age
 std::vector<AgentId> felt_by(AgentId agent) { return {agent}; }
 
 BodyId Team::enter(std::string name, const Model& model, int agent) {
-  if (find(name).index >= 0) refuse("the name \"{}\" is given twice, expected one body of a name", name);
+  if (find(name).index >= 0)
+    throw_invalid("the name \"{}\" is given twice, expected one body of a name", name);
   const BodyId id{bodies()};
   bodies_.push_back({std::move(name), model, agent, nx_, nu_});
   nx_ += model.nx();
@@ -95,17 +97,18 @@ AgentId Team::add(Agent agent) {
   if (!agent.rate_max.empty()) check_weights(agent.name, "rate_max", agent.rate_max, nu, true);
   if (!agent.R_rate.empty()) check_weights(agent.name, "R_rate", agent.R_rate, nu, false);
   if (static_cast<int>(agent.u_ref.size()) != nu || !all_finite(agent.u_ref)) {
-    refuse("{}.u_ref has {} entries, expected {} finite numbers", agent.name, agent.u_ref.size(), nu);
+    throw_invalid("{}.u_ref has {} entries, expected {} finite numbers", agent.name, agent.u_ref.size(), nu);
   }
   if (static_cast<int>(agent.limits.u_min()[0].size()) != nu) {
-    refuse("{}.u_min has {} entries, expected {}", agent.name, agent.limits.u_min()[0].size(), nu);
+    throw_invalid("{}.u_min has {} entries, expected {}", agent.name, agent.limits.u_min()[0].size(), nu);
   }
   if (const std::size_t n = agent.x_ref.length(); n != 0 && n != agent.Q.size()) {
-    refuse("{}.x_ref has {} numbers, expected {}", agent.name, n, nx);
+    throw_invalid("{}.x_ref has {} numbers, expected {}", agent.name, n, nx);
   }
   if (agent.x_ref.length() == 0 && nx > Reference::max_states) {
-    refuse("{}.x_ref is a pose of a robot of {} states, expected all of its states: a pose suits at most {}",
-           agent.name, nx, Reference::max_states);
+    throw_invalid(
+        "{}.x_ref is a pose of a robot of {} states, expected all of its states: a pose suits at most {}",
+        agent.name, nx, Reference::max_states);
   }
   const BodyId id = enter(agent.name, agent.model, static_cast<int>(agents_.size()));
   agents_.push_back(std::move(agent));
@@ -121,13 +124,13 @@ BodyId Team::add(Obstacle obstacle) {
 
 void Team::check_body(BodyId body) const {
   if (body.index < 0 || body.index >= bodies()) {
-    refuse("body {} is not in the team, expected an id that add() returned", body.index);
+    throw_invalid("body {} is not in the team, expected an id that add() returned", body.index);
   }
 }
 
 void Team::check_weight(const Weighted& term) const {
   if (!std::isfinite(term.weight) || term.weight < 0) {
-    refuse("weight = {} of {}, expected >= 0", term.weight, term.potential.name());
+    throw_invalid("weight = {} of {}, expected >= 0", term.weight, term.potential.name());
   }
 }
 
@@ -137,7 +140,7 @@ void Team::check_new_name(std::string_view called) const {
   const auto has_it = [&](const auto& term) { return term.name == called && term.ramp.to > 0; };
   if (std::any_of(couplings_.begin(), couplings_.end(), has_it) ||
       std::any_of(constraints_.begin(), constraints_.end(), has_it)) {
-    refuse("the name \"{}\" is given to two couplings or constraints, expected one of a name", called);
+    throw_invalid("the name \"{}\" is given to two couplings or constraints, expected one of a name", called);
   }
 }
 
@@ -166,23 +169,24 @@ void Team::couple(Coupling coupling) {
   check_body(between.second);
   check_weight(term);
   if (!term.potential.is_pair()) {
-    refuse("{} sees one robot alone, expected a potential between two bodies", term.potential.name());
+    throw_invalid("{} sees one robot alone, expected a potential between two bodies", term.potential.name());
   }
   if (between.first == between.second)
-    refuse("\"{}\" is coupled with itself, expected two bodies", name(between.first));
+    throw_invalid("\"{}\" is coupled with itself, expected two bodies", name(between.first));
   check_third(coupling);
   if (felt_by.empty()) {
-    refuse("the coupling {} of \"{}\" and \"{}\" is felt by nobody, expected at least one robot of the two",
-           term.potential.name(), name(between.first), name(between.second));
+    throw_invalid(
+        "the coupling {} of \"{}\" and \"{}\" is felt by nobody, expected at least one robot of the two",
+        term.potential.name(), name(between.first), name(between.second));
   }
   for (const AgentId agent : felt_by) {
     check_body(agent);
     if (std::count(felt_by.begin(), felt_by.end(), agent) > 1) {
-      refuse("felt_by names \"{}\" twice, expected each robot once", name(agent));
+      throw_invalid("felt_by names \"{}\" twice, expected each robot once", name(agent));
     }
     if (!is_agent(agent) || (agent != between.first && agent != between.second)) {
-      refuse("felt_by names \"{}\", expected a robot of between = [\"{}\", \"{}\"]", name(agent),
-             name(between.first), name(between.second));
+      throw_invalid("felt_by names \"{}\", expected a robot of between = [\"{}\", \"{}\"]", name(agent),
+                    name(between.first), name(between.second));
     }
   }
   couplings_.push_back(std::move(coupling));
@@ -195,20 +199,21 @@ void Team::check_third(const Coupling& coupling) const {
   if (coupling.has_third()) check_body(coupling.third);
   if (coupling.has_third() != coupling.term.potential.sees_third()) {
     if (coupling.has_third())
-      refuse("{} does not look past the third body \"{}\", expected a potential that does, or none",
-             potential, name(coupling.third));
-    refuse("{} looks past a third body, expected a coupling that names one as its third", potential);
+      throw_invalid("{} does not look past the third body \"{}\", expected a potential that does, or none",
+                    potential, name(coupling.third));
+    throw_invalid("{} looks past a third body, expected a coupling that names one as its third", potential);
   }
   if (coupling.third == first || coupling.third == second)
-    refuse("the third body of {} is \"{}\", expected another than its two", potential, name(coupling.third));
+    throw_invalid("the third body of {} is \"{}\", expected another than its two", potential,
+                  name(coupling.third));
 }
 
 void Team::keep_apart(const Weighted& term, std::vector<AgentId> agents, double radius, int capacity) {
   for (const AgentId agent : agents) {
     check_body(agent);
-    if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
+    if (!is_agent(agent)) throw_invalid("\"{}\" is not controlled, expected a robot", name(agent));
     if (std::count(agents.begin(), agents.end(), agent) > 1) {
-      refuse("agents names \"{}\" twice, expected each robot once", name(agent));
+      throw_invalid("agents names \"{}\" twice, expected each robot once", name(agent));
     }
   }
   Swarm swarm{.term = term, .agents = std::move(agents), .radius = radius, .capacity = capacity};
@@ -225,9 +230,9 @@ void Team::constrain(Constraint constraint) {
   check_new_name(called);
   check_body(agent);
   check_weight(term);
-  if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
+  if (!is_agent(agent)) throw_invalid("\"{}\" is not controlled, expected a robot", name(agent));
   if (term.potential.is_pair()) {
-    refuse("{} lies between two bodies, expected a potential of one robot", term.potential.name());
+    throw_invalid("{} lies between two bodies, expected a potential of one robot", term.potential.name());
   }
   constraints_.push_back(std::move(constraint));
 }
@@ -236,11 +241,11 @@ void Team::constrain(const RelaxedBarrier& barrier, AgentId agent) {
   check_body(agent);
   barrier.check();
   const std::string_view limit = barrier.limit.name();
-  if (!is_agent(agent)) refuse("\"{}\" is not controlled, expected a robot", name(agent));
+  if (!is_agent(agent)) throw_invalid("\"{}\" is not controlled, expected a robot", name(agent));
   const Model& m = model(agent);
   if (m.nx() < barrier.limit.states() || m.nu() < barrier.limit.inputs()) {
-    refuse("{} reads {} states and {} inputs, \"{}\" has {} and {}, expected as many at least", limit,
-           barrier.limit.states(), barrier.limit.inputs(), name(agent), m.nx(), m.nu());
+    throw_invalid("{} reads {} states and {} inputs, \"{}\" has {} and {}, expected as many at least", limit,
+                  barrier.limit.states(), barrier.limit.inputs(), name(agent), m.nx(), m.nu());
   }
   barriers_.push_back({barrier, agent});
 }

@@ -47,7 +47,7 @@ class TunedScript {
 
   // The control thread.
 
-  void happen(std::size_t i, double t) noexcept { all_[i]->at.store(t, std::memory_order_release); }
+  void occur(std::size_t i, double t) noexcept { all_[i]->at.store(t, std::memory_order_release); }
   void ignore(std::size_t i) noexcept { all_[i]->ignored.store(true, std::memory_order_release); }
 
  private:

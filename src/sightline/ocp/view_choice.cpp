@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -16,7 +16,7 @@ void check_each_once(std::string_view what, const std::string& name, const std::
                      const Team& team) {
   for (auto body = bodies.begin(); body != bodies.end(); ++body) {
     if (std::find(bodies.begin(), body, *body) != body)
-      refuse("\"{}\" stands twice among the {} of {}, expected once", team.name(*body), what, name);
+      throw_invalid("\"{}\" stands twice among the {} of {}, expected once", team.name(*body), what, name);
   }
 }
 
@@ -41,28 +41,28 @@ void ViewChoice::check(const Team& team) const {
   check_each_once("observers", name, {observers.begin(), observers.end()}, team);
   check_each_once("targets", name, targets, team);
   if (observers.empty() || targets.empty())
-    refuse("{} has {} observers and {} targets, expected one or more", name, observers.size(),
-           targets.size());
+    throw_invalid("{} has {} observers and {} targets, expected one or more", name, observers.size(),
+                  targets.size());
   const bool anchored = std::any_of(targets.begin(), targets.end(), [&](BodyId target) {
     return std::find(observers.begin(), observers.end(), target) == observers.end();
   });
   if (!anchored)
-    refuse("all targets of {} are observers, expected one that knows its place without looking", name);
+    throw_invalid("all targets of {} are observers, expected one that knows its place without looking", name);
   if (variances.size() != observers.size() * targets.size())
-    refuse("{} has {} variances, expected one of each observer and target, {}", name, variances.size(),
-           observers.size() * targets.size());
+    throw_invalid("{} has {} variances, expected one of each observer and target, {}", name, variances.size(),
+                  observers.size() * targets.size());
   if (first.size() != observers.size())
-    refuse("{} has {} first targets, expected {}, one of each observer", name, first.size(),
-           observers.size());
+    throw_invalid("{} has {} first targets, expected {}, one of each observer", name, first.size(),
+                  observers.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     if (first[i] >= static_cast<int>(targets.size()) ||
         (first[i] >= 0 && targets[size(first[i])] == observers[i]))
-      refuse("the first target of \"{}\" in {} is {}, expected the place of another body",
-             team.name(observers[i]), name, first[i]);
+      throw_invalid("the first target of \"{}\" in {} is {}, expected the place of another body",
+                    team.name(observers[i]), name, first[i]);
   }
-  if (at_most < 1) refuse("{}.at_most = {}, expected >= 1", name, at_most);
-  if (!(margin >= 0 && std::isfinite(margin))) refuse("{}.margin = {}, expected >= 0 m", name, margin);
-  if (!(dwell > 0 && std::isfinite(dwell))) refuse("{}.dwell = {}, expected > 0 s", name, dwell);
+  if (at_most < 1) throw_invalid("{}.at_most = {}, expected >= 1", name, at_most);
+  if (!(margin >= 0 && std::isfinite(margin))) throw_invalid("{}.margin = {}, expected >= 0 m", name, margin);
+  if (!(dwell > 0 && std::isfinite(dwell))) throw_invalid("{}.dwell = {}, expected > 0 s", name, dwell);
 }
 
 ViewChooser::ViewChooser(const ViewChoice& choice)
@@ -107,7 +107,7 @@ void ViewChooser::consider(Node& of, const Node& target) noexcept {
   want_[i] = target.target;
 }
 
-void ViewChooser::plan(const Moment& now) noexcept {
+void ViewChooser::plan(const EventInstant& now) noexcept {
   for (Node& node : nodes_) {
     const bool observes = node.observer >= 0;
     node.there = observes ? now.is_steered(node.body) : now.is_there(node.body);
@@ -168,7 +168,7 @@ void ViewChooser::turn(std::size_t observer, int target, double t) noexcept {
   since_[observer] = unseen;
 }
 
-void ViewChooser::look(const Moment& now) noexcept {
+void ViewChooser::look(const EventInstant& now) noexcept {
   const double t = now.known.t;
   plan(now);
   bool any = false;
@@ -210,7 +210,7 @@ void ViewChooser::look(const Moment& now) noexcept {
   for (const std::size_t i : order_) attempt(i);
 }
 
-std::vector<int> ViewChooser::first(const ViewChoice& choice, const Team& all, const Known& known) {
+std::vector<int> ViewChooser::first(const ViewChoice& choice, const Team& all, const EventContext& known) {
   ViewChoice none = choice;
   none.first.assign(choice.observers.size(), ViewChoice::nobody);
   ViewChooser chooser(none);

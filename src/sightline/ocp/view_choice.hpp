@@ -67,14 +67,14 @@ class ViewChooser {
  public:
   explicit ViewChooser(const ViewChoice& choice);
 
-  void look(const Moment& now) noexcept;
+  void look(const EventInstant& now) noexcept;
   /// Target of an observer, by their places in the choice; nobody where it has none.
   int target(std::size_t observer) const noexcept { return present_[observer]; }
   /// Whether the last look() changed it.
   bool changed(std::size_t observer) const noexcept { return changed_[observer] != 0; }
 
   /// The best for these poses, where nobody looks at anybody yet: for ViewChoice::first.
-  static std::vector<int> first(const ViewChoice& choice, const Team& all, const Known& known);
+  static std::vector<int> first(const ViewChoice& choice, const Team& all, const EventContext& known);
 
  private:
   struct Node {
@@ -85,7 +85,7 @@ class ViewChooser {
     Sight<double> sight{};
   };
 
-  void plan(const Moment& now) noexcept;
+  void plan(const EventInstant& now) noexcept;
   void consider(Node& observer, const Node& target) noexcept;
   bool can_be(std::span<const int> targets) const noexcept;
   void turn(std::size_t observer, int target, double t) noexcept;

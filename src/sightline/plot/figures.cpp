@@ -83,7 +83,7 @@ void prune(Drawing::Grid& grid) {
 void prune_notes(Panel& panel) {
   std::erase_if(panel.labels,
                 [](const Drawing::Note& note) { return !is_drawn(note.x) || !is_drawn(note.y); });
-  std::erase_if(panel.moments, [](const Drawing::Moment& moment) { return !is_drawn(moment.x); });
+  std::erase_if(panel.moments, [](const Drawing::TimeMark& moment) { return !is_drawn(moment.x); });
   for (auto* range : {&panel.x_range, &panel.y_range})
     if (*range && !(is_drawn((**range)[0]) && is_drawn((**range)[1]))) range->reset();
 }
@@ -238,7 +238,7 @@ std::string notes(const Panel& panel) {
     script += fmt::format("set label {} at {},{} left offset 0.4,0.3 font ',10'\n", literal(note.text),
                           note.x, note.y);
   }
-  for (const Drawing::Moment& moment : panel.moments) {
+  for (const Drawing::TimeMark& moment : panel.moments) {
     script += fmt::format("set arrow from {0},graph 0 to {0},graph 1 nohead lc rgb '{1}' lw 1 dt (2,4)\n",
                           moment.x, palette[Drawing::faint_colour]);
     if (!moment.text.empty()) {

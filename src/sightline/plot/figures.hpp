@@ -47,7 +47,7 @@ struct Drawing {
     std::string text;
   };
   /// A vertical line across a panel, and what stands at its upper end.
-  struct Moment {
+  struct TimeMark {
     double x{};
     std::string text{};
   };
@@ -62,7 +62,7 @@ struct Drawing {
     Grid grid{};
     std::optional<std::array<double, 2>> x_range{}, y_range{};  ///< low and high; none: as the curves ask for
     std::vector<Note> labels{};
-    std::vector<Moment> moments{};
+    std::vector<TimeMark> moments{};
     std::vector<std::string> y_names{};  ///< of y = 0, 1, ..., in place of the numbers
   };
 

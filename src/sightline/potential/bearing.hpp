@@ -29,7 +29,7 @@ struct Bearing {
   SensorMount mount{};  ///< of the camera on the observer, (45)
 
   static constexpr std::string_view name = "bearing";
-  static constexpr bool watches = true, keeps_apart = false;
+  static constexpr bool observes = true, keeps_apart = false;
   static constexpr std::string_view limit_unit = "rad";
   static constexpr auto parameters() {
     constexpr Bounds small = {0.0, 0.2, "in [0, 0.2]"},

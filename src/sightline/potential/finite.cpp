@@ -171,7 +171,7 @@ std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch
 }
 
 std::string to_string(const Spot& spot) {
-  const auto words = [](const Sight<double>& s) {
+  const auto describe = [](const Sight<double>& s) {
     return fmt::format("at ({:.6g}, {:.6g}, {:.6g}) m heading ({:.6g}, {:.6g})", s.p.x, s.p.y, s.p.z, s.d.x,
                        s.d.y);
   };
@@ -180,8 +180,8 @@ std::string to_string(const Spot& spot) {
   const std::string third = spot.third ? fmt::format(", third body at ({:.6g}, {:.6g}, {:.6g}) m",
                                                      spot.third->x, spot.third->y, spot.third->z)
                                        : "";
-  return fmt::format("observer {}, target {}{}, t = {:.6g} s{}", words(spot.observer), words(spot.target),
-                     third, spot.t, ends);
+  return fmt::format("observer {}, target {}{}, t = {:.6g} s{}", describe(spot.observer),
+                     describe(spot.target), third, spot.t, ends);
 }
 
 }  // namespace sightline

@@ -12,9 +12,9 @@
 ///
 ///   limit_unit    unit of the violation, "m"; left out: "in its own unit"
 ///   keeps_apart   whether the limit is a least distance; left out: found by looking at the limit (protection.hpp)
-///   watches       whether the first body looks at the second; left out: it has a sensor and does not keep apart
+///   observes       whether the first body looks at the second; left out: it has a sensor and does not keep apart
 ///   mount         the sensor's place on the observer; a scenario sets it from [agent.NAME.sensor]
-///   alpha         of one that watches: the angle of view [rad]
+///   alpha         of one that observes: the angle of view [rad]
 ///   d_min, d_max  the distances that it keeps [m]
 ///   sees_third    whether Sight::third of the first body is something to it; left out: no
 #pragma once
@@ -115,15 +115,15 @@ class Potential {
   /// The distance beyond which it keeps two bodies, and within which [m], where it has a field of this name.
   std::optional<double> d_min() const { return block_->d_min(); }
   std::optional<double> d_max() const { return block_->d_max(); }
-  /// The angle of view up to which it counts as kept [rad], of one that watches and has a field of this name.
+  /// The angle of view up to which it counts as kept [rad], of one that observes and has a field of this name.
   std::optional<double> alpha() const { return block_->alpha(); }
   /// Whether it depends on where a third body is, by Sight::third of the first of its two.
   bool sees_third() const { return block_->sees_third(); }
   /// What its violation is measured in: "m", "rad"; "in its own unit" where it does not say.
   std::string_view limit_unit() const { return block_->limit_unit; }
-  /// What it says of itself; none: it does not. keeps_apart() and watches() of protection.hpp know then.
+  /// What it says of itself; none: it does not. keeps_apart() and observes() of protection.hpp know then.
   std::optional<bool> says_keeps_apart() const { return block_->keeps_apart; }
-  std::optional<bool> says_watches() const { return block_->watches; }
+  std::optional<bool> says_observes() const { return block_->observes; }
   /// The limits that all have to hold in it, each as a potential; none where it states a single one.
   std::vector<Potential> conjuncts() const { return block_->conjuncts(); }
   /// Its rounded corners, if it is a formula that can have some, and the same with others.
@@ -153,7 +153,7 @@ class Potential {
   struct Interface {
     std::string_view name = "potential", limit_unit = "in its own unit";
     bool is_pair = true;
-    std::optional<bool> keeps_apart{}, watches{};
+    std::optional<bool> keeps_apart{}, observes{};
 
     virtual ~Interface() = default;
     virtual std::vector<ParameterText> parameters() const = 0;
@@ -186,7 +186,7 @@ class Potential {
       }
       if constexpr (requires { std::string_view(P::limit_unit); }) this->limit_unit = P::limit_unit;
       if constexpr (requires { bool{P::keeps_apart}; }) this->keeps_apart = P::keeps_apart;
-      if constexpr (requires { bool{P::watches}; }) this->watches = P::watches;
+      if constexpr (requires { bool{P::observes}; }) this->observes = P::observes;
       this->is_pair = PairPotential<P>;
     }
     std::vector<ParameterText> parameters() const override { return parameter_texts(potential); }

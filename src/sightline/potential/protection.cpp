@@ -61,8 +61,8 @@ std::vector<Potential> keep_outs(const Potential& potential) {
   return found;
 }
 
-bool watches(const Potential& potential) {
-  const std::optional<bool> said = potential.says_watches();
+bool observes(const Potential& potential) {
+  const std::optional<bool> said = potential.says_observes();
   return said ? *said : potential.mount() != nullptr && !keeps_apart(potential);
 }
 

@@ -1,4 +1,4 @@
-/// What of a potential keeps two bodies apart, and whether one watches the other by it: as the potential says of itself,
+/// What of a potential keeps two bodies apart, and whether one observes the other by it: as the potential says of itself,
 /// else, as for limits as text, found by looking at the limit that it states.
 #pragma once
 
@@ -21,6 +21,6 @@ std::vector<Potential> keep_outs(const Potential& potential);
 
 /// Whether the first body looks at the second with a sensor: a limit in the sensor's frame that does not just keep
 /// them apart, as "range > 1 m" does.
-bool watches(const Potential& potential);
+bool observes(const Potential& potential);
 
 }  // namespace sightline

@@ -32,7 +32,7 @@ struct SensorCone {
   SensorMount mount{};  ///< of the camera on the observer, (45)
 
   static constexpr std::string_view name = "sensor_cone";
-  static constexpr bool watches = true, keeps_apart = false;
+  static constexpr bool observes = true, keeps_apart = false;
   static constexpr std::string_view limit_unit = "rad";
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 2> forms = {"sine", "tangent"};

@@ -46,7 +46,8 @@ void Drift::restart(std::span<const Coupling> couplings) {
 }
 
 Drift::Place Drift::place_of(double time, const Sight<double>& sight, Presence presence, const Agent* agent) {
-  Place place{.there = presence != Presence::absent && is_finite(sight.p), .p = sight.p, .asked = sight.p};
+  Place place{
+      .there = presence != Presence::absent && is_finite(sight.p), .p = sight.p, .requested = sight.p};
   if (agent == nullptr) return place;
   place.free = true;
   const Model& model = agent->model;
@@ -67,7 +68,8 @@ Drift::Place Drift::place_of(double time, const Sight<double>& sight, Presence p
     x[i] = rest + 1;
     const Vec3<double> moved = sight_at(x).p - origin;
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-      if (moved.*axes[axis] != 0) place.axes[axis] = true, place.asked.*axes[axis] = reference.*axes[axis];
+      if (moved.*axes[axis] != 0)
+        place.axes[axis] = true, place.requested.*axes[axis] = reference.*axes[axis];
     }
     x[i] = rest + x_ref_[i];
     if (dot(moved, moved) == 0 && norm(sight_at(x).v) > creep) place.moves = true;
@@ -104,7 +106,7 @@ void Drift::mark(double time, std::span<const Sight<double>> sights, std::span<c
 
 bool Drift::leaves(std::size_t robot, Group group, std::size_t begin) const {
   const bool across = group == horizontal;
-  const auto is_asked = [&](const Place& place) {
+  const auto is_requested = [&](const Place& place) {
     return across ? place.axes[0] || place.axes[1] : place.axes[2];
   };
   const Place& now = mark_of(count_ - 1).places[robot];
@@ -122,11 +124,11 @@ bool Drift::leaves(std::size_t robot, Group group, std::size_t begin) const {
     }
     return last >= share_at_end * sum / static_cast<double>(count_ - 1 - begin);
   };
-  if (is_asked(now)) {
+  if (is_requested(now)) {
     return from([&](std::size_t k, const Vec3<double>& p) {
       Vec3<double> a = p;
       for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-        if (now.axes[axis]) a.*axes[axis] = mark_of(k).places[robot].asked.*axes[axis];
+        if (now.axes[axis]) a.*axes[axis] = mark_of(k).places[robot].requested.*axes[axis];
       }
       return a;
     });
@@ -140,9 +142,9 @@ bool Drift::leaves(std::size_t robot, Group group, std::size_t begin) const {
   for (std::size_t next = 0; next < reached.size(); ++next) {
     const std::size_t body = reached[next];
     const Place& place = mark_of(count_ - 1).places[body];
-    if (body != robot && place.there && (!place.free || place.moves || is_asked(place))) {
+    if (body != robot && place.there && (!place.free || place.moves || is_requested(place))) {
       anchored = true;
-      if (!from([&](std::size_t k, const Vec3<double>&) { return mark_of(k).places[body].asked; }))
+      if (!from([&](std::size_t k, const Vec3<double>&) { return mark_of(k).places[body].requested; }))
         return false;
     }
     for (const std::size_t other : felt_[body]) {
@@ -162,10 +164,10 @@ std::optional<std::vector<Drift::Found>> Drift::found() const {
     for (std::size_t k = begin; k < count_; ++k)
       steered = steered && mark_of(k).places[i].there && mark_of(k).places[i].free;
     if (!steered || !(leaves(i, horizontal, begin) || leaves(i, vertical, begin))) continue;
-    const auto& asked = last.places[i].axes;
+    const auto& requested = last.places[i].axes;
     found.push_back({BodyId{static_cast<int>(i)},
                      1 / (last.time - first.time) * (last.places[i].p - first.places[i].p),
-                     std::any_of(asked.begin(), asked.end(), [](bool axis) { return axis; })});
+                     std::any_of(requested.begin(), requested.end(), [](bool axis) { return axis; })});
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return norm(a.v) > norm(b.v); });

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/record/present_team.hpp"
 
@@ -58,7 +58,7 @@ class Drift {
   enum Group { horizontal, vertical };
   struct Place {
     bool there = false, free = false;  // free: a robot that is steered
-    Vec3<double> p, asked;             // [m]; asked: p along the axes that are not
+    Vec3<double> p, requested;         // [m]; asked: p along the axes that are not
     std::array<bool, 3> axes{};        // that are asked for
     bool moves = false;                // asked for a velocity
   };

@@ -1,4 +1,4 @@
-#include "sightline/record/event_words.hpp"
+#include "sightline/record/event_description.hpp"
 
 #include <fmt/format.h>
 
@@ -23,12 +23,12 @@ bool is_of_a_body(std::string_view kind) {
   return is_a_level(kind) || kind.starts_with(measurement) ||
          kind == to_string(EventKind::barrier_conflict) || kind == to_string(EventKind::input_refused) ||
          kind == to_string(EventKind::added_too_near) || kind == to_string(EventKind::search) ||
-         kind == to_string(EventKind::found) || kind == to_string(EventKind::unheard) ||
-         kind == to_string(EventKind::heard);
+         kind == to_string(EventKind::found) || kind == to_string(EventKind::stale) ||
+         kind == to_string(EventKind::received);
 }
 
 bool is_of_the_script(std::string_view kind) {
-  return kind == to_string(EventKind::event_happened) || kind == to_string(EventKind::event_in_force) ||
+  return kind == to_string(EventKind::event_occurred) || kind == to_string(EventKind::event_in_force) ||
          kind == to_string(EventKind::event_ignored);
 }
 
@@ -36,7 +36,7 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   const bool counts = value >= 0 && value < 1e9;
   if (is_of_the_script(kind) && counts) {
     const std::string event = names.of_event(static_cast<int>(value));
-    if (kind == to_string(EventKind::event_happened)) return fmt::format("event \"{}\" happens", event);
+    if (kind == to_string(EventKind::event_occurred)) return fmt::format("event \"{}\" happens", event);
     if (kind == to_string(EventKind::event_in_force)) return fmt::format("event \"{}\" in force", event);
     return fmt::format("event \"{}\" ignored: it cannot be", event);
   }
@@ -52,10 +52,10 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   if (kind == to_string(EventKind::added_too_near)) {
     return fmt::format("{}: added nearer to another body than it may be", body);
   }
-  if (kind == to_string(EventKind::search)) return fmt::format("{}: searches for what it watches", body);
+  if (kind == to_string(EventKind::search)) return fmt::format("{}: searches for what it observes", body);
   if (kind == to_string(EventKind::found)) return fmt::format("{}: has found it", body);
-  if (kind == to_string(EventKind::unheard)) return fmt::format("{}: its part is not heard", body);
-  if (kind == to_string(EventKind::heard)) return fmt::format("{}: its part is heard again", body);
+  if (kind == to_string(EventKind::stale)) return fmt::format("{}: its part is not heard", body);
+  if (kind == to_string(EventKind::received)) return fmt::format("{}: its part is heard again", body);
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);
 }

@@ -102,10 +102,10 @@ void LocalizationLog::add(const Sample& sample) {
       add_estimate(one, sample.estimates[at(one.body)], sample.time);
 }
 
-void LocalizationLog::add_motion(const RobotMotion& told, double time) {
-  Robot* const of = robot(told.robot);
+void LocalizationLog::add_motion(const RobotMotion& reported, double time) {
+  Robot* const of = robot(reported.robot);
   if (of == nullptr) return;
-  const MotionSample& u = told.motion;
+  const MotionSample& u = reported.motion;
   message_.begin(time);
   message_.put("t", u.t);
   message_.put("dt", u.dt);
@@ -119,17 +119,17 @@ void LocalizationLog::add_motion(const RobotMotion& told, double time) {
   message_.send(of->motion, time);
 }
 
-void LocalizationLog::add_broadcast(const BodyBroadcast& told, double time) {
+void LocalizationLog::add_broadcast(const BodyBroadcast& reported, double time) {
   const auto sender = std::find_if(senders_.begin(), senders_.end(),
-                                   [&](const Sender& one) { return one.body == told.body; });
+                                   [&](const Sender& one) { return one.body == reported.body; });
   if (sender == senders_.end()) return;
   message_.begin(time);
-  message_.put("stamp", told.pose.stamp);
-  message_.put("p", numbers_of_vector(told.pose.p));
-  message_.put("v", numbers_of_vector(told.pose.v));
-  message_.put("heading", told.pose.psi);
-  message_.put("yaw_rate", told.pose.yaw_rate);
-  message_.put("covariance", upper_triangle(told.pose.P));
+  message_.put("stamp", reported.pose.stamp);
+  message_.put("p", numbers_of_vector(reported.pose.p));
+  message_.put("v", numbers_of_vector(reported.pose.v));
+  message_.put("heading", reported.pose.psi);
+  message_.put("yaw_rate", reported.pose.yaw_rate);
+  message_.put("covariance", upper_triangle(reported.pose.P));
   message_.send(sender->broadcast, time);
 }
 

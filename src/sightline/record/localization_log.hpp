@@ -46,8 +46,8 @@ class LocalizationLog {
     BodyId body{};
     McapChannel broadcast;
   };
-  void add_motion(const RobotMotion& told, double time);
-  void add_broadcast(const BodyBroadcast& told, double time);
+  void add_motion(const RobotMotion& reported, double time);
+  void add_broadcast(const BodyBroadcast& reported, double time);
   void add_estimate(Robot& robot, const PoseEstimate& estimate, double time);
   void add_fit(const DetectionFit& fit, double time);
   Robot* robot(BodyId body);

@@ -12,7 +12,7 @@
 namespace sightline {
 namespace {
 
-bool is_believed(FitVerdict verdict) {
+bool is_estimated(FitVerdict verdict) {
   return verdict == FitVerdict::accepted || verdict == FitVerdict::accepted_position ||
          verdict == FitVerdict::started || verdict == FitVerdict::restarted;
 }
@@ -40,7 +40,7 @@ void LocalizationSummary::add(const Sample& sample) noexcept {
       ++robot.detections;
       robot.rejected += fit.fit.verdict == FitVerdict::rejected ? 1 : 0;
       robot.restarts += fit.fit.verdict == FitVerdict::restarted ? 1 : 0;
-      if (is_believed(fit.fit.verdict)) robot.seen = std::fmax(robot.seen, fit.stamp);
+      if (is_estimated(fit.fit.verdict)) robot.seen = std::fmax(robot.seen, fit.stamp);
     }
   }
   for (Robot& robot : robots_)

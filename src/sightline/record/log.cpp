@@ -197,7 +197,7 @@ void Log::Files::end() noexcept {
 }
 
 std::string Log::Files::error() const {
-  const auto words = [](const std::exception_ptr& what) -> std::string {
+  const auto describe = [](const std::exception_ptr& what) -> std::string {
     try {
       std::rethrow_exception(what);
     } catch (const std::exception& error) {
@@ -210,15 +210,15 @@ std::string Log::Files::error() const {
   if (!timing_.error().empty()) return timing_.error();
   if (writing_.what)
     return fmt::format("{}: what came after {:.6g} s is lost: {}", (folder_ / "run.mcap").native(),
-                       writing_.after, words(writing_.what));
+                       writing_.after, describe(writing_.what));
   if (judging_.what)
     return fmt::format("{}: what came after {:.6g} s is not judged: {}", (folder_ / "summary.json").native(),
-                       judging_.after, words(judging_.what));
+                       judging_.after, describe(judging_.what));
   return {};
 }
 
 Log::Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
-         Ring<Sample>& ring, std::function<void(double)> written, const McapWords& flown)
+         SpscQueue<Sample>& ring, std::function<void(double)> written, const McapWords& flown)
     : ring_(ring),
       files_(std::make_unique<Files>(scenario, folder, controllers.size(), std::move(written), flown)) {}
 

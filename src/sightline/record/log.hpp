@@ -52,7 +52,7 @@ class Log {
   ///                 disk; not after a failure, nor after it threw
   /// @param flown    how it was flown, beside what the scenario says; stands with the words "sightline"
   Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
-      Ring<Sample>& ring, std::function<void(double)> written = {}, const McapWords& flown = {});
+      SpscQueue<Sample>& ring, std::function<void(double)> written = {}, const McapWords& flown = {});
   ~Log();  ///< As finish(), once the ring is closed, which it is here for a loop that never ran.
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
@@ -72,7 +72,7 @@ class Log {
  private:
   class Files;
 
-  Ring<Sample>& ring_;
+  SpscQueue<Sample>& ring_;
   std::unique_ptr<Files> files_;
   ServiceThread thread_{"the log"};
 };

@@ -69,7 +69,7 @@ std::string json_schema(std::initializer_list<std::pair<const char*, std::string
   return json_text(schema);
 }
 
-void LogText::refuse() const {
+void LogText::throw_invalid() const {
   throw std::runtime_error(
       fmt::format("byte {} of a message, expected a JSON object of numbers, words and "
                   "lists of numbers",
@@ -88,12 +88,12 @@ bool LogText::take(char c) noexcept {
 }
 
 std::string_view LogText::quoted() {
-  if (!take('"')) refuse();
+  if (!take('"')) throw_invalid();
   const std::size_t from = at_;
   for (; at_ < text_.size() && text_[at_] != '"'; ++at_) {
     if (text_[at_] == '\\') ++at_;
   }
-  if (at_ >= text_.size()) refuse();
+  if (at_ >= text_.size()) throw_invalid();
   return text_.substr(from, at_++ - from);
 }
 
@@ -107,7 +107,7 @@ void LogText::value() {
   }
   double number = 0.0;
   const auto [next, fault] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
-  if (fault != std::errc() || !std::isfinite(number)) refuse();  // "inf" is no JSON
+  if (fault != std::errc() || !std::isfinite(number)) throw_invalid();  // "inf" is no JSON
   at_ = static_cast<std::size_t>(next - text_.data());
   numbers_.push_back(number);
 }
@@ -117,11 +117,11 @@ void LogText::read(std::string_view text) {
   at_ = 0;
   entries_.clear();
   numbers_.clear();
-  if (!take('{')) refuse();
+  if (!take('{')) throw_invalid();
   if (!take('}')) {
     do {
       Entry entry{quoted(), {}, Kind::number, numbers_.size(), 0};
-      if (!take(':')) refuse();
+      if (!take(':')) throw_invalid();
       skip_space();
       if (at_ < text_.size() && text_[at_] == '"') {
         entry.kind = Kind::word;
@@ -134,7 +134,7 @@ void LogText::read(std::string_view text) {
         if (!take(']')) {
           do value();
           while (take(','));
-          if (!take(']')) refuse();
+          if (!take(']')) throw_invalid();
         }
       } else {
         value();
@@ -142,10 +142,10 @@ void LogText::read(std::string_view text) {
       entry.count = numbers_.size() - entry.first;
       entries_.push_back(entry);
     } while (take(','));
-    if (!take('}')) refuse();
+    if (!take('}')) throw_invalid();
   }
   skip_space();
-  if (at_ != text_.size()) refuse();
+  if (at_ != text_.size()) throw_invalid();
 }
 
 const LogText::Entry& LogText::find(std::string_view key, Kind kind) const {

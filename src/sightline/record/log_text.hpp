@@ -72,7 +72,7 @@ class LogText {
     std::size_t first, count;  // in numbers_
   };
   const Entry& find(std::string_view key, Kind kind) const;
-  [[noreturn]] void refuse() const;
+  [[noreturn]] void throw_invalid() const;
   void skip_space() noexcept;
   bool take(char c) noexcept;
   std::string_view quoted();

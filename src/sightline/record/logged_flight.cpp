@@ -63,7 +63,7 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
   Sample prototype = sized_sample(world, controllers, options.team_switcher);
   make_room_for_plans(scenario, prototype);
   const std::size_t capacity = ring_capacity(prototype);
-  Ring<Sample> ring(capacity, prototype, capacity / 2);
+  SpscQueue<Sample> ring(capacity, prototype, capacity / 2);
   Sink<Sample>& sink = options.watched ? options.watched(ring, prototype) : ring;
   ClosedLoop loop(scenario, world, controllers, clock, sink, options.allocations, options.team_switcher,
                   options.stop);

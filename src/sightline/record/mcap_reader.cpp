@@ -72,7 +72,7 @@ class Cursor {
 
 // The magic, or what is left of it in a file cut short.
 // Writers that compute none write 0.
-bool is_crc(std::uint32_t told, std::uint32_t crc) { return told == 0 || told == crc; }
+bool is_crc(std::uint32_t reported, std::uint32_t crc) { return reported == 0 || reported == crc; }
 
 bool is_magic(Span bytes) {
   return bytes.size() <= magic.size() &&

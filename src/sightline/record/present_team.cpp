@@ -22,7 +22,7 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
   for (const Coupling& c : couplings) {
     const BodyId a = c.between.first, b = c.between.second;
     const Potential& potential = c.term.potential;
-    if (!watches(potential) || potential.violation({}, {}) == -std::numeric_limits<double>::infinity())
+    if (!observes(potential) || potential.violation({}, {}) == -std::numeric_limits<double>::infinity())
       continue;
     if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
       continue;
@@ -46,12 +46,12 @@ std::vector<Coupling> all_couplings(const Scenario& scenario) {
   std::vector<Coupling> all = scenario.team.couplings();
   if (scenario.script.empty()) return all;
   const std::vector<Presence> everybody(size(scenario.team.bodies()), Presence::steered);
-  Roster roster(scenario.team, everybody);
+  ActiveTeam active_team(scenario.team, everybody);
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {
       if (std::holds_alternative<RemoveBody>(action)) continue;
-      (void)roster.apply(action, 0.0, 0.0);
-      for (const Coupling& c : roster.couplings()) {
+      (void)active_team.apply(action, 0.0, 0.0);
+      for (const Coupling& c : active_team.couplings()) {
         const auto same = [&](const Coupling& other) {
           return other.between.first == c.between.first && other.between.second == c.between.second &&
                  other.third == c.third && other.term.potential.name() == c.term.potential.name();
@@ -74,16 +74,16 @@ std::vector<bool> leaning_bodies(const Scenario& scenario) {
 }
 
 PresentTeam::PresentTeam(const Scenario& scenario)
-    : script_(scenario.script), tuned_(scenario.tuned), roster_(scenario.team, scenario.presence) {
+    : script_(scenario.script), tuned_(scenario.tuned), active_team_(scenario.team, scenario.presence) {
   compose(0.0);
 }
 
 void PresentTeam::compose(double t) {
-  team_ = roster_.team(t);
-  const double settled = roster_.at_rest_from(t);
+  team_ = active_team_.team(t);
+  const double settled = active_team_.at_rest_from(t);
   settles_at_ = settled > t ? settled : std::numeric_limits<double>::infinity();
   world_.clear();
-  for (int i = 0; i < team_.bodies(); ++i) world_.push_back(roster_.all().find(team_.name(BodyId{i})));
+  for (int i = 0; i < team_.bodies(); ++i) world_.push_back(active_team_.all().find(team_.name(BodyId{i})));
   x_.resize(size(team_.nx()));
   u_.resize(size(team_.nu()));
 }
@@ -95,7 +95,7 @@ bool PresentTeam::follow(const Sample& sample) {
     if (event.kind != EventKind::event_in_force) continue;
     const TeamEvent* const what = flown_event(script_, tuned_.get(), static_cast<std::size_t>(event.value));
     if (what == nullptr) continue;
-    for (const Action& action : what->actions) (void)roster_.apply(action, event.time, ramp_of(*what));
+    for (const Action& action : what->actions) (void)active_team_.apply(action, event.time, ramp_of(*what));
     changed = true;
   }
   if (changed || sample.time >= settles_at_ - same_time) compose(sample.time);
@@ -104,10 +104,10 @@ bool PresentTeam::follow(const Sample& sample) {
 
 std::vector<Coupling> PresentTeam::couplings() const {
   std::vector<Coupling> list;
-  const auto is_there = [&](BodyId body) { return roster_.presence(body) != Presence::absent; };
-  for (const Coupling& c : roster_.couplings()) {
+  const auto is_there = [&](BodyId body) { return active_team_.presence(body) != Presence::absent; };
+  for (const Coupling& c : active_team_.couplings()) {
     const bool felt = std::any_of(c.felt_by.begin(), c.felt_by.end(), [&](AgentId agent) {
-      return roster_.presence(agent) == Presence::steered;
+      return active_team_.presence(agent) == Presence::steered;
     });
     const bool has_third = !c.has_third() || is_there(c.third);
     if (c.ramp.to > 0 && felt && has_third && is_there(c.between.first) && is_there(c.between.second))
@@ -118,17 +118,17 @@ std::vector<Coupling> PresentTeam::couplings() const {
 
 std::vector<Constraint> PresentTeam::constraints() const {
   std::vector<Constraint> list;
-  for (const Constraint& c : roster_.constraints()) {
-    if (c.ramp.to > 0 && roster_.presence(c.agent) == Presence::steered) list.push_back(c);
+  for (const Constraint& c : active_team_.constraints()) {
+    if (c.ramp.to > 0 && active_team_.presence(c.agent) == Presence::steered) list.push_back(c);
   }
   return list;
 }
 
 std::vector<BodyId> PresentTeam::observers() const {
   std::vector<BodyId> list;
-  for (const Coupling& c : roster_.couplings()) {
+  for (const Coupling& c : active_team_.couplings()) {
     const BodyId robot = c.between.first;
-    if (!(c.ramp.to > 0) || roster_.presence(robot) != Presence::steered || !watches(c.term.potential))
+    if (!(c.ramp.to > 0) || active_team_.presence(robot) != Presence::steered || !observes(c.term.potential))
       continue;
     if (std::find(list.begin(), list.end(), robot) == list.end()) list.push_back(robot);
   }
@@ -143,7 +143,7 @@ const Agent* PresentTeam::agent(BodyId robot) const {
 }
 
 double PresentTeam::cost(const Sample& sample) {
-  const Team& all = roster_.all();
+  const Team& all = active_team_.all();
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i}, in_world = world_[size(i)];
     const double* const x = &sample.x[size(all.state_offset(in_world))];

@@ -51,7 +51,7 @@ class PresentTeam {
   /// Robots that are steered and asked to observe, whether what they are to see is there or not.
   std::vector<BodyId> observers() const;
   /// In force for a robot, steered or not.
-  const InputLimits& limits(BodyId robot) const { return roster_.agent(AgentId{robot}).limits; }
+  const InputLimits& limits(BodyId robot) const { return active_team_.agent(AgentId{robot}).limits; }
   /// The robots that are steered, and what they feel; with ids of its own.
   const Team& team() const { return team_; }
   /// A robot that is steered now, as it is tuned; else none.
@@ -64,7 +64,7 @@ class PresentTeam {
 
   Script script_;
   std::shared_ptr<const TunedScript> tuned_;
-  Roster roster_;
+  ActiveTeam active_team_;
   Team team_;                  // of those that are steered and what they feel
   double settles_at_;          // when the weights come to rest that move now, and what faded is dropped [s]
   std::vector<BodyId> world_;  // of each of its bodies

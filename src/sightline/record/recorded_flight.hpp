@@ -97,7 +97,7 @@ class RecordedFlight final : public World, public Clock {
   MeasuredMost measured_max() const noexcept override { return most_; }
   void set_presence(std::span<const Presence>) noexcept override {}
   Measured measure(double t) noexcept override;
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override;
 
   void start(double) noexcept override {}

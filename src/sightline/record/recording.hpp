@@ -22,9 +22,9 @@ struct McapMessage;
 struct Recording {
   /// What the filter of a robot that is localized by view knew: estimates, and detections by what became of them.
   struct Localization {
-    std::vector<double> time, error, sigma, nees;  ///< [s]; of the position [m]; of position and heading
-    std::vector<double> believed_time, believed;   ///< of the exposures [s]; y^T S^-1 y
-    std::vector<double> refused_time, refused;     ///< likewise
+    std::vector<double> time, error, sigma, nees;   ///< [s]; of the position [m]; of position and heading
+    std::vector<double> estimated_time, estimated;  ///< of the exposures [s]; y^T S^-1 y
+    std::vector<double> refused_time, refused;      ///< likewise
   };
   /// What a camera said of a body with tags (Detection).
   struct Sighted {

@@ -17,6 +17,7 @@
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/tuned_log.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario/renamed.hpp"
 
 namespace sightline {
 
@@ -71,6 +72,8 @@ FlownAs flown_as(const std::filesystem::path& log) {
   if (const auto files = mcap.metadata().find("files"); files != mcap.metadata().end())
     flown.files.insert(files->second.begin(), files->second.end());
   if (words.contains(TunedLog::word)) flown.text += tuned_events(log);
+  // Logs of versions before 0.2 have the names of their time.
+  if (!flown.text.empty()) flown.text = with_present_names(flown.text, log.native()).text;
   const std::string exchanges = word("exchanges");
   if (!exchanges.empty() &&
       std::from_chars(exchanges.data(), exchanges.data() + exchanges.size(), flown.exchanges).ec !=
@@ -184,9 +187,9 @@ std::vector<RobotDifference> CommandComparison::robots() const {
   return list;
 }
 
-Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Parts& parts,
+Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Registry& registry,
                         const std::optional<std::string>& solver, const std::vector<std::string>& set) {
-  Scenario scenario = parse_scenario(flown.text, log, parts, {.files = flown.files, .set = set});
+  Scenario scenario = parse_scenario(flown.text, log, registry, {.files = flown.files, .set = set});
   scenario.name = flown.name;
   if (plans_apart(scenario))
     throw std::invalid_argument(fmt::format(

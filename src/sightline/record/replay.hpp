@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sightline/record/recorded_flight.hpp"
-#include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
@@ -31,7 +31,7 @@ FlownAs flown_as(const std::filesystem::path& log);
 /// @param log  its file, for refusals
 /// @param set  as in ScenarioChanges
 /// @throws ScenarioError, and std::invalid_argument as solver_named() and check_solvers()
-Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Parts& parts,
+Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Registry& registry,
                         const std::optional<std::string>& solver = {},
                         const std::vector<std::string>& set = {});
 

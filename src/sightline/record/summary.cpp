@@ -11,7 +11,7 @@
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/record/event_words.hpp"
+#include "sightline/record/event_description.hpp"
 
 namespace sightline {
 namespace {
@@ -104,12 +104,12 @@ void Summary::find_what_is_in_force() {
     if (view.in_force && !was_in_force) view.in_since = view.out_since = no_value;
   }
   find_limits_in_force(couplings, constraints);
-  const std::vector<BodyId> asked = present_.observers();
+  const std::vector<BodyId> requested = present_.observers();
   for (Robot& robot : robots_) {
     const bool observes = std::any_of(views_.begin(), views_.end(), [&](const View& view) {
       return view.in_force && view.pair.observer == robot.body;
     });
-    robot.is_idle = !observes && std::find(asked.begin(), asked.end(), robot.body) != asked.end();
+    robot.is_idle = !observes && std::find(requested.begin(), requested.end(), robot.body) != requested.end();
   }
 }
 

@@ -80,7 +80,7 @@ struct SummaryValues {
     Vec3<double> v;       ///< mean velocity of the end of the run, in G [m/s]
     bool from_reference;  ///< else from what it follows, or from where it was
   };
-  struct Happening {
+  struct TriggeredEvent {
     double time;  ///< [s]
     std::string name;
   };
@@ -103,8 +103,8 @@ struct SummaryValues {
   std::vector<Limit> limits;
   std::vector<Chatter> chatter;  ///< inputs that alternate at the period
   std::optional<std::vector<Drift>>
-      drift;                      ///< robots that leave, the fastest first; none: not judged, too short
-  std::vector<Happening> events;  ///< but for changes of status, which the log has; at most 1000
+      drift;                           ///< robots that leave, the fastest first; none: not judged, too short
+  std::vector<TriggeredEvent> events;  ///< but for changes of status, which the log has; at most 1000
 };
 
 /// Gathers SummaryValues. One thread.

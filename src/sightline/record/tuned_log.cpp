@@ -38,7 +38,7 @@ void TunedLog::add(const Sample& sample) {
   if (!channel_) return;
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[size(i)];
-    if (event.kind != EventKind::event_happened || event.value < static_cast<double>(script_)) continue;
+    if (event.kind != EventKind::event_occurred || event.value < static_cast<double>(script_)) continue;
     const std::size_t number = static_cast<std::size_t>(event.value) - script_;
     if (number >= tuned_->size()) continue;
     const std::string message = json_text(nlohmann::ordered_json{{"time", event.time},
@@ -58,13 +58,13 @@ std::string tuned_events(const std::filesystem::path& log) {
   try {
     mcap.visit([&](const McapMessage& message) {
       if (message.topic == tuned_topic) {
-        const nlohmann::json told = json_of(message);
-        texts[told.at("number").get<std::size_t>()] = {told.at("time").get<double>(),
-                                                       told.at("text").get<std::string>()};
+        const nlohmann::json reported = json_of(message);
+        texts[reported.at("number").get<std::size_t>()] = {reported.at("time").get<double>(),
+                                                           reported.at("text").get<std::string>()};
       } else if (message.topic == "/events") {
-        const nlohmann::json told = json_of(message);
-        if (told.at("kind").get<std::string>() == to_string(EventKind::event_ignored))
-          ignored.insert(told.at("value").get<double>());
+        const nlohmann::json reported = json_of(message);
+        if (reported.at("kind").get<std::string>() == to_string(EventKind::event_ignored))
+          ignored.insert(reported.at("value").get<double>());
       }
     });
     const auto words = mcap.metadata().find("sightline");
@@ -77,10 +77,10 @@ std::string tuned_events(const std::filesystem::path& log) {
   }
   if (!mcap.ok()) throw std::runtime_error(mcap.error());
   std::string text;
-  for (const auto& [number, told] : texts) {
+  for (const auto& [number, reported] : texts) {
     const bool was_ignored = ignored.contains(static_cast<double>(script + number));
-    text += was_ignored ? fmt::format("\n[[event]]\nat = {}\nenter = \"tuned:{}\"\n", told.first, number)
-                        : told.second;
+    text += was_ignored ? fmt::format("\n[[event]]\nat = {}\nenter = \"tuned:{}\"\n", reported.first, number)
+                        : reported.second;
   }
   return text;
 }

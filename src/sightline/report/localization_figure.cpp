@@ -27,13 +27,13 @@ Drawing localization_drawing(const Recording& recording, const Recording::Body& 
   nees.curves.push_back(over("", 0, Drawing::Mark::thin, of.time, of.nees));
   nees.curves.push_back(curves.level("4, the mean of one that is right", Drawing::limit_colour, 4.0));
   Drawing::Panel fits{.x_label = "t [s]", .y_label = "χ² of detections", .log_y = true};
-  fits.curves.push_back(over("believed", 0, Drawing::Mark::points, of.believed_time, of.believed));
+  fits.curves.push_back(over("believed", 0, Drawing::Mark::points, of.estimated_time, of.estimated));
   if (!of.refused.empty())
     fits.curves.push_back(over("refused", 1, Drawing::Mark::points, of.refused_time, of.refused));
   return {fmt::format("{} by what it sees", body.name),
           fmt::format("{} knows no position: the error of its estimate and what its filter says of it, the "
                       "squared error in units of the covariance, and how {} detections fitted.",
-                      body.name, of.believed.size() + of.refused.size()),
+                      body.name, of.estimated.size() + of.refused.size()),
           {error, nees, fits}};
 }
 

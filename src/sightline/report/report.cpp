@@ -19,7 +19,7 @@
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/reason.hpp"
 #include "sightline/plot/page.hpp"
-#include "sightline/record/event_words.hpp"
+#include "sightline/record/event_description.hpp"
 #include "sightline/record/planned_view.hpp"
 #include "sightline/record/summary.hpp"
 #include "sightline/record/text_file.hpp"
@@ -85,7 +85,7 @@ bool add_bounds(const Recording& r, const Curves& curves, Panel& panel) {
 void add_positions(const Recording& r, const Curves& curves, const std::vector<std::size_t>& group,
                    std::size_t all, std::vector<Drawing>& drawings) {
   Drawing drawing{group_title("Positions", group, r, all), "In the global frame", {}};
-  bool asked = false, bounded = false;
+  bool requested = false, bounded = false;
   for (const auto& [name, axis] :
        {std::pair{"x [m]", &Vec3<double>::x}, {"y [m]", &Vec3<double>::y}, {"z [m]", &Vec3<double>::z}}) {
     Panel panel{.x_label = axis == &Vec3<double>::z ? "t [s]" : "", .y_label = name};
@@ -96,12 +96,12 @@ void add_positions(const Recording& r, const Curves& curves, const std::vector<s
       panel.curves.push_back(curves.over_time(title(""), i, Mark::line, along(body.p, axis)));
       panel.curves.push_back(curves.curve(title(" reference"), i, Mark::dashed, body.reference_time,
                                           along(body.reference_p, axis)));
-      asked = asked || !body.reference_p.empty();
+      requested = requested || !body.reference_p.empty();
     }
     if (axis == &Vec3<double>::z) bounded = add_bounds(r, curves, panel);
     drawing.panels.push_back(std::move(panel));
   }
-  if (asked) drawing.caption += "; dashed: what the robot is asked for";
+  if (requested) drawing.caption += "; dashed: what the robot is asked for";
   if (bounded) drawing.caption += "; red: floor and ceiling of [safety]";
   drawing.caption += ".";
   drawings.push_back(std::move(drawing));
@@ -122,11 +122,11 @@ void add_headings(const Recording& r, const Curves& curves, const std::vector<st
     panel.curves.push_back(
         curves.curve(label(body.name) + " reference", i, Mark::dashed, body.reference_time, reference));
   }
-  const bool asked = std::any_of(group.begin(), group.end(),
-                                 [&](std::size_t i) { return !r.bodies[i].reference_heading.empty(); });
+  const bool requested = std::any_of(group.begin(), group.end(),
+                                     [&](std::size_t i) { return !r.bodies[i].reference_heading.empty(); });
   drawings.push_back({group_title("Headings", group, r, all),
                       fmt::format("Angle of the heading, counted on over whole turns{}.",
-                                  asked ? "; dashed: what the robot is asked for" : ""),
+                                  requested ? "; dashed: what the robot is asked for" : ""),
                       {std::move(panel)}});
 }
 
@@ -196,8 +196,8 @@ std::vector<Recording::Event> events_of(const Recording& r) {
 }
 
 // The events to mark in the curves, by their numbers in the list; those at about the same time together.
-std::vector<Drawing::Moment> moments_of(const Recording& r) {
-  std::vector<Drawing::Moment> moments;
+std::vector<Drawing::TimeMark> moments_of(const Recording& r) {
+  std::vector<Drawing::TimeMark> moments;
   const double together = 0.02 * (r.time.back() - r.time.front());
   const std::vector<Recording::Event> events = events_of(r);
   for (std::size_t i = 0; i < std::min(events.size(), events_max); ++i) {
@@ -327,7 +327,7 @@ std::vector<std::size_t> robots_to_draw(const Recording& r, const std::vector<st
 
 // All panels over time reach from the begin of the run to its end and have its events.
 void share_time(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
-  const std::vector<Drawing::Moment> moments = moments_of(r);
+  const std::vector<Drawing::TimeMark> moments = moments_of(r);
   for (Drawing& drawing : drawings) {
     bool first = true;
     for (Panel& panel : drawing.panels) {
@@ -335,7 +335,7 @@ void share_time(const Recording& r, const Curves& curves, std::vector<Drawing>& 
       panel.x_range = {{r.time.front(), curves.end()}};
       panel.moments = moments;
       if (std::exchange(first, false)) continue;
-      for (Drawing::Moment& moment : panel.moments) moment.text.clear();
+      for (Drawing::TimeMark& moment : panel.moments) moment.text.clear();
     }
   }
 }

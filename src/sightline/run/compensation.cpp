@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
-#include "sightline/run/settled.hpp"
+#include "sightline/base/throw_invalid.hpp"
+#include "sightline/run/steady_state.hpp"
 #include "sightline/safety/carry.hpp"
 
 namespace sightline {
@@ -61,13 +61,13 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
   };
   for (const auto& [robot, delay, time, feed_forward] : robots) {
     if (robot.index < 0 || robot.index >= team.bodies() || !team.is_agent(robot))
-      refuse("body {} is compensated, expected a robot of the team", robot.index);
+      throw_invalid("body {} is compensated, expected a robot of the team", robot.index);
     const std::string_view name = team.name(robot);
-    if (member_of_[at(robot.index)] >= 0) refuse("{} is compensated twice, expected once", name);
+    if (member_of_[at(robot.index)] >= 0) throw_invalid("{} is compensated twice, expected once", name);
     if (!(delay >= 0 && delay <= longest_delay))
-      refuse("command_delay of {} = {}, expected 0 to {} s", name, delay, longest_delay);
+      throw_invalid("command_delay of {} = {}, expected 0 to {} s", name, delay, longest_delay);
     if (!(time == 0 || (time >= least_time && time <= longest_time)))
-      refuse("disturbance_time of {} = {}, expected {} to {} s", name, time, least_time, longest_time);
+      throw_invalid("disturbance_time of {} = {}, expected {} to {} s", name, time, least_time, longest_time);
     add(robot, delay, time);
     if (time > 0) find_counter(members_.back(), team.agent(robot));
     if (feed_forward == FeedForwardFrom::reference) members_.back().feed_forward.emplace(team.agent(robot));
@@ -89,8 +89,8 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
     const double half = 0.5 * (u_max[k] - u_min[k]), by = 0.5 * half;
     std::vector<double> up = agent.u_ref, down = agent.u_ref;
     up[k] += by, down[k] -= by;
-    const Settled more = settle(member.model, state_at_rest(member.model), up),
-                  less = settle(member.model, state_at_rest(member.model), down);
+    const SteadyState more = settle(member.model, state_at_rest(member.model), up),
+                      less = settle(member.model, state_at_rest(member.model), down);
     for (std::size_t i = 0; i < member.nx; ++i)
       member.held[k * member.nx + i] = (more.x[i] - less.x[i]) / (2 * by);
     member.leans.push_back({(more.lean.x - less.lean.x) / (2 * by), (more.lean.y - less.lean.y) / (2 * by)});
@@ -102,7 +102,7 @@ void Compensation::find_counter(Member& member, const Agent& agent) {
   constexpr double none = 1e-9, damping = 1e-9;
   const double trace = gram[0].x + gram[1].y + gram[2].z;
   if (!(trace > none)) {
-    refuse(
+    throw_invalid(
         "disturbance_time of {} = {}, but its commands accelerate it in no direction, expected a robot whose "
         "velocity is a state",
         agent.name, member.time);
@@ -184,8 +184,8 @@ void Compensation::find_steady(const Member& member, std::span<const double> x) 
   for (std::size_t k = 0; k < member.nu; ++k) steady[k] *= member.reach[k] * most_part / part;
 }
 
-void Compensation::refer(BodyId robot, const Reference& x_ref, double t, const double* x,
-                         std::span<double> u_ref) noexcept {
+void Compensation::write_reference_inputs(BodyId robot, const Reference& x_ref, double t, const double* x,
+                                          std::span<double> u_ref) noexcept {
   const int i = member_of_[at(robot.index)];
   if (i < 0 || !members_[at(i)].feed_forward) return;
   Member& member = members_[at(i)];

@@ -76,8 +76,8 @@ class Compensation {
   /// What u_w makes each body lean (Sight::lean), beside what the controllers ask for.
   std::span<const Vec2<double>> lean() const noexcept { return lean_; }
   /// Writes a robot's u* (nu) at time t [s] and state x (nx of the robot), where it follows from its reference; else nothing.
-  void refer(BodyId robot, const Reference& x_ref, double t, const double* x,
-             std::span<double> u_ref) noexcept;
+  void write_reference_inputs(BodyId robot, const Reference& x_ref, double t, const double* x,
+                              std::span<double> u_ref) noexcept;
   /// The inputs u of all robots (nu) are given at t.
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
   /// The robot comes to be there: nothing is known of it.

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -16,7 +16,7 @@ Controller::Member match(const Team& world, const Team& team, BodyId body, std::
   const std::string_view name = team.name(body);
   const BodyId found = world.find(name);
   if (found.index < 0)
-    refuse("controller {}: \"{}\" is not in the plant, expected one of its bodies", controller, name);
+    throw_invalid("controller {}: \"{}\" is not in the plant, expected one of its bodies", controller, name);
   const Model &model = team.model(body), &real = world.model(found);
   Controller::Member member{.body = found,
                             .nx = size(model.nx()),
@@ -29,11 +29,11 @@ Controller::Member match(const Team& world, const Team& team, BodyId body, std::
                             .limits = nullptr};
   if (team.is_agent(body)) {
     if (!world.is_agent(found)) {
-      refuse("controller {}: \"{}\" is an obstacle of the plant, expected a robot", controller, name);
+      throw_invalid("controller {}: \"{}\" is an obstacle of the plant, expected a robot", controller, name);
     }
     if (model.name() != real.name() || model.nx() != real.nx() || model.nu() != real.nu()) {
-      refuse("controller {}: \"{}\" is of model {} ({} states), expected the plant's {} ({})", controller,
-             name, model.name(), model.nx(), real.name(), real.nx());
+      throw_invalid("controller {}: \"{}\" is of model {} ({} states), expected the plant's {} ({})",
+                    controller, name, model.name(), model.nx(), real.name(), real.nx());
     }
     member.limits = &team.agent(body).limits;
   } else if (world.is_agent(found)) {
@@ -49,7 +49,7 @@ Controller::Controller(const Team& world, Solver& given, std::size_t number) : s
   states.resize(size(team.nx()));
   for (std::vector<double>* u : {&plan, &before, &added}) u->resize(size(team.nu()));
   lean.resize(size(team.bodies()));
-  doubts.resize(lean.size());
+  uncertainties.resize(lean.size());
   u_ref = resting_inputs(team);
   for (int i = 0; i < team.bodies(); ++i) members.push_back(match(world, team, BodyId{i}, number));
 }
@@ -72,16 +72,16 @@ void Controller::set_applied(const AppliedInputs& of_world) noexcept {
   for (std::size_t i = 0; i < members.size(); ++i) {
     const Member& m = members[i];
     if (m.limits == nullptr) continue;
-    std::copy_n(of_world.before.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &before[m.ocp_u]);
-    std::copy_n(of_world.added.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &added[m.ocp_u]);
+    std::copy_n(of_world.previous.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &before[m.ocp_u]);
+    std::copy_n(of_world.offset.begin() + static_cast<std::ptrdiff_t>(m.world_u), m.nu, &added[m.ocp_u]);
     if (!of_world.lean.empty()) lean[i] = of_world.lean[at(m.body)];
   }
   solver->set_applied({before, added, lean, u_ref});
 }
 
-void Controller::set_doubts(std::span<const ViewDoubt> of_world) noexcept {
-  for (std::size_t i = 0; i < members.size(); ++i) doubts[i] = of_world[at(members[i].body)];
-  solver->set_doubts(doubts);
+void Controller::set_view_uncertainty(std::span<const ViewUncertainty> of_world) noexcept {
+  for (std::size_t i = 0; i < members.size(); ++i) uncertainties[i] = of_world[at(members[i].body)];
+  solver->set_view_uncertainty(uncertainties);
 }
 
 UncontrolledRobot::UncontrolledRobot(const Team& world, BodyId robot, bool lands, double period)

@@ -27,17 +27,17 @@ struct Controller {
 
   Solver* solver;
   std::vector<Member> members{};
-  std::vector<double> states{};           ///< what the solver is given (its nx)
-  std::vector<double> plan{};             ///< inputs of a plan that is late or goes on (its nu)
-  std::vector<double> before{}, added{};  ///< AppliedInputs (its nu)
-  std::vector<Vec2<double>> lean{};       ///< the same (its bodies)
-  std::vector<double> u_ref{};            ///< the same (its nu)
-  std::vector<ViewDoubt> doubts{};        ///< of its bodies
+  std::vector<double> states{};                  ///< what the solver is given (its nx)
+  std::vector<double> plan{};                    ///< inputs of a plan that is late or goes on (its nu)
+  std::vector<double> before{}, added{};         ///< AppliedInputs (its nu)
+  std::vector<Vec2<double>> lean{};              ///< the same (its bodies)
+  std::vector<double> u_ref{};                   ///< the same (its nu)
+  std::vector<ViewUncertainty> uncertainties{};  ///< of its bodies
   Status status{};
-  int left_out = 0;                      ///< pairs of swarms, as told last; 0: none are
-  bool at_work = false;                  ///< on a late update
-  bool answered = false;                 ///< in this period
-  double asked_at = 0.0, done_at = 0.0;  ///< begin of the last update, end of a late one [s]
+  int left_out = 0;                          ///< pairs of swarms, as told last; 0: none are
+  bool at_work = false;                      ///< on a late update
+  bool answered = false;                     ///< in this period
+  double requested_at = 0.0, done_at = 0.0;  ///< begin of the last update, end of a late one [s]
 
   /// @param number  for the refusals
   /// @throws std::invalid_argument where the world has not what the solver's team knows, or as another model
@@ -49,7 +49,7 @@ struct Controller {
   /// Tells it the applied inputs of the world.
   void set_applied(const AppliedInputs& of_world) noexcept;
   /// Tells it how sure the robots of the world are of what they look at.
-  void set_doubts(std::span<const ViewDoubt> of_world) noexcept;
+  void set_view_uncertainty(std::span<const ViewUncertainty> of_world) noexcept;
 };
 
 /// A robot that no solver steers: it brakes and stays, or sinks to the ground. Its command moves by a little each

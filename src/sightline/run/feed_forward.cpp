@@ -7,22 +7,22 @@
 #include "sightline/math/symmetric.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/potential/heading_error_limit.hpp"
-#include "sightline/run/settled.hpp"
+#include "sightline/run/steady_state.hpp"
 
 namespace sightline {
 
 FeedForward::FeedForward(const Agent& agent)
     : model_(agent.model), u_ref_(agent.u_ref), x_(size(model_.nx())), gain_(u_ref_.size()) {
   const StateRoles roles = roles_of(model_);
-  bool asks_heading = false;
+  bool needs_heading = false;
   for (const int state : {roles.direction[0], roles.direction[1], roles.angle})
-    asks_heading = asks_heading || (state >= 0 && agent.Q[size(state)] > 0);
+    needs_heading = needs_heading || (state >= 0 && agent.Q[size(state)] > 0);
   using Column = std::array<double, rows>;
   std::vector<Column> columns;  // of the velocities, then of the inputs in parts of what they reach
-  const auto add = [&](const Settled& more, const Settled& less, double by) {
+  const auto add = [&](const SteadyState& more, const SteadyState& less, double by) {
     const Vec3<double> v = (1 / by) * (more.velocity - less.velocity),
                        a = (1 / by) * (more.acceleration - less.acceleration);
-    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z, asks_heading ? (more.turn - less.turn) / by : 0.0});
+    columns.push_back({v.x, v.y, v.z, a.x, a.y, a.z, needs_heading ? (more.turn - less.turn) / by : 0.0});
   };
   for (const int state : roles.velocities) {
     constexpr double by = 0.1;  // [m/s]

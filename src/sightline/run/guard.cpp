@@ -137,11 +137,11 @@ EventKind kind_of(const Notice& notice) {
 Guard::Guard(const Team& team, const GuardOptions& options)
     : team_(team),
       options_(completed(team, options)),
-      unheard_(options_.bodies.size()),
+      stale_(options_.bodies.size()),
       supervisor_(supervisor_of(team, options)),
       search_(team_, options_.searchers, options_.search),
       searches_(options_.searchers.size()),
-      believed_(team, std::vector<double>(static_cast<std::size_t>(team.nx()))),
+      estimated_(team, std::vector<double>(static_cast<std::size_t>(team.nx()))),
       ages_(options_.bodies.size()),
       stamps_(options_.bodies.size()),
       before_(static_cast<std::size_t>(team.nu())),
@@ -184,15 +184,17 @@ Guard::Guard(const Team& team, const GuardOptions& options)
     }
   }
   sights_.resize(options_.bodies.size());
-  crowd_ = Crowd(team_.bodies());
-  crew_ = crew_where(static_cast<int>(robots_.size()) >= GuardOptions::shared_from, options_.crew);
-  for (int i = 0; i < crew_->threads(); ++i)
-    askers_.push_back({Crowd::Asker(team_.bodies()), std::vector<Neighbour>(options_.bodies.size())});
+  threats_ = ThreatSelection(team_.bodies());
+  pool_ = thread_pool_if(static_cast<int>(robots_.size()) >= GuardOptions::shared_from, options_.pool);
+  for (int i = 0; i < pool_->threads(); ++i)
+    requesters_.push_back(
+        {ThreatSelection::Requester(team_.bodies()), std::vector<Neighbour>(options_.bodies.size())});
   records_.resize(robots_.size());
 }
 
-const ValidStates& Guard::believe(double t, std::span<const double> measured, std::span<const double> stamps,
-                                  std::span<const double> sigma) noexcept {
+const ValidStates& Guard::accept_measurement(double t, std::span<const double> measured,
+                                             std::span<const double> stamps,
+                                             std::span<const double> sigma) noexcept {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   events_.clear();
   if (sigma.empty())
@@ -200,21 +202,21 @@ const ValidStates& Guard::believe(double t, std::span<const double> measured, st
   else
     std::copy(sigma.begin(), sigma.end(), sigmas_.begin());
   if (supervisor_) {
-    const std::span<const double> estimate = supervisor_->believe(t, measured, stamps, sigma);
+    const std::span<const double> estimate = supervisor_->accept_measurement(t, measured, stamps, sigma);
     for (std::size_t i = 0; i < ages_.size(); ++i) {
       ages_[i] = std::max(0.0, supervisor_->age(BodyId{static_cast<int>(i)}));
       stamps_[i] = t - ages_[i];
     }
-    return believed_.take(estimate, stamps_);
+    return estimated_.take(estimate, stamps_);
   }
-  (void)believed_.take(measured, stamps);
+  (void)estimated_.take(measured, stamps);
   awaits_position_ = false;
   for (std::size_t i = 0; i < ages_.size(); ++i) {
     const bool known = !std::isinf(sigmas_[i]);
-    ages_[i] = known ? std::max(0.0, t - believed_.stamps()[i]) : infinity;
+    ages_[i] = known ? std::max(0.0, t - estimated_.stamps()[i]) : infinity;
     awaits_position_ |= !known && presence_[i] != Presence::absent;
   }
-  return believed_;
+  return estimated_;
 }
 
 void Guard::follow(const Membership& now, double t, std::span<const double> x) noexcept {
@@ -225,7 +227,7 @@ void Guard::follow(const Membership& now, double t, std::span<const double> x) n
 }
 
 void Guard::look(double t, std::span<const View> views) noexcept {
-  search_.look(t, views, believed_);
+  search_.look(t, views, estimated_);
   for (int i = 0; i < search_.robots(); ++i) {
     const SearchPhase phase = search_.phase(i);
     const bool ends = phase == SearchPhase::none;
@@ -236,12 +238,12 @@ void Guard::look(double t, std::span<const View> views) noexcept {
 }
 
 /// Whose messages are missed somewhere, and whose come again.
-void Guard::tell_unheard(double t) noexcept {
-  for (int i = 0; hearing_ != nullptr && i < team_.bodies(); ++i) {
-    const bool unheard = is_there(BodyId{i}) && !hearing_->is_heard(BodyId{i});
-    if (unheard == (unheard_[at(i)] != 0)) continue;
-    unheard_[at(i)] = unheard;
-    tell({t, unheard ? EventKind::unheard : EventKind::heard, 0, static_cast<double>(i)});
+void Guard::emit_stale(double t) noexcept {
+  for (int i = 0; connectivity_ != nullptr && i < team_.bodies(); ++i) {
+    const bool stale = is_there(BodyId{i}) && !connectivity_->is_received(BodyId{i});
+    if (stale == (stale_[at(i)] != 0)) continue;
+    stale_[at(i)] = stale;
+    tell({t, stale ? EventKind::stale : EventKind::received, 0, static_cast<double>(i)});
   }
 }
 
@@ -258,7 +260,7 @@ void Guard::fall_back(double t, const ValidStates& x, std::span<const double> pl
     }
   }
   search_.command(t, x, levels_, added, u);
-  tell_unheard(t);
+  emit_stale(t);
 }
 
 void Guard::keep_distances(double t, const ValidStates& x, std::span<const double> added,
@@ -270,8 +272,8 @@ void Guard::keep_distances(double t, const ValidStates& x, std::span<const doubl
   }
   if (!robots_.empty()) {
     see_all(x);
-    crew_->share(static_cast<int>(robots_.size()),
-                 [&](int i, int thread) noexcept { keep_distance(at(i), x, u, askers_[at(thread)]); });
+    pool_->share(static_cast<int>(robots_.size()),
+                 [&](int i, int thread) noexcept { keep_distance(at(i), x, u, requesters_[at(thread)]); });
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       if (records_[i].conflict && !robots_[i].was_in_conflict)
         tell({t, EventKind::barrier_conflict, 0, static_cast<double>(robots_[i].body.index)});
@@ -283,26 +285,26 @@ void Guard::keep_distances(double t, const ValidStates& x, std::span<const doubl
 /// Where all bodies are that are there and were seen once. A robot of the team is where the commands in flight will have brought
 /// it; any other body is where it was seen, so much longer ago.
 void Guard::see_all(std::span<const double> x) noexcept {
-  crowd_.clear();
+  threats_.clear();
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!is_there(body) || !std::isfinite(ages_[at(body)])) continue;
     const bool is_agent = team_.is_agent(body);
     sights_[at(body)] = team_.model(body).sight(
         &(is_agent ? x
-                   : std::span<const double>(believed_))[static_cast<std::size_t>(team_.state_offset(body))],
+                   : std::span<const double>(estimated_))[static_cast<std::size_t>(team_.state_offset(body))],
         before_.data() + (is_agent ? team_.input_offset(body) : 0));
     const BodySafety& safety = options_.bodies[at(body)];
-    crowd_.add({i, sights_[at(body)].p, sights_[at(body)].v, safety.d_hard,
-                is_grounded(body) ? 0.0 : safety.speed_max});
+    threats_.add({i, sights_[at(body)].p, sights_[at(body)].v, safety.d_hard,
+                  is_grounded(body) ? 0.0 : safety.speed_max});
   }
 }
 
 /// Whether a body keeps its distance to the robot as well.
 bool Guard::gives_way(const Robot& robot, BodyId other) const noexcept {
   if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.climbs_late()) return false;
-  if (team_.is_agent(other) ? is_grounded(other) : hearing_ == nullptr) return false;
-  return hearing_ == nullptr || hearing_->hears(robot.body, other);
+  if (team_.is_agent(other) ? is_grounded(other) : connectivity_ == nullptr) return false;
+  return connectivity_ == nullptr || connectivity_->receives_from(robot.body, other);
 }
 
 void Guard::record(double t, std::span<const double> u) noexcept {
@@ -327,33 +329,33 @@ Neighbour Guard::neighbour_of(const Robot& robot, BodyId other) const noexcept {
       .sigma = norm(sigma_of(robot.body), sigma_of(other)),
       .tie = robot.body.index < other.index ? 1.0 : -1.0};
   if (!gives_way(robot, other)) return neighbour;
-  neighbour.conduct = Conduct::member;
+  neighbour.behavior = Behavior::cooperative;
   if (team_.is_agent(other)) neighbour.part = robot_of(other).part;
   return neighbour;
 }
 
 /// The other bodies that the barrier of a robot is told of.
-std::span<const Neighbour> Guard::neighbours_of(const Robot& robot, Asker& asker) const noexcept {
-  std::vector<Neighbour>& neighbours = asker.neighbours;
+std::span<const Neighbour> Guard::neighbours_of(const Robot& robot, Requester& requester) const noexcept {
+  std::vector<Neighbour>& neighbours = requester.neighbours;
   std::size_t count = 0;
-  if (crowd_.size() <= Barrier::most_neighbours + 1) {
-    for (int i = 0; i < crowd_.size(); ++i) {
-      const BodyId other{crowd_.id(i)};
+  if (threats_.size() <= Barrier::most_neighbours + 1) {
+    for (int i = 0; i < threats_.size(); ++i) {
+      const BodyId other{threats_.id(i)};
       if (other != robot.body) neighbours[count++] = neighbour_of(robot, other);
     }
     return std::span(neighbours).first(count);
   }
-  for (int i = 0; i < crowd_.size(); ++i)
-    asker.crowd.cooperative[at(i)] = gives_way(robot, BodyId{crowd_.id(i)}) ? 1.0 : 0.0;
+  for (int i = 0; i < threats_.size(); ++i)
+    requester.threats.cooperative[at(i)] = gives_way(robot, BodyId{threats_.id(i)}) ? 1.0 : 0.0;
   const Sight<double>& self = sights_[at(robot.body)];
-  for (const int other :
-       crowd_.pressing(robot.body.index, self.p, self.v, Barrier::most_neighbours, asker.crowd))
+  for (const int other : threats_.nearest_threats(robot.body.index, self.p, self.v, Barrier::most_neighbours,
+                                                  requester.threats))
     neighbours[count++] = neighbour_of(robot, BodyId{other});
   return std::span(neighbours).first(count);
 }
 
 void Guard::keep_distance(std::size_t robot, std::span<const double> x, std::span<double> u,
-                          Asker& asker) noexcept {
+                          Requester& requester) noexcept {
   Robot& of = robots_[robot];
   const FallbackLevel level = supervisor_ ? supervisor_->level(of.body) : FallbackLevel::valid;
   BarrierRecord& record = records_[robot];
@@ -366,8 +368,8 @@ void Guard::keep_distance(std::size_t robot, std::span<const double> x, std::spa
   const bool lands = level == FallbackLevel::land || presence_[at(of.body)] == Presence::land;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result =
-      barrier.filter(x.subspan(of.x, of.nx), neighbours_of(of, asker), of.u_min, of.u_max,
-                     options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.way_out);
+      barrier.filter(x.subspan(of.x, of.nx), neighbours_of(of, requester), of.u_min, of.u_max,
+                     options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.maneuver);
   record = {result.active, result.conflict, result.reserve};
 }
 

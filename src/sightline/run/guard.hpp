@@ -15,13 +15,13 @@
 #include <string>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/run/valid_states.hpp"
 #include "sightline/safety/barrier.hpp"
-#include "sightline/safety/crowd.hpp"
 #include "sightline/safety/search.hpp"
 #include "sightline/safety/supervisor.hpp"
+#include "sightline/safety/threat_selection.hpp"
 #include "sightline/solver/distributed/peers.hpp"
 
 namespace sightline {
@@ -59,7 +59,7 @@ struct GuardOptions {
   std::vector<LimitsToCome> limits_to_come{};  ///< the barrier reckons with the tightest there will be
   /// Threads that the barriers of at least `shared_from` robots are shared over; none: that of the caller alone. The result is
   /// the same.
-  std::shared_ptr<Crew> crew{};
+  std::shared_ptr<ThreadPool> pool{};
   static constexpr int shared_from = 32;
 };
 
@@ -76,8 +76,9 @@ class Guard {
   /// The state estimate of all bodies at t [s], from measurements (nx) with a time for each body, as they come.
   /// @param sigma  of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it is
   ///               not known. Empty: all are measured
-  const ValidStates& believe(double t, std::span<const double> measured, std::span<const double> stamps,
-                             std::span<const double> sigma = {}) noexcept;
+  const ValidStates& accept_measurement(double t, std::span<const double> measured,
+                                        std::span<const double> stamps,
+                                        std::span<const double> sigma = {}) noexcept;
   /// Whether each body was believed once; before, nobody is asked for a plan.
   bool knows_all() const noexcept { return supervisor_ ? supervisor_->knows_all() : !awaits_position_; }
   /// Tells what the searchers' views are at t, in any order, after believe().
@@ -102,7 +103,7 @@ class Guard {
   /// sink pass the floor. As Supervisor::follow().
   void follow(const Membership& now, double t, std::span<const double> x) noexcept;
   /// Robots that do not hear each other are uncooperative to each other. None: all hear. It outlives this.
-  void set_hearing(const Hearing* hearing) noexcept { hearing_ = hearing; }
+  void set_connectivity(const Connectivity* connectivity) noexcept { connectivity_ = connectivity; }
   /// Of what is believed of each body at the last believe() [s].
   std::span<const double> ages() const noexcept { return ages_; }
 
@@ -124,12 +125,12 @@ class Guard {
     std::vector<double> u_min, u_max, reported;  // limits now
     double part = 1.0;                           // of the acceleration that they leave
     const InputLimits* limits;                   // in force
-    WayOut way_out{};
+    EvasiveManeuver maneuver{};
     bool was_in_conflict = false;  // a period ago
   };
   /// Work space of a thread that keeps distances.
-  struct Asker {
-    Crowd::Asker crowd;
+  struct Requester {
+    ThreatSelection::Requester threats;
     std::vector<Neighbour> neighbours;  // of one robot
   };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
@@ -147,21 +148,21 @@ class Guard {
   void see_all(std::span<const double> x) noexcept;
   bool gives_way(const Robot& robot, BodyId other) const noexcept;
   Neighbour neighbour_of(const Robot& robot, BodyId other) const noexcept;
-  std::span<const Neighbour> neighbours_of(const Robot& robot, Asker& asker) const noexcept;
+  std::span<const Neighbour> neighbours_of(const Robot& robot, Requester& requester) const noexcept;
   void keep_distance(std::size_t robot, std::span<const double> x, std::span<double> u,
-                     Asker& asker) noexcept;
+                     Requester& requester) noexcept;
   void tell(const Event& event) noexcept;
-  void tell_unheard(double t) noexcept;
+  void emit_stale(double t) noexcept;
 
   Team team_;
   GuardOptions options_;
-  const Hearing* hearing_ = nullptr;
-  std::vector<char> unheard_;  // of each body, as told last
+  const Connectivity* connectivity_ = nullptr;
+  std::vector<char> stale_;  // of each body, as told last
   std::optional<Supervisor> supervisor_;
   Search search_;
   std::vector<char> searches_;  // whether each searcher does, as told last
   std::vector<Robot> robots_;   // none without a barrier
-  ValidStates believed_;
+  ValidStates estimated_;
   std::vector<double> ages_, stamps_, before_;
   std::vector<double> sigmas_;    // of each body, as told last [m]
   bool awaits_position_ = false;  // a robot that is there never knew where it is
@@ -170,9 +171,9 @@ class Guard {
   double oldest_;                      // age that the barrier reckons with [s]
   std::vector<int> kinds_;             // of each body; equal: robots that move alike; -1: no such robot
   std::vector<Sight<double>> sights_;  // of each body, of this period
-  Crowd crowd_{0};                     // the bodies that are there
-  std::shared_ptr<Crew> crew_;
-  std::vector<Asker> askers_;  // of each thread
+  ThreatSelection threats_{0};         // the bodies that are there
+  std::shared_ptr<ThreadPool> pool_;
+  std::vector<Requester> requesters_;  // of each thread
   std::vector<BarrierRecord> records_;
   std::vector<Event> events_;
 };

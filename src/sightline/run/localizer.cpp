@@ -7,7 +7,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/world/sighting.hpp"
 
@@ -27,24 +27,24 @@ LocalizationGraph graph_of(const Team& team, const LocalizerOptions& options) {
   for (int i = 0; i < team.bodies(); ++i) robots.push_back({std::string(team.name(BodyId{i})), true, {}});
   for (const LocalizedRobot& robot : options.robots) {
     if (robot.robot.index < 0 || robot.robot.index >= team.bodies())
-      refuse("a robot that is localized has the number {}, expected one of {} bodies", robot.robot.index,
-             team.bodies());
+      throw_invalid("a robot that is localized has the number {}, expected one of {} bodies",
+                    robot.robot.index, team.bodies());
     Localized& of = robots[at(robot.robot)];
-    if (!of.is_anchor) refuse("\"{}\" is localized twice, expected once", of.name);
+    if (!of.is_anchor) throw_invalid("\"{}\" is localized twice, expected once", of.name);
     of.is_anchor = false;
-    for (const BodyId other : robot.watches) of.watches.push_back(other.index);
+    for (const BodyId other : robot.observes) of.observes.push_back(other.index);
   }
   return LocalizationGraph(std::move(robots), options.cycles);
 }
 
-/// The filter that a robot needs among those it watches.
+/// The filter that a robot needs among those it observes.
 FilterOptions filter_of(const LocalizedRobot& robot, const LocalizationGraph& graph) {
   FilterOptions filter = robot.filter;
-  for (const BodyId other : robot.watches) {
+  for (const BodyId other : robot.observes) {
     if (graph.tier(other.index) == 0) continue;
     if (filter.filter == FilterKind::attitude)
-      refuse(
-          "\"{}\" watches \"{}\", which is localized itself, with the filter \"attitude\", expected "
+      throw_invalid(
+          "\"{}\" observes \"{}\", which is localized itself, with the filter \"attitude\", expected "
           "\"heading\"",
           graph.robot(robot.robot.index).name, graph.robot(other.index).name);
     filter.filter = FilterKind::chain;
@@ -65,7 +65,8 @@ BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, cons
 
 /// The direction's error is one of place beside the target. With time come those of the velocity and the yaw rate, as if they had
 /// one direction.
-ViewDoubt doubt_of(const PoseEstimate& estimate, double bearing_sigma, const Vec3<double>& target) {
+ViewUncertainty uncertainty_of(const PoseEstimate& estimate, double bearing_sigma,
+                               const Vec3<double>& target) {
   constexpr double most = 2.0;  // [m], [m/s]: the target may be anywhere then
   const double range = norm(target - estimate.p);
   const double growth = sqrt(square(estimate.velocity_sigma) + square(range * estimate.yaw_rate_sigma));
@@ -78,7 +79,7 @@ void LocalizerOptions::check() const {
   broadcast.check();
   for (const LocalizedRobot& robot : robots)
     if (!(robot.camera_rate > 0 && std::isfinite(robot.camera_rate)))
-      refuse("estimate.camera_rate = {}, expected > 0 Hz", robot.camera_rate);
+      throw_invalid("estimate.camera_rate = {}, expected > 0 Hz", robot.camera_rate);
 }
 
 Localizer::Localizer(const Team& team, std::span<const double> start, const LocalizerOptions& options)
@@ -91,9 +92,10 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
       states_(start_),
       stamps_(robot_of_.size(), -infinity),
       sigma_(robot_of_.size()),
-      doubts_(robot_of_.size()),
+      uncertainties_(robot_of_.size()),
       estimates_(robot_of_.size()) {
-  if (start_.size() != size(team.nx())) refuse("a start of {} states, expected {}", start_.size(), team.nx());
+  if (start_.size() != size(team.nx()))
+    throw_invalid("a start of {} states, expected {}", start_.size(), team.nx());
   for (int i = 0; i < team.bodies(); ++i) tracks_.emplace_back(broadcast_of(BodyId{i}, options_, graph_));
   for (const int body : graph_.order()) {
     const auto found = std::find_if(options_.robots.begin(), options_.robots.end(),
@@ -101,7 +103,7 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
     if (found == options_.robots.end()) continue;
     robot_of_[at(body)] = static_cast<int>(robots_.size());
     robots_.push_back(made(*found));
-    views_.push_back({.robot = found->robot, .target = found->watches.front()});
+    views_.push_back({.robot = found->robot, .target = found->observes.front()});
     sigma_[at(body)] = infinity;
   }
   knows_all_ = robots_.empty();
@@ -112,8 +114,8 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
   const Model& model = team_.model(what.robot);
   const StateRoles roles = roles_of(model);
   if (!roles.has_position() || !roles.has_heading())
-    refuse("\"{}\" cannot be localized by view: its model \"{}\" has no {} among its states",
-           team_.name(what.robot), model.name(), roles.has_position() ? "heading" : "position");
+    throw_invalid("\"{}\" cannot be localized by view: its model \"{}\" has no {} among its states",
+                  team_.name(what.robot), model.name(), roles.has_position() ? "heading" : "position");
   Robot robot{.what = what,
               .body = at(what.robot),
               .x = size(team_.state_offset(what.robot)),
@@ -148,35 +150,35 @@ void Localizer::set_presence(std::span<const Presence> presence) noexcept {
 /// Nothing is known of a robot any more.
 void Localizer::forget(Robot& robot) noexcept {
   robot.filter->forget();
-  robot.told_count = 0;
+  robot.counted = 0;
   stamps_[robot.body] = -infinity;
   sigma_[robot.body] = infinity;
-  doubts_[robot.body] = {};
+  uncertainties_[robot.body] = {};
   estimates_[robot.body] = {};
   std::copy_n(&start_[robot.x], robot.nx, &states_[robot.x]);
 }
 
-Measured Localizer::estimate(double t, const Measured& told) noexcept {
+Measured Localizer::estimate(double t, const Measured& received) noexcept {
   for (int i = 0; i < team_.bodies(); ++i) {
     if (robot_of_[at(i)] >= 0) continue;
     const std::size_t x = size(team_.state_offset(BodyId{i}));
-    std::copy_n(&told.measured[x], size(team_.model(BodyId{i}).nx()), &states_[x]);
-    stamps_[at(i)] = told.stamps[at(i)];
+    std::copy_n(&received.measured[x], size(team_.model(BodyId{i}).nx()), &states_[x]);
+    stamps_[at(i)] = received.stamps[at(i)];
   }
-  for (const RobotMotion& motion : told.motions) move(motion);
-  for (const BodyBroadcast& message : told.broadcasts)
+  for (const RobotMotion& motion : received.motions) move(motion);
+  for (const BodyBroadcast& message : received.broadcasts)
     if (robot_of_[at(message.body)] < 0) tracks_[at(message.body)].take(message.pose);
   fits_.clear();
   bool knows_all = true;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
-    for (const Detection& detection : told.detections)
+    for (const Detection& detection : received.detections)
       if (detection.observer == robot.what.robot) look(robot, views_[i], detection);
-    believe(robot, views_[i], t);
+    accept_measurement(robot, views_[i], t);
     knows_all = knows_all && (presence_[robot.body] == Presence::absent || estimates_[robot.body].known);
   }
   knows_all_ = knows_all_ || knows_all;
-  Measured now = told;
+  Measured now = received;
   now.measured = states_;
   now.stamps = stamps_;
   return now;
@@ -187,7 +189,7 @@ void Localizer::move(const RobotMotion& motion) noexcept {
   const int place = robot_of_[at(motion.robot)];
   if (place < 0 || !is_usable(motion.motion)) return;
   Robot& robot = robots_[size(place)];
-  robot.told[robot.told_count++ % robot.told.size()] = motion.motion;
+  robot.received[robot.counted++ % robot.received.size()] = motion.motion;
   robot.filter->advance(motion.motion);
   if (const auto compass = compass_of(motion.motion, robot.what.filter)) robot.filter->take(*compass);
 }
@@ -195,14 +197,14 @@ void Localizer::move(const RobotMotion& motion) noexcept {
 /// A detection has arrived.
 void Localizer::look(Robot& robot, View& view, const Detection& detection) noexcept {
   const int target = detection.target.index;
-  if (!graph_.uses(robot.what.robot.index, target) || robot.told_count == 0) return;
+  if (!graph_.uses(robot.what.robot.index, target) || robot.counted == 0) return;
   const auto pose = tracks_[at(target)].at(detection.stamp);
   if (!pose) return;
   // Of the samples that are remembered, the one of the exposure.
-  const std::size_t first = robot.told_count - std::min(robot.told_count, robot.told.size());
-  std::size_t sample = robot.told_count - 1;
-  while (sample > first && robot.told[sample % robot.told.size()].t > detection.stamp) --sample;
-  const Vec2<double> roll_pitch = tilt_at(robot.told[sample % robot.told.size()], detection.stamp);
+  const std::size_t first = robot.counted - std::min(robot.counted, robot.received.size());
+  std::size_t sample = robot.counted - 1;
+  while (sample > first && robot.received[sample % robot.received.size()].t > detection.stamp) --sample;
+  const Vec2<double> roll_pitch = tilt_at(robot.received[sample % robot.received.size()], detection.stamp);
   Measurement z = sighting_of(detection, robot.what.mount, roll_pitch);
   z.p_other = pose->p, z.psi_other = pose->psi, z.P_other = pose->P;
   z.other_error = graph_.error_of(robot.what.robot.index, target);
@@ -213,7 +215,7 @@ void Localizer::look(Robot& robot, View& view, const Detection& detection) noexc
 }
 
 /// What a robot takes its state to be at t.
-void Localizer::believe(Robot& robot, View& view, double t) noexcept {
+void Localizer::accept_measurement(Robot& robot, View& view, double t) noexcept {
   if (presence_[robot.body] == Presence::absent) return;
   const bool knew = estimates_[robot.body].known;
   const double before = estimates_[robot.body].stamp;
@@ -225,9 +227,9 @@ void Localizer::believe(Robot& robot, View& view, double t) noexcept {
     stamps_[robot.body] = -infinity;
     sigma_[robot.body] = infinity;
     // In V its velocity is known anywhere.
-    for (std::size_t k = 0; robot.told_count > 0 && k < robot.velocities.size(); ++k)
+    for (std::size_t k = 0; robot.counted > 0 && k < robot.velocities.size(); ++k)
       x[robot.velocities[k]] =
-          dot(robot.velocity_axes[k], robot.told[(robot.told_count - 1) % robot.told.size()].v_V);
+          dot(robot.velocity_axes[k], robot.received[(robot.counted - 1) % robot.received.size()].v_V);
     return;
   }
   const SinCos<double> h = sincos(estimate.psi);
@@ -235,15 +237,15 @@ void Localizer::believe(Robot& robot, View& view, double t) noexcept {
   const Vec3<double> v_V = turn_z(-estimate.psi) * estimate.v;
   const double draw = knew ? std::clamp(1 - exp(-(estimate.stamp - before) / draw_time), 0.0, 1.0) : 1.0;
   for (std::size_t k = 0; k < robot.velocities.size(); ++k) {
-    const double told = dot(robot.velocity_axes[k], v_V),
-                 model = knew ? robot.predicted[robot.velocities[k]] : told;
-    x[robot.velocities[k]] = model + draw * (told - model);
+    const double received = dot(robot.velocity_axes[k], v_V),
+                 model = knew ? robot.predicted[robot.velocities[k]] : received;
+    x[robot.velocities[k]] = model + draw * (received - model);
   }
   stamps_[robot.body] = estimate.stamp;
   view.position_sigma = sigma_[robot.body] = estimate.position_sigma();
   if (const auto target = tracks_[at(view.target)].at(t)) {
     view.bearing_sigma = estimate.bearing_sigma(*target);
-    doubts_[robot.body] = doubt_of(estimate, view.bearing_sigma, target->p);
+    uncertainties_[robot.body] = uncertainty_of(estimate, view.bearing_sigma, target->p);
   }
   tracks_[robot.body].take({.stamp = estimate.stamp,
                             .p = estimate.p,

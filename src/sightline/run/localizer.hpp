@@ -19,8 +19,8 @@ namespace sightline {
 /// A robot without a position of its own.
 struct LocalizedRobot {
   BodyId robot{};
-  SensorMount mount{};            ///< of its camera
-  std::vector<BodyId> watches{};  ///< by sightings of whom it is localized
+  SensorMount mount{};             ///< of its camera
+  std::vector<BodyId> observes{};  ///< by sightings of whom it is localized
   FilterOptions filter{};
   double camera_rate = 30.0;  ///< [Hz], > 0
 };
@@ -56,14 +56,14 @@ class Localizer {
  public:
   /// @param start  states of all bodies (nx)
   /// @throws std::invalid_argument for options out of range, for a robot whose model has no position or no heading, for a
-  ///         graph that LocalizationGraph refuses, and for a filter of attitudes that watches a robot which is localized
+  ///         graph that LocalizationGraph refuses, and for a filter of attitudes that observes a robot which is localized
   Localizer(const Team& team, std::span<const double> start, const LocalizerOptions& options);
 
   /// One for each body, as for a World.
   void set_presence(std::span<const Presence> presence) noexcept;
   /// What is known at t [s], which rises: `told`, with states and stamps of localized robots from their filters. Valid
   /// until the next call.
-  Measured estimate(double t, const Measured& told) noexcept;
+  Measured estimate(double t, const Measured& received) noexcept;
   /// The inputs u (nu) are in force for so many periods of `period` [s], from the last estimate() on.
   void apply(std::span<const double> u, double period, std::int64_t periods) noexcept;
 
@@ -71,8 +71,8 @@ class Localizer {
   bool knows_all() const noexcept { return knows_all_; }
   /// Of each body, the standard deviation of its estimated position [m]; 0: it is measured; infinity: nothing is known.
   std::span<const double> sigma() const noexcept { return sigma_; }
-  /// Of each body, how sure it is of the one that it watches and saw last; of one that is not localized, entirely.
-  std::span<const ViewDoubt> doubts() const noexcept { return doubts_; }
+  /// Of each body, how sure it is of the one that it observes and saw last; of one that is not localized, entirely.
+  std::span<const ViewUncertainty> uncertainties() const noexcept { return uncertainties_; }
   /// Of each body; `known` is false of one that is not localized.
   std::span<const PoseEstimate> estimates() const noexcept { return estimates_; }
   /// What each robot that is localized sees, for a Search; lower tiers first.
@@ -91,8 +91,8 @@ class Localizer {
     std::vector<std::size_t> velocities{};      // among its states
     std::vector<Vec3<double>> velocity_axes{};  // of each in G, where the heading is 0
     std::unique_ptr<PoseFilter> filter{};
-    std::array<MotionSample, PoseFilter::memory> told{};
-    std::size_t told_count = 0;
+    std::array<MotionSample, PoseFilter::memory> received{};
+    std::size_t counted = 0;
     std::vector<double> predicted{};
   };
 
@@ -100,7 +100,7 @@ class Localizer {
   void forget(Robot& robot) noexcept;
   void move(const RobotMotion& motion) noexcept;
   void look(Robot& robot, View& view, const Detection& detection) noexcept;
-  void believe(Robot& robot, View& view, double t) noexcept;
+  void accept_measurement(Robot& robot, View& view, double t) noexcept;
 
   Team team_;
   LocalizerOptions options_;
@@ -110,7 +110,7 @@ class Localizer {
   std::vector<BroadcastTrack> tracks_;  // of each body
   std::vector<Presence> presence_;
   std::vector<double> start_, states_, stamps_, sigma_;
-  std::vector<ViewDoubt> doubts_;
+  std::vector<ViewUncertainty> uncertainties_;
   std::vector<PoseEstimate> estimates_;
   std::vector<DetectionFit> fits_;
   std::vector<View> views_;  // of the robots, in their order

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -25,12 +25,12 @@ const Horizon& longest_horizon(const Controllers& controllers) {
 }
 
 const LoopOptions& checked(const LoopOptions& o, const Controllers& controllers) {
-  if (!(o.period >= 1e-4)) refuse("loop.period = {}, expected >= 1e-4 s", o.period);
+  if (!(o.period >= 1e-4)) throw_invalid("loop.period = {}, expected >= 1e-4 s", o.period);
   if (!(o.duration > 0 && o.duration / o.period <= 1e9)) {
-    refuse("loop.duration = {}, expected > 0 s and at most 1e9 periods", o.duration);
+    throw_invalid("loop.duration = {}, expected > 0 s and at most 1e9 periods", o.duration);
   }
-  if (!(o.path_interval >= 0)) refuse("loop.path_interval = {}, expected >= 0 s", o.path_interval);
-  if (controllers.empty()) refuse("the loop has no controller, expected at least one");
+  if (!(o.path_interval >= 0)) throw_invalid("loop.path_interval = {}, expected >= 0 s", o.path_interval);
+  if (controllers.empty()) throw_invalid("the loop has no controller, expected at least one");
   return o;
 }
 
@@ -99,30 +99,32 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       ages_(planned_at_.size()),
       plan_(u_.size()),
       spare_(sized_sample(world, controllers, options.team_switcher)) {
-  told_ = options_.compensation != nullptr;
-  for (const Agent& agent : world.team().agents()) told_ |= !agent.rate_max.empty() || !agent.R_rate.empty();
+  solvers_use_applied_ = options_.compensation != nullptr;
+  for (const Agent& agent : world.team().agents())
+    solvers_use_applied_ |= !agent.rate_max.empty() || !agent.R_rate.empty();
   for (const LatePlan& late : options_.late_plans) late.check();
   std::stable_sort(options_.signals.begin(), options_.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
   for (Solver& solver : controllers) {
     const double dt = solver.ocp().horizon().dt;
     if (std::abs(dt - options_.period) > 1e-9) {
-      refuse("controller {}: horizon.period = {}, expected the loop's {}", controllers_.size(), dt,
-             options_.period);
+      throw_invalid("controller {}: horizon.period = {}, expected the loop's {}", controllers_.size(), dt,
+                    options_.period);
     }
     controllers_.emplace_back(world.team(), solver, controllers_.size());
   }
   if (options_.team_switcher != nullptr) {
     if (controllers.size() != 1 || &controllers[0].get() != options_.team_switcher->present().solver.get()) {
-      refuse("a team that changes has {} controllers, expected the present solver of its TeamSwitcher alone",
-             controllers.size());
+      throw_invalid(
+          "a team that changes has {} controllers, expected the present solver of its TeamSwitcher alone",
+          controllers.size());
     }
     options_.team_switcher->set_start(world.start());
     follow_team();
     follow_guard(0.0, world.start(), world.start());
   }
   if (options_.guard != nullptr && controllers.size() == 1)
-    options_.guard->set_hearing(controllers[0].get().hearing());
+    options_.guard->set_connectivity(controllers[0].get().connectivity());
   check_steered();
   const Sample* item = sink.claim();
   const bool has_room = item == nullptr || item->path_u.empty() ||  // or of each stage
@@ -134,7 +136,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
       item->motions.size() != spare_.motions.size() || item->broadcasts.size() != spare_.broadcasts.size() ||
       item->fits.size() != spare_.fits.size() || item->estimates.size() != spare_.estimates.size() ||
       item->events.size() < spare_.events.size()) {
-    refuse(
+    throw_invalid(
         "the sink's samples are not of this loop's size, expected room in it for copies of sized_sample()");
   }
   events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + spare_.events.size());
@@ -152,14 +154,16 @@ void Loop::check_steered() const {
       if (m.limits == nullptr) continue;
       int& other = steered_by[size(m.body.index)];
       if (other >= 0) {
-        refuse("\"{}\" is steered by controllers {} and {}, expected one", world.name(m.body), other, c);
+        throw_invalid("\"{}\" is steered by controllers {} and {}, expected one", world.name(m.body), other,
+                      c);
       }
       other = static_cast<int>(c);
     }
   }
   for (int i = 0; i < world.bodies(); ++i) {
     if (presence_[size(i)] == Presence::steered && steered_by[size(i)] < 0) {
-      refuse("\"{}\" is steered by no controller, expected one whose team has it", world.name(BodyId{i}));
+      throw_invalid("\"{}\" is steered by no controller, expected one whose team has it",
+                    world.name(BodyId{i}));
     }
   }
 }
@@ -171,14 +175,14 @@ LoopOutcome Loop::run() noexcept {
           ? std::max<std::int64_t>(1, std::llround(options_.path_interval / options_.period))
           : 0;
   clock_.start(options_.period);
-  std::int64_t next_path = path_every > 0 ? 0 : periods, told = 0;
+  std::int64_t next_path = path_every > 0 ? 0 : periods, reported = 0;
   double t = 0.0;
   for (std::int64_t next = 0;; ++next) {
     const std::int64_t k = std::min(clock_.wait(next), periods);
     t = static_cast<double>(k) * options_.period;
     if (k > next) {
       outcome_.missed += k - next;
-      tell({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
+      emit({t, EventKind::missed_period, 0, static_cast<double>(k - next)});
       outcome_.finite = apply(static_cast<double>(next) * options_.period, k - next) && outcome_.finite;
       next = k;
     }
@@ -210,9 +214,9 @@ LoopOutcome Loop::run() noexcept {
     ++outcome_.updates;
 
     if (slot != nullptr) {
-      if (outcome_.dropped > told) {
-        told = outcome_.dropped;
-        tell({t, EventKind::samples_dropped, 0, static_cast<double>(told)});
+      if (outcome_.dropped > reported) {
+        reported = outcome_.dropped;
+        emit({t, EventKind::samples_dropped, 0, static_cast<double>(reported)});
       }
       move_events(sample);
       sink_.publish();
@@ -249,8 +253,8 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   if (outcome_.updates == 0) std::fill(planned_at_.begin(), planned_at_.end(), t);
   const bool localizes = options_.localizer != nullptr;
   if (options_.guard != nullptr) {
-    estimate_ = &options_.guard->believe(t, seen.measured, seen.stamps,
-                                         localizes ? options_.localizer->sigma() : std::span<const double>{});
+    estimate_ = &options_.guard->accept_measurement(
+        t, seen.measured, seen.stamps, localizes ? options_.localizer->sigma() : std::span<const double>{});
     if (localizes) options_.guard->look(t, options_.localizer->views());
   }
   gate_.open(t);
@@ -261,27 +265,27 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = gate_.applied()[i % u_.size()];
   }
   std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // of those that nobody is asked for
-  const std::span<Controller> asked = controllers();
-  for (std::size_t c = 0; c < asked.size(); ++c) {
-    Controller& controller = asked[c];
+  const std::span<Controller> requested = controllers();
+  for (std::size_t c = 0; c < requested.size(); ++c) {
+    Controller& controller = requested[c];
     const std::int64_t before = allocations();
-    const Solution solution = ask(controller, t, met);
+    const Solution solution = solve(controller, t, met);
     command(static_cast<int>(c), controller, solution, t, sample);
     sample.solvers[c] = {solution.status,        solution.residual,      solution.iterations,
                          1e6 * solution.elapsed, allocations() - before, solution.neighbours.pairs,
                          controller.answered};
     if (outcome_.updates > 0 && solution.status != controller.status) {
-      tell({t, EventKind::solver_status, static_cast<int>(c), static_cast<double>(solution.status)});
+      emit({t, EventKind::solver_status, static_cast<int>(c), static_cast<double>(solution.status)});
     }
     controller.status = solution.status;
     const int left_out = solution.neighbours.left_out;
     if (left_out > controller.left_out) {
-      tell({t, EventKind::pairs_left_out, static_cast<int>(c), static_cast<double>(left_out)});
+      emit({t, EventKind::pairs_left_out, static_cast<int>(c), static_cast<double>(left_out)});
     }
     controller.left_out = left_out == 0 ? 0 : std::max(controller.left_out, left_out);
     if (sample.has_path) write_path(controller, solution, sample);
   }
-  drift(t, met, sample);
+  write_prediction_error(t, met, sample);
   if (options_.guard != nullptr)
     guard(t, met, sample);
   else
@@ -295,7 +299,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
                    [t](double stamp) { return t - stamp; });
     options_.team_switcher->look(t, *estimate_, u_,
                                  options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
-    for (const Event& event : options_.team_switcher->events()) tell(event);
+    for (const Event& event : options_.team_switcher->events()) emit(event);
     options_.team_switcher->clear_events();
   }
   outcome_.max_allocations = std::max(outcome_.max_allocations, allocations() - allocated_);
@@ -307,26 +311,26 @@ void Loop::pass_gate(double t) noexcept {
       gate_.pass(u_, options_.compensation != nullptr ? added() : std::span<const double>{});
   for (const BodyId robot : gate_.replaced()) {
     ++outcome_.refused;
-    tell({t, EventKind::input_refused, 0, static_cast<double>(robot.index)});
+    emit({t, EventKind::input_refused, 0, static_cast<double>(robot.index)});
   }
   if (options_.compensation != nullptr) options_.compensation->record(t, command);
   if (options_.guard != nullptr) options_.guard->record(t, command);
 }
 
 /// Finds u* of robots where it follows from their references.
-void Loop::refer(Controller& controller, double t, const ValidStates& x) noexcept {
+void Loop::set_reference_inputs(Controller& controller, double t, const ValidStates& x) noexcept {
   const Team& team = controller.solver->ocp().team();
   for (std::size_t i = 0; i < controller.members.size(); ++i) {
     const Controller::Member& m = controller.members[i];
     if (m.limits == nullptr) continue;
-    options_.compensation->refer(m.body, team.agent(BodyId{static_cast<int>(i)}).x_ref, t + lead_,
-                                 std::span<const double>(x).data() + m.world_x,
-                                 std::span(controller.u_ref).subspan(m.ocp_u, m.nu));
+    options_.compensation->write_reference_inputs(m.body, team.agent(BodyId{static_cast<int>(i)}).x_ref,
+                                                  t + lead_, std::span<const double>(x).data() + m.world_x,
+                                                  std::span(controller.u_ref).subspan(m.ocp_u, m.nu));
   }
 }
 
 /// An update; while a late one is at work, what the plan before it has for this time.
-Solution Loop::ask(Controller& controller, double t, const ValidStates& x) noexcept {
+Solution Loop::solve(Controller& controller, double t, const ValidStates& x) noexcept {
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
   controller.answered = false;
@@ -335,10 +339,10 @@ Solution Loop::ask(Controller& controller, double t, const ValidStates& x) noexc
     solution.status = Status::invalid_state;
   } else if (!controller.at_work) {
     controller.gather(world_.team(), x, u_);
-    if (options_.compensation != nullptr) refer(controller, t, x);
-    if (told_) controller.set_applied({gate_.applied(), added(), added_lean()});
-    if (options_.localizer != nullptr) controller.set_doubts(options_.localizer->doubts());
-    controller.asked_at = t;
+    if (options_.compensation != nullptr) set_reference_inputs(controller, t, x);
+    if (solvers_use_applied_) controller.set_applied({gate_.applied(), added(), added_lean()});
+    if (options_.localizer != nullptr) controller.set_view_uncertainty(options_.localizer->uncertainties());
+    controller.requested_at = t;
     const auto late = std::find_if(options_.late_plans.begin(), options_.late_plans.end(),
                                    [&](const LatePlan& l) { return l.strikes(t); });
     if (late == options_.late_plans.end()) {
@@ -351,7 +355,7 @@ Solution Loop::ask(Controller& controller, double t, const ValidStates& x) noexc
   if (controller.at_work && t >= controller.done_at - same_time) {
     controller.at_work = false;
     controller.answered = true;
-    const Solution late = solver.solve(controller.asked_at + lead_, controller.states);
+    const Solution late = solver.solve(controller.requested_at + lead_, controller.states);
     solver.planned(t + lead_, controller.plan);
     solution.x = late.x;
     solution.status = late.status;
@@ -372,7 +376,7 @@ std::span<Controller> Loop::controllers() noexcept {
 }
 
 /// Robots that nobody steers brake.
-void Loop::drift(double t, const ValidStates& x, Sample& sample) noexcept {
+void Loop::write_prediction_error(double t, const ValidStates& x, Sample& sample) noexcept {
   if (options_.team_switcher == nullptr) return;
   for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
     robot.steer(t, x, added(), u_min_, u_max_, u_);
@@ -387,7 +391,7 @@ void Loop::guard(double t, const ValidStates& x, Sample& sample) noexcept {
   options_.guard->fall_back(t, x, plan_ages_, added(), u_);
   gate_.keep_limits_and_rates(u_, added());
   options_.guard->keep_distances(t, x, added(), u_);
-  for (const Event& event : options_.guard->events()) tell(event);
+  for (const Event& event : options_.guard->events()) emit(event);
   const auto records = options_.guard->barriers();
   std::copy(records.begin(), records.end(), sample.barriers.begin());
   const auto levels = options_.guard->levels();
@@ -416,10 +420,10 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
       sample.raw_u[m.world_u + i] = solution.raw_u.size() == nu ? solution.raw_u[m.ocp_u + i] : held[i];
     }
     if (good && controller.answered && gives_plan(solution.status))
-      planned_at_[size(m.body.index)] = controller.asked_at;
+      planned_at_[size(m.body.index)] = controller.requested_at;
     if (good) continue;
     ++outcome_.refused;
-    tell({t, EventKind::input_refused, index, static_cast<double>(m.body.index)});
+    emit({t, EventKind::input_refused, index, static_cast<double>(m.body.index)});
   }
 }
 
@@ -457,7 +461,7 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
   }
 }
 
-void Loop::tell(const Event& event) noexcept {
+void Loop::emit(const Event& event) noexcept {
   if (events_.size() < events_.capacity()) events_.push_back(event);
 }
 

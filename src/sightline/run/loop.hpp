@@ -13,8 +13,8 @@
 #include "sightline/run/controller.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/run/localizer.hpp"
-#include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/run/team_switcher.hpp"
 #include "sightline/run/valid_states.hpp"
 #include "sightline/solver/solver.hpp"
@@ -102,29 +102,29 @@ class Loop {
     return options_.allocations != nullptr ? options_.allocations() : 0;
   }
   Sample* claim_slot() noexcept;
-  Measured localize(double t, const Measured& told, Sample& sample) noexcept;
+  Measured localize(double t, const Measured& reported, Sample& sample) noexcept;
   bool apply(double t, std::int64_t periods) noexcept;
   void fill(Sample& sample, double t, std::span<const double> x, bool is_truth) const noexcept;
   void show_end(double t) noexcept;
   void move_events(Sample& sample) noexcept;
   void update(double t, const Measured& seen, Sample& sample) noexcept;
-  Solution ask(Controller& controller, double t, const ValidStates& x) noexcept;
+  Solution solve(Controller& controller, double t, const ValidStates& x) noexcept;
   void guard(double t, const ValidStates& x, Sample& sample) noexcept;
   bool change_team(std::int64_t k, double t) noexcept;
   void follow_team() noexcept;
   void follow_guard(double t, std::span<const double> x, std::span<const double> known) noexcept;
-  void welcome(BodyId body, double t, std::span<const double> x) noexcept;
+  void on_join(BodyId body, double t, std::span<const double> x) noexcept;
   const ValidStates& compensate(double t) noexcept;
   std::span<const double> added() const noexcept;
   std::span<const Vec2<double>> added_lean() const noexcept;
-  void refer(Controller& controller, double t, const ValidStates& x) noexcept;
+  void set_reference_inputs(Controller& controller, double t, const ValidStates& x) noexcept;
   void pass_gate(double t) noexcept;
   std::span<Controller> controllers() noexcept;
-  void drift(double t, const ValidStates& x, Sample& sample) noexcept;
+  void write_prediction_error(double t, const ValidStates& x, Sample& sample) noexcept;
   void command(int index, const Controller& controller, const Solution& solution, double t,
                Sample& sample) noexcept;
   void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
-  void tell(const Event& event) noexcept;
+  void emit(const Event& event) noexcept;
 
   World& world_;
   Clock& clock_;
@@ -135,7 +135,7 @@ class Loop {
   ValidStates measured_, met_;                        // as measured or localized; as the commands meet them
   const ValidStates* estimate_;                       // at the last update
   double lead_;                                       // from a command to its effect, at most [s]
-  bool told_ = false;                                 // solvers are told what is applied
+  bool solvers_use_applied_ = false;                  // solvers are told what is applied
   std::size_t signalled_ = 0;                         // signals sent
   CommandGate gate_;
   std::vector<double> u_;  // of the controllers and the guard, all robots of the world, without what is added

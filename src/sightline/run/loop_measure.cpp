@@ -9,21 +9,21 @@
 namespace sightline {
 
 /// Keeps in a sample what was told, and says where robots are that were not.
-Measured Loop::localize(double t, const Measured& told, Sample& sample) noexcept {
+Measured Loop::localize(double t, const Measured& reported, Sample& sample) noexcept {
   allocated_ = allocations();
   began_ = std::chrono::steady_clock::now();
-  std::copy(told.measured.begin(), told.measured.end(), sample.measured.begin());
-  std::copy(told.stamps.begin(), told.stamps.end(), sample.stamps.begin());
+  std::copy(reported.measured.begin(), reported.measured.end(), sample.measured.begin());
+  std::copy(reported.stamps.begin(), reported.stamps.end(), sample.stamps.begin());
   const auto keep = [](const auto& from, auto& to) {
     const std::size_t count = std::min(from.size(), to.size());
     std::copy_n(from.begin(), count, to.begin());
     return count;
   };
-  sample.detection_count = keep(told.detections, sample.detections);
-  sample.motion_count = keep(told.motions, sample.motions);
-  sample.broadcast_count = keep(told.broadcasts, sample.broadcasts);
-  if (options_.localizer == nullptr) return told;
-  Measured seen = options_.localizer->estimate(t, told);
+  sample.detection_count = keep(reported.detections, sample.detections);
+  sample.motion_count = keep(reported.motions, sample.motions);
+  sample.broadcast_count = keep(reported.broadcasts, sample.broadcasts);
+  if (options_.localizer == nullptr) return reported;
+  Measured seen = options_.localizer->estimate(t, reported);
   keep(options_.localizer->estimates(), sample.estimates);
   sample.fit_count = keep(options_.localizer->fits(), sample.fits);
   return seen;

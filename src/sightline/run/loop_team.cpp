@@ -42,14 +42,14 @@ void Loop::follow_guard(double t, std::span<const double> x, std::span<const dou
     if (was_there || !is_there) continue;
     planned_at_[size(i)] = t;
     if (options_.compensation != nullptr) options_.compensation->forget(BodyId{i});
-    welcome(BodyId{i}, t, x);
+    on_join(BodyId{i}, t, x);
   }
   if (options_.guard != nullptr)
     options_.guard->follow(options_.team_switcher->present().membership, t, known);
 }
 
 /// Tells where a body comes to be there nearer to another than it may.
-void Loop::welcome(BodyId body, double t, std::span<const double> x) noexcept {
+void Loop::on_join(BodyId body, double t, std::span<const double> x) noexcept {
   const Team& team = world_.team();
   const auto place = [&](BodyId of) {
     const double* const u = team.is_agent(of) ? &u_[size(team.input_offset(of))] : nullptr;
@@ -62,7 +62,7 @@ void Loop::welcome(BodyId body, double t, std::span<const double> x) noexcept {
     const std::size_t decides = size(std::max(body.index, other.index));
     const double d = decides < options_.d_hard.size() ? options_.d_hard[decides] : LoopOptions::at_one_place;
     if (norm(place(body) - place(other)) >= d) continue;
-    tell({t, EventKind::added_too_near, 0, static_cast<double>(body.index)});
+    emit({t, EventKind::added_too_near, 0, static_cast<double>(body.index)});
     return;
   }
 }

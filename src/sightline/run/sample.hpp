@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/run/localizer.hpp"
 #include "sightline/safety/ladder.hpp"
 #include "sightline/solver/solver.hpp"
@@ -39,18 +39,18 @@ enum class EventKind : std::uint8_t {
   measurement_time,
   barrier_conflict,  ///< no command keeps all hard distances; value: the body
   // An event of the script; value: its index.
-  event_happened,  ///< its trigger did
+  event_occurred,  ///< its trigger did
   event_in_force,  ///< the team is what it made of it, or its stage has begun
   event_ignored,   ///< it could not be, the team stays; told once
   team_late,       ///< the next team was not ready in time; value: periods
   pairs_left_out,  ///< more pairs of a swarm came near than there is room for; value: how many more
   added_too_near,  ///< a body came to be there nearer to another than it may; value: the body
-  search,          ///< a robot that is localized by view searches for what it watches; value: the body
+  search,          ///< a robot that is localized by view searches for what it observes; value: the body
   found,           ///< it has it in view again; value: the body
-  unheard,         ///< a part of the team is not told any more where the robot will be; value: the body
-  heard,           ///< all are told again; value: the body
+  stale,           ///< a part of the team is not told any more where the robot will be; value: the body
+  received,        ///< all are told again; value: the body
 };
-inline constexpr int event_kinds = static_cast<int>(EventKind::heard) + 1;
+inline constexpr int event_kinds = static_cast<int>(EventKind::received) + 1;
 std::string_view to_string(EventKind kind);
 
 struct Event {

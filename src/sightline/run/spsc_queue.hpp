@@ -37,11 +37,11 @@ class Sink {
 /// Items are made once, as copies of a prototype, and written and read where they are. No locks: the producer
 /// does not even wake the consumer, which looks every now and then.
 template <class T>
-class Ring final : public Sink<T> {
+class SpscQueue final : public Sink<T> {
  public:
   /// @param capacity  items that can wait, >= 1
   /// @param between   of them at most when one between the regular items is claimed; 0: takes none of these
-  Ring(std::size_t capacity, const T& prototype, std::size_t between = 0)
+  SpscQueue(std::size_t capacity, const T& prototype, std::size_t between = 0)
       : items_(capacity, prototype), between_(between) {
     assert(capacity > 0 && "a ring holds something");
   }

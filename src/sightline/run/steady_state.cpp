@@ -1,4 +1,4 @@
-#include "sightline/run/settled.hpp"
+#include "sightline/run/steady_state.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ std::vector<double> state_at_rest(const Model& model) {
   return x;
 }
 
-Settled settle(const Model& model, std::vector<double> x, std::span<const double> u) {
+SteadyState settle(const Model& model, std::vector<double> x, std::span<const double> u) {
   constexpr double step = 1e-3, longest = 5.0, difference = 1e-6;  // [s]
   const std::vector<char> shown = shown_states(model);
   std::vector<double> rate(x.size());

@@ -18,8 +18,8 @@ namespace {
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr int converging_steps = 30;
 
-const Script& checked(const Script& script, const Roster& roster) {
-  const std::vector<ScriptFault> faults = faults_of(script, roster);
+const Script& checked(const Script& script, const ActiveTeam& active_team) {
+  const std::vector<ScriptFault> faults = faults_of(script, active_team);
   if (faults.empty()) return script;
   const std::string& name = script.events[faults[0].event].name;
   throw std::invalid_argument(fmt::format("event {}{}: {}", faults[0].event,
@@ -27,18 +27,18 @@ const Script& checked(const Script& script, const Roster& roster) {
                                           faults[0].sentence));
 }
 
-Phase phase_of(std::unique_ptr<Solver> solver, const Roster& roster) {
-  Phase phase{.solver = std::move(solver), .controller = {}, .membership = roster.membership()};
+Phase phase_of(std::unique_ptr<Solver> solver, const ActiveTeam& active_team) {
+  Phase phase{.solver = std::move(solver), .controller = {}, .membership = active_team.membership()};
   phase.planner = &team_planner_of(*phase.solver, "a team that changes in flight");
-  phase.controller.emplace(roster.all(), *phase.solver, 0);
-  for (int i = 0; i < roster.all().bodies(); ++i) {
+  phase.controller.emplace(active_team.all(), *phase.solver, 0);
+  for (int i = 0; i < active_team.all().bodies(); ++i) {
     const BodyId body{i};
-    const Presence presence = roster.presence(body);
-    if (!roster.all().is_agent(body) || presence == Presence::steered || presence == Presence::absent)
+    const Presence presence = active_team.presence(body);
+    if (!active_team.all().is_agent(body) || presence == Presence::steered || presence == Presence::absent)
       continue;
-    phase.uncontrolled.emplace_back(roster.all(), body, presence == Presence::land,
+    phase.uncontrolled.emplace_back(active_team.all(), body, presence == Presence::land,
                                     phase.solver->ocp().horizon().dt);
-    phase.uncontrolled.back().limits = roster.agent(AgentId{body}).limits;
+    phase.uncontrolled.back().limits = active_team.agent(AgentId{body}).limits;
   }
   return phase;
 }
@@ -50,7 +50,7 @@ void nap() noexcept {
 
 }  // namespace
 
-TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make,
+TeamSwitcher::TeamSwitcher(ActiveTeam start, const Script& script, MakeSolver make,
                            std::shared_ptr<TunedScript> tuned)
     : world_(start.all()),
       script_(checked(script, start)),
@@ -59,9 +59,9 @@ TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make,
       tuned_(std::move(tuned)),
       settles_at_(never),
       ignored_(script_.events.size(), 0),
-      roster_(std::move(start)),
+      active_team_(std::move(start)),
       next_settles_at_(never) {
-  present_ = phase_of(make_(roster_.team(0.0)), roster_);
+  present_ = phase_of(make_(active_team_.team(0.0)), active_team_);
   const Horizon& horizon = present_.solver->ocp().horizon();
   period_ = horizon.dt;
   request_.x.resize(size(world_.nx()));
@@ -69,7 +69,7 @@ TeamSwitcher::TeamSwitcher(Roster start, const Script& script, MakeSolver make,
   request_.plan.resize(size(horizon.N) * size(world_.nu()));
   request_.events.reserve(script_.events.size() + 1);
   refused_.reserve(script_.events.size() + 1);
-  told_.reserve(3 * (script_.events.size() + 1) + 4);
+  reported_.reserve(3 * (script_.events.size() + 1) + 4);
   thread_.start_or_throw([this]() noexcept { work(); });
 }
 
@@ -79,7 +79,7 @@ TeamSwitcher::~TeamSwitcher() {
 }
 
 void TeamSwitcher::tell(double t, EventKind kind, std::size_t event) noexcept {
-  if (told_.size() < told_.capacity()) told_.push_back({t, kind, 0, static_cast<double>(event)});
+  if (reported_.size() < reported_.capacity()) reported_.push_back({t, kind, 0, static_cast<double>(event)});
 }
 
 bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> u, bool wait) noexcept {
@@ -88,7 +88,7 @@ bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> 
   if (!is_ready()) return false;
   pending_ = false;
   for (const std::size_t event : request_.events) {
-    tell_of(t, event);
+    report_of(t, event);
   }
   if (!next_.solver) return false;
   if (const double late = t - request_.t - period_; late > same_time) {
@@ -104,7 +104,7 @@ bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> 
 }
 
 /// What became of an event that was asked for; where one that repeats is ignored, once.
-void TeamSwitcher::tell_of(double t, std::size_t event) noexcept {
+void TeamSwitcher::report_of(double t, std::size_t event) noexcept {
   const bool refused = std::find(refused_.begin(), refused_.end(), event) != refused_.end();
   if (refused && event >= script_.events.size()) {
     tuned_->ignore(event - script_.events.size());
@@ -118,7 +118,7 @@ void TeamSwitcher::tell_of(double t, std::size_t event) noexcept {
 /// Whether the next of the tuned events happens now. It has a period of its own, so that two changes of one thing never come at one time.
 bool TeamSwitcher::takes_tuned(double t) noexcept {
   if (tuned_ == nullptr || taken_ == tuned_->size()) return false;
-  tuned_->happen(taken_++, t);
+  tuned_->occur(taken_++, t);
   return true;
 }
 
@@ -126,20 +126,20 @@ void TeamSwitcher::look(double t, const ValidStates& states, std::span<const dou
                         std::span<const double> ages) noexcept {
   if (pending_) return;
   const std::span<const double> x = states;
-  const std::span<const std::size_t> happening =
+  const std::span<const std::size_t> triggered =
       monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
   const bool settles = t + period_ >= settles_at_ - same_time;
-  const bool tuned = happening.empty() && takes_tuned(t);
-  if (happening.empty() && !settles && !tuned) return;
+  const bool tuned = triggered.empty() && takes_tuned(t);
+  if (triggered.empty() && !settles && !tuned) return;
   if (settles) settles_at_ = never;
   request_.t = t;
   request_.events.clear();
-  for (const std::size_t event : happening) {
-    tell(t, EventKind::event_happened, event);
+  for (const std::size_t event : triggered) {
+    tell(t, EventKind::event_occurred, event);
     request_.events.push_back(event);
   }
   if (tuned) {
-    tell(t, EventKind::event_happened, number_of_tuned(taken_ - 1));
+    tell(t, EventKind::event_occurred, number_of_tuned(taken_ - 1));
     request_.events.push_back(number_of_tuned(taken_ - 1));
   }
   std::copy(x.begin(), x.end(), request_.x.begin());
@@ -185,11 +185,11 @@ void TeamSwitcher::prepare() noexcept {
 /// Makes the team that these events lead to, without those that cannot be. Where it throws, nothing has changed.
 void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   const double t = request_.t + period_;
-  Roster roster = roster_;
+  ActiveTeam active_team = active_team_;
   std::vector<std::size_t> refused;
   bool changes = events.empty();  // weights that came to rest
   for (const std::size_t event : events) {
-    Roster trial = roster;
+    ActiveTeam trial = active_team;
     const TeamEvent& what = *flown_event(script_, tuned_.get(), event);
     const bool accepted = std::all_of(what.actions.begin(), what.actions.end(), [&](const Action& action) {
       return trial.apply(action, t, ramp_of(what)).empty();
@@ -198,11 +198,11 @@ void TeamSwitcher::make_next(std::span<const std::size_t> events) {
       refused.push_back(event);
       continue;
     }
-    roster = std::move(trial);
+    active_team = std::move(trial);
     changes = changes || !what.actions.empty();
   }
   if (changes) {
-    Phase next = phase_of(make_(roster.team(t)), roster);
+    Phase next = phase_of(make_(active_team.team(t)), active_team);
     give_plan(*next.planner);
     predict(next);
     for (int i = 0; i < converging_steps; ++i) {
@@ -211,8 +211,8 @@ void TeamSwitcher::make_next(std::span<const std::size_t> events) {
     }
     next_ = std::move(next);
   }
-  roster_ = std::move(roster);
-  const double settled = roster_.at_rest_from(t);
+  active_team_ = std::move(active_team);
+  const double settled = active_team_.at_rest_from(t);
   next_settles_at_ = settled > t ? settled : never;
   refused_.insert(refused_.end(), refused.begin(), refused.end());
 }

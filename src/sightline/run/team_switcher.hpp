@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "sightline/base/service_thread.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/ocp/event_monitor.hpp"
-#include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/tuned_script.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/sample.hpp"
@@ -45,7 +45,8 @@ class TeamSwitcher {
   /// @param tuned  events that come in flight, one a period; none: none do
   /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
   /// is no TeamPlanner; std::system_error where the machine has no thread
-  TeamSwitcher(Roster start, const Script& script, MakeSolver make, std::shared_ptr<TunedScript> tuned = {});
+  TeamSwitcher(ActiveTeam start, const Script& script, MakeSolver make,
+               std::shared_ptr<TunedScript> tuned = {});
   ~TeamSwitcher();
   TeamSwitcher(const TeamSwitcher&) = delete;
   TeamSwitcher& operator=(const TeamSwitcher&) = delete;
@@ -61,7 +62,7 @@ class TeamSwitcher {
   /// Before the first period: where bodies stand that come to be there (nx of the world).
   void set_start(std::span<const double> x) { start_.assign(x.begin(), x.end()); }
   /// Most events() that can wait at one time.
-  std::size_t events_max() const noexcept { return told_.capacity(); }
+  std::size_t events_max() const noexcept { return reported_.capacity(); }
 
   /// Any thread: hands over an event's signal. @return whether the script has one of that name
   bool signal(std::string_view name) noexcept { return monitor_.signal(name); }
@@ -78,8 +79,8 @@ class TeamSwitcher {
   /// @param ages  of what is known of each body [s]; empty: all is new
   void look(double t, const ValidStates& x, std::span<const double> u, std::span<const double> ages) noexcept;
   /// Since the last call of either; what happened, what took effect.
-  std::span<const Event> events() const noexcept { return told_; }
-  void clear_events() noexcept { told_.clear(); }
+  std::span<const Event> events() const noexcept { return reported_; }
+  void clear_events() noexcept { reported_.clear(); }
 
  private:
   enum class Hand { control, thread };  // whose the request and the next phase are
@@ -100,7 +101,7 @@ class TeamSwitcher {
   /// The number of a tuned event, behind those of the script.
   std::size_t number_of_tuned(std::size_t i) const noexcept { return script_.events.size() + i; }
   bool takes_tuned(double t) noexcept;
-  void tell_of(double t, std::size_t event) noexcept;
+  void report_of(double t, std::size_t event) noexcept;
 
   Team world_;
   std::vector<double> start_;
@@ -114,12 +115,12 @@ class TeamSwitcher {
   bool pending_ = false;
   double settles_at_;          // when the weights come to rest that move now [s]
   std::vector<char> ignored_;  // [event]: told already
-  std::vector<Event> told_;
+  std::vector<Event> reported_;
 
   // Handed to and fro.
   std::atomic<Hand> hand_{Hand::control};
   std::atomic<bool> stop_{false};
-  Roster roster_;
+  ActiveTeam active_team_;
   Request request_;
   std::vector<std::size_t> refused_;  // events
   Phase next_;                        // no solver: the team stays

@@ -63,7 +63,7 @@ Barrier::Barrier(const Model& model, const Authority& can, double dt, const Barr
       b_(options.authority * can_.acceleration),
       plans_(can_.drag, dt),
       ample_(std::max(least_ample, 2 * can_.push * (plans_.F(dt) + plans_.E(dt) * plans_.E_longest()))),
-      ways_out_(can_.drag, can_.climbs ? can_.climb : 0.0) {
+      maneuvers_(can_.drag, can_.climbs ? can_.climb : 0.0) {
   options_.floor += options_.wall_margin;
   options_.ceiling -= options_.wall_margin;
   // A period may begin and end within the bounds, and go beyond them between.
@@ -71,7 +71,8 @@ Barrier::Barrier(const Model& model, const Authority& can, double dt, const Barr
   Arena arena{.disc = b_};
   for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
     arena.g[k] = {options.authority * can_.thrusts[k].x, options.authority * can_.thrusts[k].y};
-  for (std::size_t i = 0; i < joint_.size(); ++i) joint_[i] = WaysOut::thrust(arena, WaysOut::heading(i));
+  for (std::size_t i = 0; i < joint_.size(); ++i)
+    joint_[i] = EvasiveManeuvers::thrust(arena, EvasiveManeuvers::heading(i));
 }
 
 Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u) const noexcept {
@@ -100,7 +101,7 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
   const double risen = touch.level ? 0.0 : dt_ * n.z * threat.tube.climb;
   const double planned = dot(n, self.p) + E * level({self.v.x, self.v.y}) + risen;
   const double spare = touch.gap - threat.margin - (1.0 - options_.rate * dt_) * threat.reserve;
-  if (threat.conduct == Conduct::member) {
+  if (threat.behavior == Behavior::cooperative) {
     // Half of the acceleration apart is this robot's; so is its share of what the plan would leave.
     const double least = planned + 0.5 * (F - left.F) * level(a) - options_.share * spare;
     return {n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
@@ -119,7 +120,7 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
 void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& rows) const noexcept {
   for (std::size_t k = 0; k < rows.threats.size(); ++k) {
     const Threat& threat = rows.threats[k];
-    if (heeded == Heeded::members && threat.conduct != Conduct::member) continue;
+    if (heeded == Heeded::members && threat.behavior != Behavior::cooperative) continue;
     for (std::size_t j = 0; j < threat.plan.count; ++j) {
       Row row = keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]);
       if (can_.climb_lag > 0) {
@@ -176,7 +177,7 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
     if (row.threat < 0 || row.cut || row.curvature <= 0 || row.missed(there) < -tight) continue;
     // How much less than the plan the command leaves of the gap's slope, and where the gap is least then.
     const Threat& threat = rows.threats[static_cast<std::size_t>(row.threat)];
-    const double part = threat.conduct == Conduct::member ? 0.5 : 1.0;
+    const double part = threat.behavior == Behavior::cooperative ? 0.5 : 1.0;
     const Vec2<double>& a = threat.plan.a;
     Vec2<double> dv = {there.v.x - step.e * self.v.x - part * step.E * a.x,
                        there.v.y - step.e * self.v.y - part * step.E * a.y};
@@ -294,7 +295,7 @@ double Barrier::solve(std::span<const double> x, const Sight<double>& self, cons
 
 BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                               std::span<const double> u_min, std::span<const double> u_max,
-                              std::span<double> u, WayOut& way_out) const noexcept {
+                              std::span<double> u, EvasiveManeuver& maneuver) const noexcept {
   assert(u.size() == static_cast<std::size_t>(model_.nu()) &&
          "a command has as many numbers as the model inputs");
   assert(x.size() == static_cast<std::size_t>(model_.nx()) &&
@@ -339,18 +340,18 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
                         ? least < 0 || result.violation > serious || is_surrounded(self, neighbours, rows)
                         : joint < infinity && result.violation > serious;
   if (lost) {
-    if (leave(self, after, contradicted, neighbours, rows, way_out)) {
-      follow(x, self, way_out, u_min, u_max, u);
+    if (leave(self, after, contradicted, neighbours, rows, maneuver)) {
+      follow(x, self, maneuver, u_min, u_max, u);
       rows.all.clear();
       add_neighbours(self, Heeded::members, rows);
       add_walls(self, Approach::at_once, rows);
       after = next(x, u);
       result.violation = 0.0;
       keep_rows();
-      result.violation = std::max(result.violation, -way_out.left);
+      result.violation = std::max(result.violation, -maneuver.left);
     }
   } else {
-    way_out = {};
+    maneuver = {};
   }
   // Over a long period linear rows are not enough.
   if (parts_ > 1) {
@@ -363,7 +364,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     const double margin = row.threat < 0 ? 0.0 : rows.threats[static_cast<std::size_t>(row.threat)].margin;
     return row.missed(after) > margin + corrected;
   };
-  const bool planned = std::isfinite(joint) && !way_out.taken;
+  const bool planned = std::isfinite(joint) && !maneuver.taken;
   result.conflict =
       result.violation > corrected && (!planned || std::any_of(rows.all.begin(), rows.all.end(), is_missed));
   result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
@@ -373,7 +374,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
       result.neighbour = rows.threats[static_cast<std::size_t>(tightest->threat)].neighbour;
     result.wall = tightest->wall;
   }
-  if (way_out.taken && result.neighbour < 0) {
+  if (maneuver.taken && result.neighbour < 0) {
     const auto tighter = [](const Threat& a, const Threat& b) { return a.reserve < b.reserve; };
     result.neighbour = std::min_element(rows.threats.begin(), rows.threats.end(), tighter)->neighbour;
   }

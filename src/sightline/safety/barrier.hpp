@@ -18,7 +18,7 @@
 ///
 ///   B = max over plans of min over neighbours and t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
-/// Where no plan has B >= 0 the robot may be surrounded, and flies the best evasive trajectory (way_out.hpp).
+/// Where no plan has B >= 0 the robot may be surrounded, and flies the best evasive trajectory (maneuver.hpp).
 /// Where the vertical speed follows its command by one lag, the height at which the robot would come to rest, p_z + tau v_z,
 /// takes the place of p_z, and |tau v_z| is added to rho.
 ///
@@ -35,14 +35,14 @@
 #include "sightline/model/model.hpp"
 #include "sightline/safety/authority.hpp"
 #include "sightline/safety/escape.hpp"
-#include "sightline/safety/way_out.hpp"
+#include "sightline/safety/evasive_maneuver.hpp"
 
 namespace sightline {
 
 /// What is assumed of a neighbour.
-enum class Conduct {
+enum class Behavior {
   uncooperative,  ///< goes anywhere with up to speed_max, turning at will; it does not give way
-  member,         ///< runs a Barrier itself, against this robot, and takes the other share; same model
+  cooperative,    ///< runs a Barrier itself, against this robot, and takes the other share; same model
 };
 
 /// Another body, as this robot knows it.
@@ -59,7 +59,7 @@ struct Neighbour {
       1.0;  ///< of a cooperative neighbour: part of its acceleration that its limits leave, in [0, 1]
   double tie = 1.0;  ///< where both are in one place, the robot parts along tie x; of opposite sign
                      ///< for the two members of a pair
-  Conduct conduct = Conduct::uncooperative;
+  Behavior behavior = Behavior::uncooperative;
 };
 
 struct BarrierOptions {
@@ -113,15 +113,15 @@ class Barrier {
   /// @param x             state of the robot, as believed (nx)
   /// @param u_min, u_max  limits now (nu); plans count on the part that they leave of those of the construction
   /// @param u             the solver's command (nu); afterwards finite and within the limits, always
-  /// @param way_out       what the robot does where it is surrounded; to be kept from one period to the next
+  /// @param maneuver       what the robot does where it is surrounded; to be kept from one period to the next
   BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                        std::span<const double> u_min, std::span<const double> u_max, std::span<double> u,
-                       WayOut& way_out) const noexcept;
+                       EvasiveManeuver& maneuver) const noexcept;
   /// The same for one that remembers nothing.
   BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                        std::span<const double> u_min, std::span<const double> u_max,
                        std::span<double> u) const noexcept {
-    WayOut none;
+    EvasiveManeuver none;
     return filter(x, neighbours, u_min, u_max, u, none);
   }
 
@@ -168,8 +168,9 @@ class Barrier {
                      const Rows& rows) const noexcept;
   Arena arena(const Sight<double>& self, double part) const noexcept;
   bool leave(const Sight<double>& self, const Next& after, bool contradicted,
-             std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept;
-  void follow(std::span<const double> x, const Sight<double>& self, WayOut& way_out,
+             std::span<const Neighbour> neighbours, const Rows& rows,
+             EvasiveManeuver& maneuver) const noexcept;
+  void follow(std::span<const double> x, const Sight<double>& self, EvasiveManeuver& maneuver,
               std::span<const double> u_min, std::span<const double> u_max,
               std::span<double> u) const noexcept;
   void reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
@@ -209,8 +210,9 @@ class Barrier {
   double b_;
   EscapePlans plans_;
   double ample_;  // [m] more than a period can take of what a plan leaves
-  WaysOut ways_out_;
-  std::array<Vec2<double>, WaysOut::headings> joint_;  // thrusts of plans for several, in V or G [m/s^2]
+  EvasiveManeuvers maneuvers_;
+  std::array<Vec2<double>, EvasiveManeuvers::headings>
+      joint_;  // thrusts of plans for several, in V or G [m/s^2]
 };
 
 }  // namespace sightline

@@ -60,7 +60,7 @@ Barrier::Flown Barrier::flown(std::span<const double> x, std::span<const double>
 double Barrier::left_by(const Sight<double>& self, const Rows& rows, const Flown& flown) const noexcept {
   double least = left_of_chases(self, rows, flown);
   for (const Threat& threat : rows.threats) {
-    if (threat.conduct == Conduct::member) least = std::min(least, left_of_pair(self, threat, flown));
+    if (threat.behavior == Behavior::cooperative) least = std::min(least, left_of_pair(self, threat, flown));
   }
   return least;
 }
@@ -74,7 +74,7 @@ double Barrier::left_of_chases(const Sight<double>& self, const Rows& rows,
   Bounded<Tube, most_neighbours> rest;
   Bounded<const Threat*, most_neighbours> of;
   for (const Threat& threat : rows.threats) {
-    if (threat.conduct == Conduct::member || threat.reserve >= ample_) continue;
+    if (threat.behavior == Behavior::cooperative || threat.reserve >= ample_) continue;
     const Tube& tube = threat.tube;
     const double wanted = required(threat);
     for (std::size_t k = 0; k < flown.between.size(); ++k) {
@@ -230,7 +230,7 @@ void Barrier::ensure_walls(std::span<const double> x, const Sight<double>& self,
 bool Barrier::ensure_distances(std::span<const double> x, const Sight<double>& self, const Rows& rows,
                                std::span<const double> u_min, std::span<const double> u_max,
                                std::span<double> u, Next& after) const noexcept {
-  const auto is_member = [](const Threat& threat) { return threat.conduct == Conduct::member; };
+  const auto is_member = [](const Threat& threat) { return threat.behavior == Behavior::cooperative; };
   const auto tighter = [](const Threat& a, const Threat& b) { return a.reserve < b.reserve; };
   const Threat* const tightest = std::min_element(rows.threats.begin(), rows.threats.end(), tighter);
   if (rows.threats.empty() || tightest->reserve >= ample_) return false;

@@ -90,7 +90,7 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
   Bounded<Threat*, most_neighbours> uncooperative;
   for (Threat& threat : rows.threats) {
-    if (threat.conduct == Conduct::uncooperative && norm(threat.tube.r) < near)
+    if (threat.behavior == Behavior::uncooperative && norm(threat.tube.r) < near)
       uncooperative.push_back(&threat);
   }
   if (uncooperative.size() < 2) return infinity;
@@ -145,7 +145,7 @@ bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour
   Bounded<Vec3<double>, most_neighbours> away;
   Vec2<double> sum{};
   for (const Threat& threat : rows.threats) {
-    if (threat.conduct != Conduct::uncooperative) continue;
+    if (threat.behavior != Behavior::uncooperative) continue;
     const Vec3<double> r = self.p - neighbours[static_cast<std::size_t>(threat.neighbour)].p;
     const Vec3<double> n = (1.0 / std::max(norm(r), 1e-9)) * r;
     sum = {sum.x + n.x, sum.y + n.y};
@@ -178,13 +178,14 @@ Arena Barrier::arena(const Sight<double>& self, double part) const noexcept {
 /// Looks for a way out with the command as it is, which leads to `after`, and else for the best there is.
 /// @return whether the robot is to take it
 bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradicted,
-                    std::span<const Neighbour> neighbours, const Rows& rows, WayOut& way_out) const noexcept {
+                    std::span<const Neighbour> neighbours, const Rows& rows,
+                    EvasiveManeuver& maneuver) const noexcept {
   const Arena arena = this->arena(self, rows.part);
   Bounded<Chaser, most_neighbours> chasers;
   for (const Threat& threat : rows.threats) {
     const Neighbour& n = neighbours[static_cast<std::size_t>(threat.neighbour)];
     Chaser& chaser = chasers.push_back({.p = n.p, .hard = n.d_hard + options_.margin + 3 * n.sigma});
-    if (n.conduct == Conduct::member) {
+    if (n.behavior == Behavior::cooperative) {
       chaser.v = n.v;
       chaser.p = n.p + n.age * n.v;
       continue;
@@ -196,9 +197,9 @@ bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradic
     chaser.hard += chaser.speed * std::max(n.age, 0.0);
   }
   constexpr double enough = 0.25, more = 0.2, step = 0.05;  // [m]
-  const double wanted = way_out.taken ? enough + more : enough;
-  way_out = ways_out_.best(arena, chasers, way_out, wanted + step);
-  if (!contradicted && way_out.left >= wanted) {
+  const double wanted = maneuver.taken ? enough + more : enough;
+  maneuver = maneuvers_.best(arena, chasers, maneuver, wanted + step);
+  if (!contradicted && maneuver.left >= wanted) {
     Arena then = arena;
     then.p = after.p;
     then.v = after.v;
@@ -208,23 +209,23 @@ bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradic
       chaser.p =
           chaser.p + dt_ * chaser.v + (chaser.speed * dt_ / std::max(norm(r), chaser.speed * dt_ + 1e-9)) * r;
     }
-    if (ways_out_.left(then, moved, way_out) >= wanted) return false;
+    if (maneuvers_.left(then, moved, maneuver) >= wanted) return false;
   }
-  way_out.taken = true;
+  maneuver.taken = true;
   return true;
 }
 
 /// Makes of u the command that begins the way out, with the inputs that do nothing for it at zero.
-void Barrier::follow(std::span<const double> x, const Sight<double>& self, WayOut& way_out,
+void Barrier::follow(std::span<const double> x, const Sight<double>& self, EvasiveManeuver& maneuver,
                      std::span<const double> u_min, std::span<const double> u_max,
                      std::span<double> u) const noexcept {
   for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::clamp(0.0, u_min[k], u_max[k]);
-  const bool begun = way_out.wait <= 0.5 * dt_;
+  const bool begun = maneuver.wait <= 0.5 * dt_;
   const Vec2<double> a =
-      begun ? WaysOut::thrust(arena(self, part(u_min, u_max)), way_out.along) : Vec2<double>{};
-  way_out.wait = std::max(0.0, way_out.wait - dt_);
+      begun ? EvasiveManeuvers::thrust(arena(self, part(u_min, u_max)), maneuver.along) : Vec2<double>{};
+  maneuver.wait = std::max(0.0, maneuver.wait - dt_);
   const EscapeShape step = plans_.shape(dt_);
-  const double climb = begun ? way_out.climb : 0.0;
+  const double climb = begun ? maneuver.climb : 0.0;
   reach_for(x, {step.e * self.v.x + step.E * a.x, step.e * self.v.y + step.E * a.y, self.p.z + dt_ * climb},
             u_min, u_max, u);
 }

@@ -7,7 +7,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/safety/crowd.hpp"
+#include "sightline/safety/threat_selection.hpp"
 
 namespace sightline {
 namespace {
@@ -33,7 +33,7 @@ void Barrier::fill(Tube& tube, const Sight<double>& self, const Neighbour& n, do
   tube.rho0 = n.d_hard + options_.margin + 3 * n.sigma + beside;
   tube.spread = 3 * options_.velocity_sigma;
   tube.tie.x = n.tie;
-  if (n.conduct != Conduct::member) return;
+  if (n.behavior != Behavior::cooperative) return;
   // Measured motion, and what it may have done since by an acceleration that is bounded.
   const double age = std::max(n.age, 0.0), both = std::min(part, n.part),
                a = std::min(n.acceleration_max, 3 * b_);
@@ -69,14 +69,14 @@ Barrier::Within Barrier::within(const Tube& tube) const noexcept {
 
 void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                           std::span<const int> chosen, Rows& rows) const noexcept {
-  struct Asked {
+  struct Requested {
     Bounded<const Tube*, 2 * most_neighbours> tubes;
     Bounded<Escape*, 2 * most_neighbours> plans;
   };
-  Asked of_members, of_others;
-  const auto ask = [](Asked& asked, const Tube& tube, Escape& plan) {
-    asked.tubes.push_back(&tube);
-    asked.plans.push_back(&plan);
+  Requested of_members, of_others;
+  const auto request = [](Requested& requested, const Tube& tube, Escape& plan) {
+    requested.tubes.push_back(&tube);
+    requested.plans.push_back(&plan);
   };
   decltype(Tube::thrusts) thrusts{};
   for (std::size_t k = 0; k < static_cast<std::size_t>(can_.thrust_count); ++k) {
@@ -90,12 +90,12 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
   for (const int i : chosen) {
     const Neighbour& n = neighbours[size(i)];
     Threat& threat = rows.threats.emplace_back();
-    threat.conduct = n.conduct;
+    threat.behavior = n.behavior;
     threat.neighbour = i;
     Tube& tube = threat.tube;
     fill(tube, self, n, rows.part, rows.beside);
-    if (n.conduct == Conduct::member) {
-      ask(of_members, tube, threat.plan);
+    if (n.behavior == Behavior::cooperative) {
+      request(of_members, tube, threat.plan);
       continue;
     }
     tube.thrust_count = can_.thrust_count;
@@ -108,14 +108,15 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
       known.rho0 += 0.5 * n.acceleration_max * age * age;
       known.speed = n.acceleration_max * age;
       known.growth = n.acceleration_max;
-      ask(of_others, known, measured_plans[measured_of.size()]);
+      request(of_others, known, measured_plans[measured_of.size()]);
       measured_of.push_back(&threat);
     }
     tube.rho0 += n.speed_max * age;
     tube.speed = n.speed_max;
-    ask(of_others, tube, threat.plan);
+    request(of_others, tube, threat.plan);
   }
-  for (Asked* asked : {&of_members, &of_others}) plans_.best(asked->tubes.items(), asked->plans.items());
+  for (Requested* requested : {&of_members, &of_others})
+    plans_.best(requested->tubes.items(), requested->plans.items());
   for (std::size_t k = 0; k < measured.size(); ++k) {
     Threat& threat = *measured_of[k];
     if (measured_plans[k].reserve() <= threat.plan.reserve()) continue;
@@ -146,8 +147,9 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
       chosen.push_back(static_cast<int>(i));
       continue;
     }
-    const bool member = n.conduct == Conduct::member;
-    const double left = pressing_key(r, member ? self.v - n.v : self.v, n.d_hard, member ? 0.0 : n.speed_max);
+    const bool member = n.behavior == Behavior::cooperative;
+    const double left =
+        nearest_threats_key(r, member ? self.v - n.v : self.v, n.d_hard, member ? 0.0 : n.speed_max);
     if (chosen.size() == most && left >= key[most - 1]) continue;
     if (chosen.size() < most) chosen.push_back(-1);
     std::size_t at = chosen.size() - 1;
@@ -156,7 +158,7 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
   }
   // Of members that nothing can bring too near within the period, none but those that may have the least reserve: unless
   // there may be a plan against several, or a way out, that has to reckon with all.
-  const auto is_member = [&](int i) { return neighbours[size(i)].conduct == Conduct::member; };
+  const auto is_member = [&](int i) { return neighbours[size(i)].behavior == Behavior::cooperative; };
   const bool all =
       std::count_if(chosen.begin(), chosen.end(), is_member) + 1 < static_cast<std::ptrdiff_t>(chosen.size());
   std::array<Within, most_neighbours> within;
@@ -170,12 +172,12 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     within[k] = this->within(tube);
     most_of_least = std::min(most_of_least, within[k].most);
   }
-  std::size_t pressing = 0;
+  std::size_t nearest_threats = 0;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     if (all || !within[k].quiet || within[k].least <= most_of_least + found_to)
-      chosen[pressing++] = chosen[k];
+      chosen[nearest_threats++] = chosen[k];
   }
-  add_threats(self, neighbours, {chosen.begin(), pressing}, rows);
+  add_threats(self, neighbours, {chosen.begin(), nearest_threats}, rows);
   return all_known;
 }
 

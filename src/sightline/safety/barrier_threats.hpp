@@ -34,7 +34,7 @@ struct Barrier::Flown {
 struct Barrier::Threat {
   Tube tube{};
   Escape plan{};
-  Conduct conduct = Conduct::uncooperative;
+  Behavior behavior = Behavior::uncooperative;
   int neighbour = -1;
   double reserve = 0.0;  // that the rows keep: of this plan, or of all that it is for [m]
   double margin = 0.0;   // that they keep beside it [m]

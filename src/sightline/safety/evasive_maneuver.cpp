@@ -1,4 +1,4 @@
-#include "sightline/safety/way_out.hpp"
+#include "sightline/safety/evasive_maneuver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr std::size_t most_chasers = 16;
 constexpr std::array<double, 2> waits = {0.0, 0.8};  // [s]
 
 /// Of two that leave the same, such as one that is too near already, the one that is too near for a shorter time.
-double worth(const WayOut& plan) {
+double worth(const EvasiveManeuver& plan) {
   constexpr double per_second = 0.02;  // [m/s]
   return plan.left - per_second * plan.within;
 }
@@ -29,7 +29,7 @@ Vec2<double> turned(const Vec2<double>& along, double angle) {
 
 }  // namespace
 
-WaysOut::WaysOut(double drag, double climb) : climb_(climb) {
+EvasiveManeuvers::EvasiveManeuvers(double drag, double climb) : climb_(climb) {
   for (auto* step : {&fine_, &coarse_}) {
     const double h = step == &fine_ ? fine : coarse, ch = drag * h, e = std::exp(-ch);
     const double E = ch > 1e-6 ? (1 - e) / drag : h, F = ch > 1e-6 ? (h - E) / drag : 0.5 * h * h;
@@ -38,11 +38,11 @@ WaysOut::WaysOut(double drag, double climb) : climb_(climb) {
   for (std::size_t i = 0; i < headings; ++i) heading_[i] = heading(i);
 }
 
-Vec2<double> WaysOut::heading(std::size_t i) noexcept {
+Vec2<double> EvasiveManeuvers::heading(std::size_t i) noexcept {
   return turned({1, 0}, 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(headings));
 }
 
-Vec2<double> WaysOut::thrust(const Arena& arena, const Vec2<double>& along) noexcept {
+Vec2<double> EvasiveManeuvers::thrust(const Arena& arena, const Vec2<double>& along) noexcept {
   const auto& [g, h] = arena.g;
   const double area = g.x * h.y - g.y * h.x;
   if (area == 0) return {arena.disc * along.x, arena.disc * along.y};
@@ -52,8 +52,8 @@ Vec2<double> WaysOut::thrust(const Arena& arena, const Vec2<double>& along) noex
   return {length * along.x, length * along.y};
 }
 
-void WaysOut::judge(const Arena& arena, std::span<const Chaser> chasers,
-                    std::span<WayOut, width> plans) const noexcept {
+void EvasiveManeuvers::judge(const Arena& arena, std::span<const Chaser> chasers,
+                             std::span<EvasiveManeuver, width> plans) const noexcept {
   Pack a_x, a_y, climb, wait, x(arena.p.x), y(arena.p.y), z(arena.p.z), v_x(arena.v.x), v_y(arena.v.y);
   for (std::size_t i = 0; i < width; ++i) {
     const Vec2<double> a = thrust(arena, plans[i].along);
@@ -116,18 +116,19 @@ void WaysOut::judge(const Arena& arena, std::span<const Chaser> chasers,
   }
 }
 
-double WaysOut::left(const Arena& arena, std::span<const Chaser> chasers, const WayOut& plan) const noexcept {
-  std::array<WayOut, width> plans;
+double EvasiveManeuvers::left(const Arena& arena, std::span<const Chaser> chasers,
+                              const EvasiveManeuver& plan) const noexcept {
+  std::array<EvasiveManeuver, width> plans;
   plans.fill(plan);
   judge(arena, chasers, plans);
   return plans[0].left;
 }
 
-WayOut WaysOut::best(const Arena& arena, std::span<const Chaser> chasers, const WayOut& before,
-                     double enough) const noexcept {
-  std::array<WayOut, width> pack;
+EvasiveManeuver EvasiveManeuvers::best(const Arena& arena, std::span<const Chaser> chasers,
+                                       const EvasiveManeuver& before, double enough) const noexcept {
+  std::array<EvasiveManeuver, width> pack;
   std::size_t filled = 0;
-  WayOut best;
+  EvasiveManeuver best;
   const auto flush = [&] {
     if (filled == 0) return;
     for (std::size_t i = filled; i < width; ++i) pack[i] = pack[filled - 1];
@@ -141,7 +142,7 @@ WayOut WaysOut::best(const Arena& arena, std::span<const Chaser> chasers, const 
     pack[filled++] = {along, climb, wait};
     if (filled == width) flush();
   };
-  const auto beside = [&](const WayOut& plan, double angle, double rise, double later) {
+  const auto beside = [&](const EvasiveManeuver& plan, double angle, double rise, double later) {
     consider(plan.along, plan.climb, plan.wait);
     for (const double side : {-1.0, 1.0}) {
       consider(turned(plan.along, side * angle), plan.climb, plan.wait);
@@ -161,8 +162,8 @@ WayOut WaysOut::best(const Arena& arena, std::span<const Chaser> chasers, const 
     }
   }
   flush();
-  beside(WayOut(best), 0.15, 0.5, 0.2);
-  beside(WayOut(best), 0.07, 0.25, 0.1);
+  beside(EvasiveManeuver(best), 0.15, 0.5, 0.2);
+  beside(EvasiveManeuver(best), 0.07, 0.25, 0.1);
   return best;
 }
 

@@ -20,7 +20,7 @@
 namespace sightline {
 
 /// A plan, and how it comes to be remembered.
-struct WayOut {
+struct EvasiveManeuver {
   Vec2<double> along{};                                    ///< unit vector of G, or zero: no thrust
   double climb = 0.0;                                      ///< vertical speed [m/s]
   double wait = 0.0;                                       ///< before both begin [s]
@@ -46,19 +46,20 @@ struct Arena {
   double floor = 0.0, ceiling = 0.0, world = 0.0;  ///< [m]
 };
 
-class WaysOut {
+class EvasiveManeuvers {
  public:
-  WaysOut() = default;
+  EvasiveManeuvers() = default;
   /// @param drag   c [1/s], >= 0
   /// @param climb  greatest vertical speed both ways [m/s], >= 0
-  WaysOut(double drag, double climb);
+  EvasiveManeuvers(double drag, double climb);
 
   /// The best way out. Where `enough` [m] are left by one, it need not be the best.
   /// @param before  the one that was taken, less the time since; looked at first
-  WayOut best(const Arena& arena, std::span<const Chaser> chasers, const WayOut& before,
-              double enough) const noexcept;
+  EvasiveManeuver best(const Arena& arena, std::span<const Chaser> chasers, const EvasiveManeuver& before,
+                       double enough) const noexcept;
   /// What a plan leaves [m].
-  double left(const Arena& arena, std::span<const Chaser> chasers, const WayOut& plan) const noexcept;
+  double left(const Arena& arena, std::span<const Chaser> chasers,
+              const EvasiveManeuver& plan) const noexcept;
 
   /// Greatest acceleration along a unit vector, as a vector [m/s^2].
   static Vec2<double> thrust(const Arena& arena, const Vec2<double>& along) noexcept;
@@ -71,7 +72,7 @@ class WaysOut {
   using Pack = NativeLane;
   static constexpr std::size_t width = Pack::width;
   void judge(const Arena& arena, std::span<const Chaser> chasers,
-             std::span<WayOut, width> plans) const noexcept;
+             std::span<EvasiveManeuver, width> plans) const noexcept;
 
   struct Step {
     double h = 0.0, e = 1.0, E = 0.0,

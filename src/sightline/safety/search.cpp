@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -50,11 +50,11 @@ Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOpt
   u_rest_.resize(longest);
   for (const BodyId body : robots) {
     if (body.index < 0 || body.index >= team_.bodies() || !team_.is_agent(body))
-      refuse("a robot that searches has the number {}, expected a robot of the team", body.index);
+      throw_invalid("a robot that searches has the number {}, expected a robot of the team", body.index);
     const Agent& agent = team_.agent(body);
     if (agent.u_ref.size() > Brake::inputs_max)
-      refuse("\"{}\" has {} inputs, expected at most {} of a robot that is localized by view", agent.name,
-             agent.u_ref.size(), Brake::inputs_max);
+      throw_invalid("\"{}\" has {} inputs, expected at most {} of a robot that is localized by view",
+                    agent.name, agent.u_ref.size(), Brake::inputs_max);
     Robot robot{.body = body,
                 .x = size(team_.state_offset(body)),
                 .u = size(team_.input_offset(body)),
@@ -65,10 +65,10 @@ Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOpt
                 .u_min = agent.limits.u_min().front(),
                 .u_max = agent.limits.u_max().front()};
     if (!can_turn(agent.model, robot.brake, robot.u_min, robot.u_max, options_.rate))
-      refuse(
+      throw_invalid(
           "\"{}\" is localized by view, but its model \"{}\" does not turn where it stands by {} rad/s, "
           "expected one "
-          "that does: it could not find what it watches",
+          "that does: it could not find what it observes",
           agent.name, agent.model.name(), options_.rate);
     robots_.push_back(std::move(robot));
   }
@@ -114,11 +114,11 @@ void Search::follow_turn(Robot& robot, double t, double heading) noexcept {
 
 void Search::look(double t, std::span<const View> views, std::span<const double> x) noexcept {
   for (Robot& robot : robots_) {
-    const auto told =
+    const auto reported =
         std::find_if(views.begin(), views.end(), [&](const View& of) { return of.robot == robot.body; });
-    if (!robot.is_there || told == views.end()) continue;
+    if (!robot.is_there || reported == views.end()) continue;
     if (robot.since == View::never) robot.since = t;
-    const View before = std::exchange(robot.view, *told);
+    const View before = std::exchange(robot.view, *reported);
     const View& view = robot.view;
     const Sight<double> own = sight(robot.body, x);
     follow_turn(robot, t, heading_of(own));

@@ -1,4 +1,4 @@
-/// What a robot does that is localized by view and does not see what it watches.
+/// What a robot does that is localized by view and does not see what it observes.
 ///
 ///   phase   while                                                what is applied
 ///   none    it is seen, or was less than `predict` ago           the plan
@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "sightline/base/parameter.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/safety/brake.hpp"
 #include "sightline/safety/ladder.hpp"
 

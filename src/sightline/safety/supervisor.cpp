@@ -61,7 +61,7 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
       history_(entries(options), resting_inputs(team)),
       robot_of_(static_cast<std::size_t>(team.bodies())),
       presence_(robot_of_.size(), Presence::steered),
-      believed_(static_cast<std::size_t>(team.nx())),
+      estimated_(static_cast<std::size_t>(team.nx())),
       sigmas_(robot_of_.size()),
       positioned_(robot_of_.size()) {
   for (int i = 0; i < team_.bodies(); ++i) {
@@ -74,7 +74,7 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     if (!options_.command_delays.empty()) limits.command_delay = options_.command_delays[at(body)];
     tracks_.emplace_back(model, u, limits);
     const std::span<const double> state = tracks_.back().state();
-    std::copy(state.begin(), state.end(), believed_.begin() + static_cast<std::ptrdiff_t>(x));
+    std::copy(state.begin(), state.end(), estimated_.begin() + static_cast<std::ptrdiff_t>(x));
     if (!team_.is_agent(body)) continue;
     const Agent& agent = team_.agent(body);
     if (agent.u_ref.size() > Brake::inputs_max) {
@@ -145,10 +145,10 @@ bool Supervisor::awaits_position() const noexcept {
   return false;
 }
 
-std::span<const double> Supervisor::believe(double t, std::span<const double> measured,
-                                            std::span<const double> stamps,
-                                            std::span<const double> sigma) noexcept {
-  assert(measured.size() == believed_.size() && stamps.size() == tracks_.size() &&
+std::span<const double> Supervisor::accept_measurement(double t, std::span<const double> measured,
+                                                       std::span<const double> stamps,
+                                                       std::span<const double> sigma) noexcept {
+  assert(measured.size() == estimated_.size() && stamps.size() == tracks_.size() &&
          (sigma.empty() || sigma.size() == tracks_.size()) && "a measurement is of all bodies of the team");
   time_ = t;
   notices_.clear();
@@ -169,9 +169,9 @@ std::span<const double> Supervisor::believe(double t, std::span<const double> me
       state = x;  // its velocities serve to brake it
     }
     track.predict(t, history_);
-    std::copy(state.begin(), state.end(), believed_.begin() + static_cast<std::ptrdiff_t>(from));
+    std::copy(state.begin(), state.end(), estimated_.begin() + static_cast<std::ptrdiff_t>(from));
   }
-  return believed_;
+  return estimated_;
 }
 
 Ages Supervisor::ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept {

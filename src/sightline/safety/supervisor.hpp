@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/safety/brake.hpp"
 #include "sightline/safety/input_history.hpp"
 #include "sightline/safety/ladder.hpp"
@@ -55,8 +55,9 @@ class Supervisor {
   /// @param sigma     of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it
   ///                  is not known, and of the states only those that do not depend on it are. Empty: all are measured
   /// @return the estimated states of all bodies at t [s] (nx), always finite, valid until the next call
-  std::span<const double> believe(double t, std::span<const double> measured, std::span<const double> stamps,
-                                  std::span<const double> sigma = {}) noexcept;
+  std::span<const double> accept_measurement(double t, std::span<const double> measured,
+                                             std::span<const double> stamps,
+                                             std::span<const double> sigma = {}) noexcept;
   /// Changes the inputs of robots that are slowed, hold or land; all are finite and within limits afterwards.
   /// @param x          states that the commands meet (nx)
   /// @param plan_ages  age of the plan that u comes from, for each body; those of no robot do not count [s]
@@ -111,7 +112,7 @@ class Supervisor {
   std::vector<std::size_t> robot_of_;  // of each body; those of no robot do not count
   std::vector<Robot> robots_;
   std::vector<Presence> presence_;
-  std::vector<double> believed_;
+  std::vector<double> estimated_;
   std::vector<double> sigmas_;    // of each body, as told last [m]
   std::vector<char> positioned_;  // whether its position was known once since it is there
   std::vector<Notice> notices_;

@@ -1,4 +1,4 @@
-#include "sightline/safety/crowd.hpp"
+#include "sightline/safety/threat_selection.hpp"
 
 #include <cassert>
 #include <cmath>
@@ -8,15 +8,15 @@
 
 namespace sightline {
 
-Crowd::Asker::Asker(int bodies)
+ThreatSelection::Requester::Requester(int bodies)
     : cooperative(at(bodies)), chosen_(at(bodies)), key_(at(bodies)), chosen_key_(at(bodies)) {}
 
-Crowd::Crowd(int bodies) : ids_(at(bodies)) {
+ThreatSelection::ThreatSelection(int bodies) : ids_(at(bodies)) {
   for (std::vector<double> *const column : {&p_x_, &p_y_, &p_z_, &v_x_, &v_y_, &v_z_, &hard_, &speed_})
     column->resize(at(bodies));
 }
 
-void Crowd::add(const Body &body) noexcept {
+void ThreatSelection::add(const Body &body) noexcept {
   assert(count_ < ids_.size() && "there is room for each body");
   const std::size_t i = count_++;
   ids_[i] = body.id;
@@ -25,19 +25,20 @@ void Crowd::add(const Body &body) noexcept {
   hard_[i] = body.d_hard, speed_[i] = body.speed_max;
 }
 
-std::span<const int> Crowd::pressing(int self, const Vec3<double> &p, const Vec3<double> &v, std::size_t most,
-                                     Asker &asker) const noexcept {
+std::span<const int> ThreatSelection::nearest_threats(int self, const Vec3<double> &p, const Vec3<double> &v,
+                                                      std::size_t most, Requester &requester) const noexcept {
   const std::size_t n = count_;
   const double *const p_x = p_x_.data(), *const p_y = p_y_.data(), *const p_z = p_z_.data();
   const double *const v_x = v_x_.data(), *const v_y = v_y_.data(), *const v_z = v_z_.data();
-  const double *const hard = hard_.data(), *const speed = speed_.data(), *const c = asker.cooperative.data();
-  double *const key = asker.key_.data();
-  std::vector<int> &chosen = asker.chosen_;
-  std::vector<double> &chosen_key = asker.chosen_key_;
+  const double *const hard = hard_.data(), *const speed = speed_.data(),
+                      *const c = requester.cooperative.data();
+  double *const key = requester.key_.data();
+  std::vector<int> &chosen = requester.chosen_;
+  std::vector<double> &chosen_key = requester.chosen_key_;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3<double> r = {p.x - p_x[i], p.y - p_y[i], p.z - p_z[i]};
     const Vec3<double> w = {v.x - c[i] * v_x[i], v.y - c[i] * v_y[i], v.z - c[i] * v_z[i]};
-    key[i] = pressing_key(r, w, hard[i], (1.0 - c[i]) * speed[i]);
+    key[i] = nearest_threats_key(r, w, hard[i], (1.0 - c[i]) * speed[i]);
   }
   std::size_t count = 0;
   double last = infinity;  // the greatest key that is still taken

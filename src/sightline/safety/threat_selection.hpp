@@ -16,14 +16,14 @@
 namespace sightline {
 
 /// What is closing in with velocity w has of a distance r after a second, beside d_hard and its own speed [m].
-inline double pressing_key(const Vec3<double>& r, const Vec3<double>& w, double d_hard,
-                           double speed) noexcept {
+inline double nearest_threats_key(const Vec3<double>& r, const Vec3<double>& w, double d_hard,
+                                  double speed) noexcept {
   const double D = std::sqrt(dot(r, r)), length = D > 1e-9 ? D : 1e-9;
   return length - d_hard + dot(r, w) / length - speed;
 }
 
 /// Neither `clear`, `add` nor `pressing` allocates.
-class Crowd {
+class ThreatSelection {
  public:
   struct Body {
     int id;
@@ -33,21 +33,21 @@ class Crowd {
   };
 
   /// Whoever asks; several may at once.
-  class Asker {
+  class Requester {
    public:
-    explicit Asker(int bodies);
+    explicit Requester(int bodies);
 
     /// Of each body that was added, in that order: 1 if the robot that is asked about knows it as cooperative, else 0.
     std::vector<double> cooperative;
 
    private:
-    friend class Crowd;
+    friend class ThreatSelection;
     std::vector<int> chosen_;
     std::vector<double> key_, chosen_key_;
   };
 
   /// @param bodies  room for so many
-  explicit Crowd(int bodies);
+  explicit ThreatSelection(int bodies);
 
   void clear() noexcept { count_ = 0; }
   void add(const Body& body) noexcept;
@@ -57,8 +57,8 @@ class Crowd {
   /// The ids of the `most` bodies with the least keys, the least first, and of all with a key that is not finite.
   /// @param p, v   of the robot `self`, which is not among them
   /// @param asker  what it knows; has the answer until it asks again
-  std::span<const int> pressing(int self, const Vec3<double>& p, const Vec3<double>& v, std::size_t most,
-                                Asker& asker) const noexcept;
+  std::span<const int> nearest_threats(int self, const Vec3<double>& p, const Vec3<double>& v,
+                                       std::size_t most, Requester& requester) const noexcept;
 
  private:
   std::size_t count_ = 0;

@@ -63,12 +63,12 @@ MeasurementFault Track::take(std::span<const double> x, double stamp, double now
   streak_ = follows ? streak_ + 1 : 1;
   if (!trusted_ && streak_ < limits_.accept_after) return MeasurementFault::jump;
   trusted_ = true;
-  believe(x, stamp, now);
+  accept_measurement(x, stamp, now);
   return MeasurementFault::none;
 }
 
 void Track::begin(std::span<const double> x, double now) noexcept {
-  believe(x, now, now);
+  accept_measurement(x, now, now);
   last_stamp_ = std::nextafter(now, never);
   reference_stamp_ = equal_since_ = never;
   streak_ = 0;
@@ -120,7 +120,7 @@ bool Track::frozen(std::span<const double> x, double stamp, const InputHistory& 
   return true;
 }
 
-void Track::believe(std::span<const double> x, double stamp, double now) noexcept {
+void Track::accept_measurement(std::span<const double> x, double stamp, double now) noexcept {
   std::copy(x.begin(), x.end(), x_.begin());
   stamp_ = time_ = std::min(stamp, now);
 }

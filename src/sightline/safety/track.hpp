@@ -83,7 +83,7 @@ class Track {
   MeasurementFault implausible(std::span<const double> x) noexcept;
   bool consistent(const Sight<double>& sight, double stamp) const noexcept;
   bool frozen(std::span<const double> x, double stamp, const InputHistory& history) noexcept;
-  void believe(std::span<const double> x, double stamp, double now) noexcept;
+  void accept_measurement(std::span<const double> x, double stamp, double now) noexcept;
   void carry(std::vector<double>& x, double from, double to, const InputHistory& history) noexcept;
 
   Model model_;

@@ -1,4 +1,4 @@
-/// What flies robots that are not simulated: a bridge to them, which a program adds to its Parts.
+/// What flies robots that are not simulated: a bridge to them, which a program adds to its Registry.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@ namespace sightline {
 /// How often a person asked to end: once, and all land; twice, and they are left to their autopilots.
 using Interrupts = std::atomic<int>;
 /// Takes a sentence for a person. Between take_off() and land() called by a thread of the bridge, else by its caller's; never by two.
-using TellPerson = std::function<void(std::string_view)>;
+using PrintMessage = std::function<void(std::string_view)>;
 
 enum class Arming {
   real,
@@ -47,11 +47,11 @@ class LinkedWorld : public World {
  public:
   /// Waits for the robots, checks them, arms them, and brings them to where they hold. Returns too when a person asks to end.
   /// @return false where not all of them hold; faults() says why
-  virtual bool take_off(Arming arming, const Interrupts& interrupts, const TellPerson& tell) = 0;
+  virtual bool take_off(Arming arming, const Interrupts& interrupts, const PrintMessage& print) = 0;
   /// Brings all that fly to the ground. Returns when none is left to care for, in bounded time.
-  virtual void land(const Interrupts& interrupts, const TellPerson& tell) = 0;
+  virtual void land(const Interrupts& interrupts, const PrintMessage& print) = 0;
   /// Whether somebody else than the program's user asks that all land.
-  virtual bool asked_to_land() const noexcept = 0;
+  virtual bool requested_to_land() const noexcept = 0;
   /// Shows a period to those who look on. By the thread that flies: allocates nothing, waits for nobody.
   virtual void show(const Sample& sample) noexcept = 0;
   /// Of a part of a team, what carries predictions to the others and back; none where one solver plans all.
@@ -65,12 +65,12 @@ class LinkedWorld : public World {
 };
 
 /// Stands in for the robots of a fleet, in the place of their links' far ends.
-class StandIns {
+class VehicleSimulators {
  public:
-  virtual ~StandIns() = default;
+  virtual ~VehicleSimulators() = default;
   /// Until `interrupts` is not zero, or for so long [s].
   /// @param tell  takes what becomes of faults; may be empty
-  virtual void run(double duration, const Interrupts& interrupts, const TellPerson& tell) = 0;
+  virtual void run(double duration, const Interrupts& interrupts, const PrintMessage& print) = 0;
   /// Begins a fault of the usual size, or ends the one that there is. Of any thread.
   /// @param robot  from 0, in the order of the fleet's links
   /// @return what became of it, a sentence
@@ -102,7 +102,7 @@ class Bridge {
   virtual ~Bridge() = default;
   /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where the network cannot be had
   virtual std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const = 0;
-  virtual std::unique_ptr<StandIns> stand_in(const Scenario& scenario) const = 0;
+  virtual std::unique_ptr<VehicleSimulators> vehicle_simulator(const Scenario& scenario) const = 0;
   virtual std::unique_ptr<FleetDoctor> examine(const Scenario& scenario) const = 0;
 };
 

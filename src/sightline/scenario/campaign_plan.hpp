@@ -16,8 +16,8 @@ struct Distribution {
   enum class Kind { uniform, normal, choice };
   Kind kind = Kind::uniform;
   std::vector<double> values = {0.0, 0.0};
-  std::vector<double> shares{};  ///< of a choice; they sum to 1
-  double exactly = 0.0, share = 0.0;
+  std::vector<double> fractions{};  ///< of a choice; they sum to 1
+  double constant = 0.0, fraction = 0.0;
 };
 
 /// Where a robot starts, as it sees another body.
@@ -50,7 +50,7 @@ struct EvasionColumns {
   std::vector<double> max_angle{};     ///< greatest view angle while the obstacle is there [rad]
 };
 
-/// Which robot evades which obstacle while it watches a target, and what was published of it.
+/// Which robot evades which obstacle while it observes a target, and what was published of it.
 struct EvasionPlan {
   std::string agent, target, obstacle;
   double from = 0.0;        ///< the obstacle is there from here on [s], >= 0

@@ -8,14 +8,14 @@
 #include <utility>
 #include <variant>
 
-#include "sightline/base/refuse.hpp"
-#include "sightline/math/crew.hpp"
+#include "sightline/base/throw_invalid.hpp"
+#include "sightline/math/thread_pool.hpp"
 #include "sightline/model/point_mass.hpp"
-#include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_partition.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/solver/distributed/partition.hpp"
 #include "sightline/world/camera_world.hpp"
@@ -55,10 +55,10 @@ using Can = bool (*)(Solver&);
 
 bool can_plan_in_a_changing_team(Solver& solver) { return solver.team_planner() != nullptr; }
 bool can_keep_apart(Solver& solver) { return solver.keeps_apart(); }
-bool can_plan_with_doubt(Solver& solver) { return solver.plans_with_doubt(); }
+bool can_use_uncertainty(Solver& solver) { return solver.uses_uncertainty(); }
 
 /// Whether some view shrinks by what its robot does not know.
-bool has_doubtful_views(const Scenario& scenario) {
+bool has_uncertain_views(const Scenario& scenario) {
   const auto& robots = scenario.localization.robots;
   return std::any_of(robots.begin(), robots.end(),
                      [](const LocalizedRobot& robot) { return robot.mount.sigmas > 0; });
@@ -100,10 +100,10 @@ void check_solvers(const Scenario& scenario) {
       throw std::invalid_argument(
           fmt::format("the solver {} knows no keep_apart, expected {}", name, solvers_that(can_keep_apart)));
     }
-    if (has_doubtful_views(scenario) && !solver_can(can_plan_with_doubt, name)) {
+    if (has_uncertain_views(scenario) && !solver_can(can_use_uncertainty, name)) {
       throw std::invalid_argument(
           fmt::format("the solver {} lets no view shrink by the sigmas of a sensor, expected {}", name,
-                      solvers_that(can_plan_with_doubt)));
+                      solvers_that(can_use_uncertainty)));
     }
     for (const Agent& agent : scenario.team.agents()) {
       if (agent.R_rate.empty()) continue;
@@ -116,7 +116,7 @@ void check_solvers(const Scenario& scenario) {
 }
 
 void make_tunable(Scenario& scenario) {
-  if (scenario.partition) refuse("--tune of a team that plans in parts, expected one solver for all");
+  if (scenario.partition) throw_invalid("--tune of a team that plans in parts, expected one solver for all");
   TomlDocument document = parse_toml(scenario.text, scenario.file.native());
   toml::table* const simulation = document.root["simulation"].as_table();
   if (simulation != nullptr && simulation->erase("compare") > 0) scenario.text = printed(document);
@@ -147,9 +147,9 @@ SensorOptions sensor_options(const Scenario& scenario) {
   return options;
 }
 
-void share_updates(SolverChoice& choice, const std::shared_ptr<Crew>& crew) {
+void share_updates(SolverChoice& choice, const std::shared_ptr<ThreadPool>& pool) {
   const auto share = [&](auto& options) {
-    if constexpr (requires { options.crew; }) options.crew = crew;
+    if constexpr (requires { options.pool; }) options.pool = pool;
   };
   std::visit(share, choice.options);
 }
@@ -174,7 +174,7 @@ Controls::Controls(const Scenario& scenario) {
     return;
   }
   team_switcher_ =
-      std::make_unique<TeamSwitcher>(Roster(scenario.team, scenario.presence), scenario.script,
+      std::make_unique<TeamSwitcher>(ActiveTeam(scenario.team, scenario.presence), scenario.script,
                                      solver_maker(scenario.solver, scenario.horizon), scenario.tuned);
 }
 
@@ -194,27 +194,27 @@ KernelUse Controls::kernels() const {
 }
 
 std::unique_ptr<World> make_world(const Scenario& scenario) {
-  const Parts& parts = scenario.parts ? *scenario.parts : parts_of_sightline();
-  const MakeWorld* const make = parts.worlds.find(scenario.world);
+  const Registry& registry = scenario.registry ? *scenario.registry : built_in_registry();
+  const MakeWorld* const make = registry.worlds.find(scenario.world);
   if (make == nullptr) {
     throw std::invalid_argument(fmt::format("world.kind = {}, expected one of {}", scenario.world,
-                                            fmt::join(parts.worlds.names(), ", ")));
+                                            fmt::join(registry.worlds.names(), ", ")));
   }
-  const auto telling = [&](std::unique_ptr<World> world) -> std::unique_ptr<World> {
+  const auto reporting = [&](std::unique_ptr<World> world) -> std::unique_ptr<World> {
     if (scenario.localization.robots.empty()) return world;
     return std::make_unique<TelemetryWorld>(std::move(world), telemetry_options(scenario));
   };
   std::unique_ptr<World> world = (*make)(scenario);
   const CameraOptions options = camera_options(scenario);
-  if (options.cameras.empty() || options.tags.empty()) return telling(std::move(world));
+  if (options.cameras.empty() || options.tags.empty()) return reporting(std::move(world));
   const auto renders = [](const RobotCamera& one) { return one.render; };
   std::unique_ptr<DetectionSource> source = std::make_unique<SyntheticDetections>(scenario.team, options);
   if (std::any_of(options.cameras.begin(), options.cameras.end(), renders)) {
-    const MakeRenderer renderer = parts.worlds.renderer(scenario.world);
-    if (!renderer) refuse("camera.render = true, expected false in the world \"{}\"", scenario.world);
+    const MakeRenderer renderer = registry.worlds.renderer(scenario.world);
+    if (!renderer) throw_invalid("camera.render = true, expected false in the world \"{}\"", scenario.world);
     source = renderer(scenario);
   }
-  return telling(std::make_unique<CameraWorld>(std::move(world), options, std::move(source)));
+  return reporting(std::make_unique<CameraWorld>(std::move(world), options, std::move(source)));
 }
 
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
@@ -226,7 +226,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
       loop_(world, controllers, clock, sink,
             {.duration = scenario.simulation.duration,
              .period = scenario.horizon.dt,
-             .path_interval = scenario.log.paths,
+             .path_interval = scenario.log.prediction_period,
              .allocations = allocations,
              .stop = stop,
              .guard = guard_ ? &*guard_ : nullptr,

@@ -34,7 +34,7 @@ void make_tunable(Scenario& scenario);
 void lift_deadline(SolverChoice& choice);
 
 /// Each update of a large team is shared over these threads; the commands are the same whatever their number.
-void share_updates(SolverChoice& choice, const std::shared_ptr<Crew>& crew);
+void share_updates(SolverChoice& choice, const std::shared_ptr<ThreadPool>& pool);
 
 /// Makes solvers of that choice, for teams of one horizon.
 MakeSolver solver_maker(SolverChoice choice, const Horizon& horizon);

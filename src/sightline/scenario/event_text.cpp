@@ -32,7 +32,7 @@ Action read_action(const TomlValue& value, std::string_view key, const EventScop
     }
   });
   if (action) return std::move(*action);
-  if (!value.is_table()) value.refuse(expected);
+  if (!value.is_table()) value.throw_invalid(expected);
   const EventText text(value.table(), scope);
   const std::string_view kind = kinds.empty() ? std::string_view() : text.choice(kinds, beside);
   for_each_kind<Action>([&]<class A>(Kind<A>) {
@@ -65,7 +65,7 @@ BodyId EventText::body_of_kind(std::string_view kind) const {
 
 Between EventText::two_bodies(std::string_view key) const {
   const std::vector<BodyId> ends = bodies_named(*this, key, 2, scope_->team);
-  if (ends[0] == ends[1]) refuse(key, "two different bodies");
+  if (ends[0] == ends[1]) throw_invalid(key, "two different bodies");
   return {ends[0], ends[1]};
 }
 
@@ -104,7 +104,8 @@ Reference EventText::reference(AgentId agent) const {
 
 Potential EventText::limits(std::string_view key, BodyId first, std::string_view named_by) const {
   Region region = key == "formula" ? read_formula(*this, key) : read_inside(*this, key);
-  if (region.sees_third()) refuse(key, "a formula of two bodies, a third is known to a coupling alone");
+  if (region.sees_third())
+    throw_invalid(key, "a formula of two bodies, a third is known to a coupling alone");
   if (region.is_view()) region = region.seen_from(sensor_of(first, named_by));
   return checked([&] { return Potential(region); });
 }
@@ -116,7 +117,8 @@ bool EventText::has_sensor(BodyId body) const {
 const SensorMount& EventText::sensor_of(BodyId body, std::string_view key) const {
   const auto i = static_cast<std::size_t>(body.index);
   if (i >= scope_->observers.size() || !scope_->observers[i].mount) {
-    refuse(key, fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", name(body)));
+    throw_invalid(
+        key, fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", name(body)));
   }
   return *scope_->observers[i].mount;
 }
@@ -124,7 +126,7 @@ const SensorMount& EventText::sensor_of(BodyId body, std::string_view key) const
 const Potential* EventText::limit_of_view(BodyId observer, BodyId target) const {
   for (const Coupling& c : scope_->couplings) {
     const Potential& potential = c.term.potential;
-    if (c.between.first == observer && c.between.second == target && watches(potential) &&
+    if (c.between.first == observer && c.between.second == target && observes(potential) &&
         potential.violation({}, {}) != -std::numeric_limits<double>::infinity()) {
       return &potential;
     }
@@ -185,7 +187,7 @@ std::vector<Action> read_actions(const TomlTable& event, std::string_view key, c
   if (!value.is_array()) return {read_action(value, key, scope)};
   std::vector<Action> list;
   for (const TomlValue& item : value.items()) list.push_back(read_action(item, key, scope));
-  if (list.empty()) value.refuse("one or more");
+  if (list.empty()) value.throw_invalid("one or more");
   return list;
 }
 

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -175,12 +175,12 @@ std::filesystem::path log_of(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(folder, ignored)) {
     const FileKind kind = file_kind(head_of(folder));
-    refuse("{}: this is {}, expected the folder of a run", folder.native(),
-           kind.what.empty() ? "a file"sv : kind.what);
+    throw_invalid("{}: this is {}, expected the folder of a run", folder.native(),
+                  kind.what.empty() ? "a file"sv : kind.what);
   }
   std::filesystem::path log = folder / "run.mcap";
   if (!std::filesystem::is_regular_file(log, ignored))
-    refuse("{}: no run.mcap, expected the folder of a run", folder.native());
+    throw_invalid("{}: no run.mcap, expected the folder of a run", folder.native());
   return log;
 }
 

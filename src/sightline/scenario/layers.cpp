@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/scenario/renamed.hpp"
 #include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/templates.hpp"
 
@@ -66,23 +67,23 @@ void stack(std::string_view text, const std::string& file, std::vector<fs::path>
            std::vector<TomlLayer>& layers) {
   const toml::table root = parse_layer(text, file);
   if (const toml::node* based_on = root.get(based_on_key)) {
-    const auto refuse = [&](std::string_view value, std::string_view expected) {
+    const auto throw_invalid = [&](std::string_view value, std::string_view expected) {
       throw ScenarioError(file, based_on->source().begin.line,
                           fmt::format("{} = {}, expected a scenario file, relative to this one{}",
                                       based_on_key, value, expected));
     };
     const auto* name = based_on->as_string();
-    if (name == nullptr) refuse("...", "");
+    if (name == nullptr) throw_invalid("...", "");
     const std::string shown = fmt::format("\"{}\"", shortened(name->get(), shown_size));
     const fs::path below = (fs::path(file).parent_path() / name->get()).lexically_normal();
     above.push_back(fs::weakly_canonical(file));
     if (std::find(above.begin(), above.end(), fs::weakly_canonical(below)) != above.end())
-      refuse(shown, " and not based on itself");
+      throw_invalid(shown, " and not based on itself");
     std::string of_below;
     try {
       of_below = read_text(below);
     } catch (const ScenarioError& error) {
-      refuse(shown, fmt::format(" ({})", error.what()));
+      throw_invalid(shown, fmt::format(" ({})", error.what()));
     }
     stack(of_below, below.native(), above, layers);
   }
@@ -112,10 +113,12 @@ toml::table root_of(const TomlDocument& document) {
 
 TomlDocument layered(std::string_view text, std::string file, std::span<const std::string> set) {
   TomlDocument document = parse_toml(text, std::move(file));
-  if (set.empty() && !document.root.contains(based_on_key)) return document;
-  stack(text, document.file, {}, document.layers);
-  for (const std::string& assignment : set) document.layers.push_back(set_layer(assignment));
-  document.root = root_of(document);
+  if (!set.empty() || document.root.contains(based_on_key)) {
+    stack(text, document.file, {}, document.layers);
+    for (const std::string& assignment : set) document.layers.push_back(set_layer(assignment));
+    document.root = root_of(document);
+  }
+  refuse_old_names(document);
   return document;
 }
 

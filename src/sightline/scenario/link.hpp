@@ -13,7 +13,7 @@
 
 #include "sightline/base/parameter.hpp"
 #include "sightline/math/fixed.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/scenario/link_fault.hpp"
 
 namespace sightline {

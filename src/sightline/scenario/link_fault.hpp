@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "sightline/base/parameter.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 
 namespace sightline {
 
@@ -21,7 +21,7 @@ enum class LinkFaultKind : std::uint8_t {
   not_finite,
   frozen,
   jump,
-  jump_told,
+  jump_reported,
   restart,
   silent,
   disarm,

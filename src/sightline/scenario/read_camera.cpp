@@ -18,13 +18,13 @@ namespace {
 bool read_render(const TomlTable& at, const std::string& world) {
   constexpr std::string_view key = "render";
   if (!at.has(key) || !at.boolean(key)) return false;
-  const WorldList& worlds = at.parts().worlds;
+  const WorldList& worlds = at.registry().worlds;
   if (worlds.renderer(world)) return true;
   const auto able = worlds.with_renderers();
   if (able.empty())
-    at.refuse(key, fmt::format("false in the world \"{}\": no world here renders pictures", world));
-  at.refuse(key, fmt::format("false in the world \"{}\", only world.kind = \"{}\" renders pictures", world,
-                             fmt::join(able, "\" or \"")));
+    at.throw_invalid(key, fmt::format("false in the world \"{}\": no world here renders pictures", world));
+  at.throw_invalid(key, fmt::format("false in the world \"{}\", only world.kind = \"{}\" renders pictures",
+                                    world, fmt::join(able, "\" or \"")));
 }
 
 constexpr std::size_t tf_frame_max = 128;  // [bytes]
@@ -43,7 +43,7 @@ std::string read_optical_frame(const TomlTable& at, std::string_view robot, cons
   frame = at.text(key, expected);
   const bool taken = std::any_of(vision.cameras.begin(), vision.cameras.end(),
                                  [&](const RobotCamera& one) { return one.frame == frame; });
-  if (taken || !is_tf_frame(frame)) at.refuse(key, expected);
+  if (taken || !is_tf_frame(frame)) at.throw_invalid(key, expected);
   return frame;
 }
 
@@ -62,7 +62,7 @@ std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, 
     for (const auto& others : vision.tag_frames)
       taken = taken || std::find(others.begin(), others.end(), frames[i]) != others.end();
     if (taken || !is_tf_frame(frames[i]))
-      at.refuse(key, fmt::format("a frame of its own on /tf for each tag, {} is none", frames[i]));
+      at.throw_invalid(key, fmt::format("a frame of its own on /tf for each tag, {} is none", frames[i]));
   }
   return frames;
 }
@@ -86,7 +86,8 @@ void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMoun
   CameraOptions& vision = scenario.vision;
   if (at.has("camera")) {
     const TomlTable camera = at.table("camera");
-    if (!mount) at.refuse("camera", fmt::format("a robot with a mounting for it, [{}.sensor]", at.path()));
+    if (!mount)
+      at.throw_invalid("camera", fmt::format("a robot with a mounting for it, [{}.sensor]", at.path()));
     constexpr std::array<std::string_view, 2> beside = {"render", "optical_frame"};
     RobotCamera read{
         .observer = body, .mount = *mount, .camera = read_part<Camera>(TableSource(camera), beside)};

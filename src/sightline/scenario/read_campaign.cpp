@@ -20,16 +20,16 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, 6> distribution_keys = {"uniform", "normal",  "choice",
-                                                               "shares",  "exactly", "share"};
+constexpr std::array<std::string_view, 6> distribution_keys = {"uniform",   "normal",   "choice",
+                                                               "fractions", "constant", "fraction"};
 constexpr std::array<std::string_view, 3> distribution_kinds = {"uniform", "normal", "choice"};
 
-std::vector<double> read_shares(const TomlTable& at, std::size_t choices) {
-  if (!at.has("shares")) return std::vector<double>(choices, 1.0 / static_cast<double>(choices));
-  std::vector<double> shares = at.numbers("shares", choices, {0.0, 1.0, "0 to 1"});
-  if (std::abs(std::accumulate(shares.begin(), shares.end(), 0.0) - 1.0) > 1e-9)
-    at.refuse("shares", "shares that sum to 1");
-  return shares;
+std::vector<double> read_fractions(const TomlTable& at, std::size_t choices) {
+  if (!at.has("fractions")) return std::vector<double>(choices, 1.0 / static_cast<double>(choices));
+  std::vector<double> fractions = at.numbers("fractions", choices, {0.0, 1.0, "0 to 1"});
+  if (std::abs(std::accumulate(fractions.begin(), fractions.end(), 0.0) - 1.0) > 1e-9)
+    at.throw_invalid("fractions", "fractions that sum to 1");
+  return fractions;
 }
 
 /// Keys of a distribution, all numbers it gives within the range.
@@ -37,27 +37,27 @@ Distribution read_distribution(const TomlTable& at, const Range& range) {
   Distribution d;
   const auto given = std::count_if(distribution_kinds.begin(), distribution_kinds.end(),
                                    [&](std::string_view kind) { return at.has(kind); });
-  if (given != 1) at.refuse("exactly one of uniform, normal and choice");
+  if (given != 1) at.throw_invalid("exactly one of uniform, normal and choice");
   if (at.has("uniform")) {
     d.values = at.numbers("uniform", 2, range);
-    if (d.values[0] > d.values[1]) at.refuse("uniform", "[low, high] with low <= high");
+    if (d.values[0] > d.values[1]) at.throw_invalid("uniform", "[low, high] with low <= high");
   } else if (at.has("normal")) {
     d.kind = Distribution::Kind::normal;
     d.values = at.numbers("normal", 2);
-    if (d.values[1] < 0) at.refuse("normal", "[mean, standard deviation] with a deviation >= 0");
+    if (d.values[1] < 0) at.throw_invalid("normal", "[mean, standard deviation] with a deviation >= 0");
   } else {
     d.kind = Distribution::Kind::choice;
     d.values = at.numbers("choice", TomlTable::any_length, range);
-    d.shares = read_shares(at, d.values.size());
+    d.fractions = read_fractions(at, d.values.size());
   }
-  if (at.has("shares") && d.kind != Distribution::Kind::choice)
-    at.refuse("shares", "no such key without choice");
-  if (at.has("exactly") != at.has("share")) {
-    at.refuse(at.has("exactly") ? "share" : "exactly", "both exactly and share, or neither");
+  if (at.has("fractions") && d.kind != Distribution::Kind::choice)
+    at.throw_invalid("fractions", "no such key without choice");
+  if (at.has("constant") != at.has("fraction")) {
+    at.throw_invalid(at.has("constant") ? "fraction" : "constant", "both constant and fraction, or neither");
   }
-  if (at.has("exactly")) {
-    d.exactly = at.number("exactly", range);
-    d.share = at.number("share", {0.0, 1.0, "0 to 1"});
+  if (at.has("constant")) {
+    d.constant = at.number("constant", range);
+    d.fraction = at.number("fraction", {0.0, 1.0, "0 to 1"});
   }
   return d;
 }
@@ -79,7 +79,7 @@ class PlanReader {
         .range = distribution(at, "range", not_negative("0 to 1e9 m")),
         .bearing = distribution(at, "bearing", any_number("finite [rad]")),
         .height = distribution(at, "height", any_number("finite [m]"))};
-    if (start.agent == start.around) at.refuse("around", "another body than agent");
+    if (start.agent == start.around) at.throw_invalid("around", "another body than agent");
     if (at.has("heading")) start.heading = distribution(at, "heading", any_number("finite [rad]"));
     if (at.has("v")) start.velocity = distribution(at, "v", any_number("finite [m/s]"));
 
@@ -134,8 +134,8 @@ class PlanReader {
     std::string key = at.text("key", "the key of a number in this file, as agent.uav0.start.p[0]");
     if (key.starts_with("campaign.")) refuse_key(at, "those of [campaign] are not drawn");
     if (key == "simulation.seed" || key == "simulation.duration")
-      at.refuse("key", "another number, each run has the campaign's own seed and duration");
-    if (!drawn_.insert(key).second) at.refuse("key", fmt::format("{} to be drawn once", key));
+      at.throw_invalid("key", "another number, each run has the campaign's own seed and duration");
+    if (!drawn_.insert(key).second) at.throw_invalid("key", fmt::format("{} to be drawn once", key));
     return key;
   }
 
@@ -152,7 +152,7 @@ class PlanReader {
     const std::string key = at.text("key", "");
     const std::vector<std::string_view> all(keys_.begin(), keys_.end());
     const auto near = nearest(shortened(key, shown_size), all);
-    at.refuse(
+    at.throw_invalid(
         "key",
         fmt::format("the key of a number that this file writes out or may{} ({})",
                     near ? fmt::format(", the nearest it writes is \"{}\"", *near) : std::string(), why));
@@ -172,13 +172,13 @@ class PlanReader {
 
   void expect_written(const TomlTable& at, std::string_view key, const std::string& number) const {
     if (numbers_.contains(number)) return;
-    at.refuse(key, fmt::format("{} to be a number that this file writes out", number));
+    at.throw_invalid(key, fmt::format("{} to be a number that this file writes out", number));
   }
 
   /// Each number is drawn once.
   void claim(const TomlTable& at, std::string_view key, const std::string& number) {
     expect_written(at, key, number);
-    if (!drawn_.insert(number).second) at.refuse(key, fmt::format("{} to be drawn once", number));
+    if (!drawn_.insert(number).second) at.throw_invalid(key, fmt::format("{} to be drawn once", number));
   }
 
   ScenarioNumbers numbers_;
@@ -251,7 +251,7 @@ void read_campaign(const TomlDocument& document, const std::string& text, const 
   const auto try_set = [&](const std::vector<std::string>& set) {
     TomlDocument flight = parse_toml(text, document.file);
     flight.root.erase("campaign");
-    parse_scenario(printed(flight), file, *scenario.parts, {.files = changes.files, .set = set});
+    parse_scenario(printed(flight), file, *scenario.registry, {.files = changes.files, .set = set});
   };
   try {
     scenario.campaign =

@@ -15,12 +15,12 @@ std::vector<AgentId> read_feeling(const TomlTable& at, Between between, const Te
   for (const BodyId body : bodies_named(at, "felt_by", TomlTable::any_length, team)) {
     const AgentId agent{body};
     if (!team.is_agent(agent) || (agent != between.first && agent != between.second)) {
-      at.refuse("felt_by", agents.size(),
-                fmt::format("a robot of between = [\"{}\", \"{}\"]", team.name(between.first),
-                            team.name(between.second)));
+      at.throw_invalid("felt_by", agents.size(),
+                       fmt::format("a robot of between = [\"{}\", \"{}\"]", team.name(between.first),
+                                   team.name(between.second)));
     }
     if (std::find(agents.begin(), agents.end(), agent) != agents.end()) {
-      at.refuse("felt_by", agents.size(), "each robot once");
+      at.throw_invalid("felt_by", agents.size(), "each robot once");
     }
     agents.push_back(agent);
   }
@@ -32,9 +32,9 @@ BodyId read_third(const TomlTable& at, const Coupling& coupling, const Team& tea
   const BodyId third =
       team.find(at.value("third", "a name").word(body_names(team, Among::bodies), "the name of a body"));
   const auto& [first, second] = coupling.between;
-  if (third == first || third == second) at.refuse("third", "another body than those of between");
+  if (third == first || third == second) at.throw_invalid("third", "another body than those of between");
   if (!coupling.term.potential.sees_third())
-    at.refuse(
+    at.throw_invalid(
         "third",
         fmt::format("no such key: {} does not look past a third body, none of its formulas has third.p_x",
                     coupling.term.potential.name()));
@@ -46,7 +46,7 @@ std::vector<AgentId> read_agents(const TomlTable& at, const Team& team) {
   std::vector<AgentId> agents;
   const TomlValue value = at.value("agents", "\"all\" or a list of names");
   if (value.is_text()) {
-    if (value.text() != "all") value.refuse("\"all\" or a list of names");
+    if (value.text() != "all") value.throw_invalid("\"all\" or a list of names");
     for (const Agent& agent : team.agents()) agents.push_back(AgentId{team.find(agent.name)});
     return agents;
   }
@@ -56,10 +56,10 @@ std::vector<AgentId> read_agents(const TomlTable& at, const Team& team) {
     if (body.index < 0 || !team.is_agent(body)) {
       std::vector<std::string_view> known;
       for (const Agent& agent : team.agents()) known.push_back(agent.name);
-      at.refuse("agents", i, "a robot" + hint(shortened(names[i], name_size_max), known));
+      at.throw_invalid("agents", i, "a robot" + hint(shortened(names[i], name_size_max), known));
     }
     if (std::find(agents.begin(), agents.end(), body) != agents.end())
-      at.refuse("agents", i, "each robot once");
+      at.throw_invalid("agents", i, "each robot once");
     agents.push_back(AgentId{body});
   }
   return agents;
@@ -75,7 +75,8 @@ Observer observer_of(const Team& team, const Observers& observers, BodyId body) 
 BodyId body_named(const TomlTable& at, std::string_view key, std::size_t i, std::string_view name,
                   const Team& team) {
   if (const BodyId body = team.find(name); body.index >= 0) return body;
-  at.refuse(key, i, "a known name" + hint(shortened(name, name_size_max), body_names(team, Among::bodies)));
+  at.throw_invalid(key, i,
+                   "a known name" + hint(shortened(name, name_size_max), body_names(team, Among::bodies)));
 }
 
 std::vector<BodyId> bodies_named(const TomlTable& at, std::string_view key, std::size_t length,
@@ -97,7 +98,7 @@ Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& o
   at.expect_only({"name", "potential", "between", "felt_by", "weight", "third"});
   const std::vector<BodyId> ends = bodies_named(at, "between", 2, team);
   const Between between = {ends[0], ends[1]};
-  if (between.first == between.second) at.refuse("between", "two different bodies");
+  if (between.first == between.second) at.throw_invalid("between", "two different bodies");
   Coupling coupling{
       .term = read_potential(at, observer_of(team, observers, between.first)),
       .between = between,

@@ -8,7 +8,7 @@
 #include <optional>
 #include <variant>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -17,18 +17,18 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, 2> localized_by = {"global", "view"};
+constexpr std::array<std::string_view, 2> localization_kinds = {"global", "vision"};
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
 
 /// The bodies with tags that a robot's sensor is to see at some time of a run.
-std::vector<BodyId> watched_by(BodyId robot, const Scenario& scenario) {
+std::vector<BodyId> observed_by(BodyId robot, const Scenario& scenario) {
   std::vector<BodyId> all;
   const auto add = [&](BodyId body) {
     if (scenario.vision.tags_of(body) != nullptr && std::find(all.begin(), all.end(), body) == all.end())
       all.push_back(body);
   };
   const auto add_coupling = [&](const Coupling& c) {
-    if (c.between.first == robot && watches(c.term.potential)) add(c.between.second);
+    if (c.between.first == robot && observes(c.term.potential)) add(c.between.second);
   };
   for (const Coupling& c : scenario.team.couplings()) add_coupling(c);
   for (const TeamEvent& event : scenario.script.events) {
@@ -37,23 +37,23 @@ std::vector<BodyId> watched_by(BodyId robot, const Scenario& scenario) {
       if (const auto* turn = std::get_if<HandOver>(&action)) {
         for (const Coupling& c : turn->couplings) add_coupling(c);
       }
-      if (const auto* observes = std::get_if<Observe>(&action))
-        if (observes->observer == robot) add(observes->target);
+      if (const auto* observe = std::get_if<Observe>(&action))
+        if (observe->observer == robot) add(observe->target);
     }
   }
   return all;
 }
 
-std::vector<BodyId> read_watches(const TomlTable& agent, BodyId robot, const Scenario& scenario) {
-  constexpr std::string_view key = "watches";
+std::vector<BodyId> read_observed(const TomlTable& agent, BodyId robot, const Scenario& scenario) {
+  constexpr std::string_view key = "observes";
   std::vector<BodyId> read = bodies_named(agent, key, TomlTable::any_length, scenario.team);
   for (std::size_t i = 0; i < read.size(); ++i) {
-    if (read[i] == robot) agent.refuse(key, i, "another body than itself");
+    if (read[i] == robot) agent.throw_invalid(key, i, "another body than itself");
     if (std::find(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(i), read[i]) !=
         read.begin() + static_cast<std::ptrdiff_t>(i))
-      agent.refuse(key, i, "each body once");
+      agent.throw_invalid(key, i, "each body once");
     if (scenario.vision.tags_of(read[i]) == nullptr)
-      agent.refuse(key, i, fmt::format("a body with tags, {} has none", scenario.team.name(read[i])));
+      agent.throw_invalid(key, i, fmt::format("a body with tags, {} has none", scenario.team.name(read[i])));
   }
   return read;
 }
@@ -61,35 +61,36 @@ std::vector<BodyId> read_watches(const TomlTable& agent, BodyId robot, const Sce
 /// A robot that is localized by what its camera sees.
 LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const FilterOptions& filter,
                               const Scenario& scenario) {
-  constexpr std::string_view key = "localized_by";
+  constexpr std::string_view key = "localization";
   const RobotCamera* const camera = scenario.vision.camera_of(robot);
   if (camera == nullptr)
-    agent.refuse(key, fmt::format("\"global\", or a robot with a camera, [{}.camera]", agent.path()));
-  LocalizedRobot read{
-      .robot = robot,
-      .mount = camera->mount,
-      .watches = agent.has("watches") ? read_watches(agent, robot, scenario) : watched_by(robot, scenario),
-      .filter = filter,
-      .camera_rate = camera->camera.rate};
-  if (read.watches.empty())
-    agent.refuse(key,
-                 "\"global\", or a coupling by which it watches a body with tags, or such bodies under "
-                 "watches");
+    agent.throw_invalid(key, fmt::format("\"global\", or a robot with a camera, [{}.camera]", agent.path()));
+  LocalizedRobot read{.robot = robot,
+                      .mount = camera->mount,
+                      .observes = agent.has("observes") ? read_observed(agent, robot, scenario)
+                                                        : observed_by(robot, scenario),
+                      .filter = filter,
+                      .camera_rate = camera->camera.rate};
+  if (read.observes.empty())
+    agent.throw_invalid(
+        key,
+        "\"global\", or a coupling by which it observes a body with tags, or such bodies under "
+        "observes");
   return read;
 }
 
-/// Who watches nothing that tells its heading has none.
+/// Who observes nothing that tells its heading has none.
 void refuse_unknown_headings(const TomlTable& at, const Scenario& scenario) {
   const SensedTeam team = sensed_team(scenario);
   for (const Unobservable& what : unobservable_states(team.robots, team.places, team.sightings))
-    if (what.heading) at.checked([&] { refuse("{}", to_string(what, team.robots)); });
+    if (what.heading) at.checked([&] { throw_invalid("{}", to_string(what, team.robots)); });
 }
 
 }  // namespace
 
 bool sees_headings(const Scenario& scenario, BodyId observer) {
   const RobotCamera* const camera = scenario.vision.camera_of(observer);
-  return camera == nullptr || camera->camera.tells == CameraTells::pose;
+  return camera == nullptr || camera->camera.output == CameraOutput::pose;
 }
 
 SensedTeam sensed_team(const Scenario& scenario) {
@@ -107,7 +108,7 @@ SensedTeam sensed_team(const Scenario& scenario) {
     SensingRobot& robot = sensed.robots[at(localized.robot)];
     robot.position = false;
     robot.heading = localized.filter.compass_noise > 0;
-    for (const BodyId target : localized.watches)
+    for (const BodyId target : localized.observes)
       sensed.sightings.push_back(
           {localized.robot.index, target.index, sees_headings(scenario, localized.robot)});
   }
@@ -139,7 +140,8 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
       own.expect_only(parameter_keys<FilterOptions>());
       read_parameters(TableSource(own), filter);
     }
-    if (!agent.has("localized_by") || agent.word("localized_by", localized_by) == localized_by[0]) continue;
+    if (!agent.has("localization") || agent.word("localization", localization_kinds) == localization_kinds[0])
+      continue;
     options.robots.push_back(read_localized(agent, robot, filter, scenario));
     if (!first) first = agent;
   }
@@ -154,11 +156,11 @@ TelemetryOptions telemetry_options(const Scenario& scenario) {
   const auto& robots = scenario.localization.robots;
   for (const LocalizedRobot& robot : robots) {
     options.robots.push_back({robot.robot, robot.filter});
-    for (const BodyId body : robot.watches) {
+    for (const BodyId body : robot.observes) {
       const bool localized = std::any_of(robots.begin(), robots.end(),
                                          [&](const LocalizedRobot& other) { return other.robot == body; });
-      const auto& told = options.broadcasters;
-      if (!localized && std::find(told.begin(), told.end(), body) == told.end())
+      const auto& reported = options.broadcasters;
+      if (!localized && std::find(reported.begin(), reported.end(), body) == reported.end())
         options.broadcasters.push_back(body);
     }
   }
@@ -173,7 +175,7 @@ std::string localization_words(const Scenario& scenario) {
   for (const LocalizedRobot& robot : options.robots) {
     std::vector<std::string_view> names;
     bool chain = false;
-    for (const BodyId body : robot.watches) {
+    for (const BodyId body : robot.observes) {
       names.push_back(scenario.team.name(body));
       chain = chain || localizer.graph().tier(body.index) > 0;
     }

@@ -1,4 +1,4 @@
-/// How robots know where they are: [agent.NAME] localized_by, watches and estimate, and [estimate] of all of them.
+/// How robots know where they are: [agent.NAME] localization, observes and estimate, and [estimate] of all of them.
 #pragma once
 
 #include <string>

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/scenario/event_text.hpp"
 
 namespace sightline {
@@ -39,7 +39,7 @@ std::string read_event_name(const TomlTable& at, const Script& before, std::size
   std::string name = read_label(at, "name");
   const auto same = [&](const TeamEvent& other) { return other.name == name; };
   if (std::any_of(before.events.begin(), before.events.end(), same)) {
-    at.refuse("name", "a name of its own, another event has this one");
+    at.throw_invalid("name", "a name of its own, another event has this one");
   }
   return name;
 }
@@ -73,8 +73,8 @@ void check_presence(const std::vector<TomlTable>& tables, const Script& script, 
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const auto check = [&](std::string_view key, BodyId body) {
       if (!tables[i].has(key) || presence[static_cast<std::size_t>(body.index)] != Presence::absent) return;
-      tables[i].refuse(key, fmt::format("bodies that are there, \"{}\" is not and no event adds it",
-                                        scenario.team.name(body)));
+      tables[i].throw_invalid(key, fmt::format("bodies that are there, \"{}\" is not and no event adds it",
+                                               scenario.team.name(body)));
     };
     const TeamEvent& event = script.events[script.events.size() - tables.size() + i];
     const auto check_trigger = [&](const auto& trigger) {
@@ -112,7 +112,7 @@ std::vector<TimedSignal> read_signals(const TomlTable& simulation) {
 Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers) {
   const auto& presence = scenario.presence;
   if (std::find(presence.begin(), presence.end(), Presence::steered) == presence.end()) {
-    root.refuse("agent", "at least one robot that is present at the start");
+    root.throw_invalid("agent", "at least one robot that is present at the start");
   }
   EventScope scope{scenario.team, observers, scenario.simulation};
   const std::vector<TomlTable> tables = root.tables("event");
@@ -123,11 +123,11 @@ Script read_events(const TomlTable& root, const Scenario& scenario, const Observ
     script.events.push_back(read_event(at, scope, script, script.events.size() - of_shapes));
   }
   check_presence(tables, script, scenario);
-  const std::vector<ScriptFault> faults = faults_of(script, Roster(scenario.team, presence));
+  const std::vector<ScriptFault> faults = faults_of(script, ActiveTeam(scenario.team, presence));
   if (faults.empty()) return script;
   const auto [event, sentence] = faults.front();
-  if (event < of_shapes) root.refuse("shape", sentence);
-  tables[event - of_shapes].refuse_as_said(sentence);
+  if (event < of_shapes) root.throw_invalid("shape", sentence);
+  tables[event - of_shapes].rethrow_at(sentence);
   return script;
 }
 

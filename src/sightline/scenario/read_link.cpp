@@ -43,7 +43,7 @@ bool is_ros_name(std::string_view text) {
 std::string read_ros_name(const TomlTable& at, std::string_view key, std::string_view what) {
   const std::string expected = fmt::format("{}, as \"/a/b\": letters, digits and _", what);
   std::string name = at.text(key, expected);
-  if (!is_ros_name(name)) at.refuse(key, expected);
+  if (!is_ros_name(name)) at.throw_invalid(key, expected);
   return name;
 }
 
@@ -51,16 +51,18 @@ std::string read_ros_name(const TomlTable& at, std::string_view key, std::string
 std::string read_frame(const TomlTable& at, std::string_view key, std::string_view what) {
   std::string name = at.text(key, what);
   if (name.empty() || name.size() > link_text_max)
-    at.refuse(key, fmt::format("{} of 1 to {} bytes", what, link_text_max));
+    at.throw_invalid(key, fmt::format("{} of 1 to {} bytes", what, link_text_max));
   return name;
 }
 
 std::vector<std::string> read_network_names(const TomlTable& at, std::string_view key,
                                             std::string_view what) {
   std::vector<std::string> names = at.texts(key, TomlTable::any_length, what);
-  if (names.size() > network_texts_max) at.refuse(key, fmt::format("at most {} {}", network_texts_max, what));
+  if (names.size() > network_texts_max)
+    at.throw_invalid(key, fmt::format("at most {} {}", network_texts_max, what));
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (!is_network_name(names[i])) at.refuse(key, i, fmt::format("{}: letters, digits and .:_-%", what));
+    if (!is_network_name(names[i]))
+      at.throw_invalid(key, i, fmt::format("{}: letters, digits and .:_-%", what));
   return names;
 }
 
@@ -80,7 +82,7 @@ using LinkKind = decltype(Link::kind);
 
 LinkKind read_px4(const TomlTable& at, const std::string&) {
   Px4Link link = read_kind<Px4Link>(at, {"namespace"});
-  if (!at.has("release")) at.refuse("release", "the release of its firmware, \"1.14\" to \"1.18\"");
+  if (!at.has("release")) at.throw_invalid("release", "the release of its firmware, \"1.14\" to \"1.18\"");
   if (at.has("namespace")) link.name_space = read_ros_name(at, "namespace", "the namespace of its topics");
   return link;
 }
@@ -90,7 +92,7 @@ LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
   link.name_space = at.has("namespace") ? read_ros_name(at, "namespace", "the namespace of its topics")
                                         : fmt::format("/{}", agent);
   if (!is_ros_name(link.name_space))
-    at.refuse("namespace", "the namespace of its topics: the robot's name cannot be one");
+    at.throw_invalid("namespace", "the namespace of its topics: the robot's name cannot be one");
   return link;
 }
 
@@ -101,7 +103,7 @@ LinkKind read_ros2(const TomlTable& at, const std::string&) {
   const std::string source = at.has("poses") ? at.text("poses", "where its poses come from") : "";
   if (source == "mocap" || source == "tf") {
     for (const std::string_view key : {"odometry", "frame", "body_frame"})
-      if (at.has(key)) at.refuse(key, "no such key, only with poses = \"odometry\" or \"estimate\"");
+      if (at.has(key)) at.throw_invalid(key, "no such key, only with poses = \"odometry\" or \"estimate\"");
   } else {
     link.odometry = read_ros_name(at, "odometry", "the topic of its odometry");
   }
@@ -115,7 +117,7 @@ LinkKind read_ros2(const TomlTable& at, const std::string&) {
     if (at.has("state")) link.state = read_ros_name(at, "state", "the topic of its state");
   } else {
     for (const std::string_view key : {"calls", "commands", "state"})
-      if (at.has(key)) at.refuse(key, "no such key, only with takeoff and land");
+      if (at.has(key)) at.throw_invalid(key, "no such key, only with takeoff and land");
   }
   return link;
 }
@@ -132,16 +134,17 @@ PosesFrom read_poses(const TomlTable& at, PoseSource fallback) {
                                            pose_sources.begin());
   }
   const bool mocap = poses.source == PoseSource::mocap, others = poses.by_others();
-  if (at.has("pose_topic") && !mocap) at.refuse("pose_topic", "no such key, only with poses = \"mocap\"");
+  if (at.has("pose_topic") && !mocap)
+    at.throw_invalid("pose_topic", "no such key, only with poses = \"mocap\"");
   for (const std::string_view key : {"pose_name", "pose_frame"}) {
-    if (at.has(key) && !others) at.refuse(key, "no such key, only with poses = \"mocap\" or \"tf\"");
+    if (at.has(key) && !others) at.throw_invalid(key, "no such key, only with poses = \"mocap\" or \"tf\"");
   }
   if (mocap) poses.topic = read_ros_name(at, "pose_topic", "the topic of its poses");
   if (others && (at.has("pose_name") || !mocap))
     poses.name = read_frame(at, "pose_name", "what motion capture or /tf calls it");
   if (at.has("pose_frame")) poses.frame = read_frame(at, "pose_frame", "the frame that is G");
   if (poses.source == PoseSource::tf && poses.name == poses.frame)
-    at.refuse("pose_name", fmt::format("another frame than pose_frame, \"{}\"", poses.frame));
+    at.throw_invalid("pose_name", fmt::format("another frame than pose_frame, \"{}\"", poses.frame));
   return poses;
 }
 
@@ -151,7 +154,7 @@ std::filesystem::path read_keys(const TomlTable& at) {
   const std::string expected = "a folder with flyer/ or vehicles/ in it, as scripts/dds_keys.sh makes it";
   const std::string name = at.text("folder", expected);
   if (name.empty() || name.size() > link_text_max || name.find_first_of("\"$\n") != std::string::npos)
-    at.refuse("folder", expected);
+    at.throw_invalid("folder", expected);
   const std::filesystem::path keys = at.file_folder(name + "/");
   if (!at.from_disk()) return keys;
   bool any = false;
@@ -161,9 +164,9 @@ std::filesystem::path read_keys(const TomlTable& at) {
     any = true;
     for (const std::string_view file : key_files)
       if (!std::filesystem::is_regular_file(keys / owner / file, ignored))
-        at.refuse("folder", fmt::format("{}/{} in it, which is missing", owner, file));
+        at.throw_invalid("folder", fmt::format("{}/{} in it, which is missing", owner, file));
   }
-  if (!any) at.refuse("folder", expected);
+  if (!any) at.throw_invalid("folder", expected);
   return keys;
 }
 
@@ -186,7 +189,7 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   if (discovery.has("peers")) {
     network.peers = read_network_names(discovery, "peers", "addresses");
   } else if (network.interfaces != FleetNetwork{}.interfaces && network.multicast == Multicast::off) {
-    discovery.refuse("peers", "the addresses of the other machines, since multicast is off");
+    discovery.throw_invalid("peers", "the addresses of the other machines, since multicast is off");
   }
   if (at.has("security")) network.keys = read_keys(at.table("security"));
   return network;
@@ -206,7 +209,7 @@ std::pair<std::string_view, std::string_view> commanded_by(const Link& link) {
 
 void read_link(const TomlTable& agent, const std::string& name, BodyId robot, GoalsFrom goals,
                std::optional<FleetPlan>& fleet) {
-  if (agent.has("link") && !fleet) agent.refuse("link", "no such table without a [fleet]");
+  if (agent.has("link") && !fleet) agent.throw_invalid("link", "no such table without a [fleet]");
   if (!fleet) return;
   const TomlTable at =
       agent.table("link", "a table that says how the robot is reached, as for each of a [fleet]");
@@ -216,21 +219,22 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
   for (const Link& other : std::span(fleet->links).first(fleet->links.size() - 1))
     if (other.kind.index() == link.kind.index() && commanded_by(other) == commanded_by(link))
-      at.refuse(commanded_by(link).first, "topics of its own: another robot has these");
+      at.throw_invalid(commanded_by(link).first, "topics of its own: another robot has these");
   link.has_camera = agent.has("camera");
-  const bool by_view = agent.has("localized_by") && agent.text("localized_by", "a word") == "view";
+  const bool by_view = agent.has("localization") && agent.text("localization", "a word") == "vision";
   link.poses = read_poses(at, by_view ? PoseSource::estimate : PoseSource::odometry);
   if (link.poses.estimated() && !by_view)
-    at.refuse("poses", "\"odometry\", \"mocap\" or \"tf\", or localized_by = \"view\" of the robot");
+    at.throw_invalid("poses", "\"odometry\", \"mocap\" or \"tf\", or localization = \"vision\" of the robot");
   if (!link.poses.estimated() && by_view)
-    at.refuse("poses", "\"estimate\" of a robot with localized_by = \"view\"");
+    at.throw_invalid("poses", "\"estimate\" of a robot with localization = \"vision\"");
   const bool is_px4 = std::holds_alternative<Px4Link>(link.kind),
              own = link.poses.source == PoseSource::odometry;
   if (at.has("origin")) {
     if (link.poses.estimated())
-      at.refuse("origin", "no such key with poses = \"estimate\": nobody says where its odometry begins");
+      at.throw_invalid("origin",
+                       "no such key with poses = \"estimate\": nobody says where its odometry begins");
     if (!own && !is_px4)
-      at.refuse("origin", "no such key, only with poses = \"odometry\": those of others are in G");
+      at.throw_invalid("origin", "no such key, only with poses = \"odometry\": those of others are in G");
     const TomlTable origin = at.table("origin", "a table with p and heading");
     origin.read({{"heading",
                   &link.origin.heading,
@@ -238,8 +242,8 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
                 {"p"});
     link.origin.p = origin.vec3("p");
   } else if (is_px4 && own) {
-    at.refuse("origin",
-              "a table with p and heading: where in G its estimator starts, its local frame's origin");
+    at.throw_invalid("origin",
+                     "a table with p and heading: where in G its estimator starts, its local frame's origin");
   }
 }
 
@@ -249,7 +253,7 @@ GoalsFrom read_goals(const TomlTable& agent, Agent& robot) {
   const TomlTable at = agent.table("link");
   const bool any = at.has("goal_topic") || at.has("path_topic");
   for (const std::string_view key : {"goal_frame", "goal_speed"})
-    if (at.has(key) && !any) at.refuse(key, "no such key, only with goal_topic or path_topic");
+    if (at.has(key) && !any) at.throw_invalid(key, "no such key, only with goal_topic or path_topic");
   if (!any) return goals;
   if (at.has("goal_topic")) goals.goal_topic = read_ros_name(at, "goal_topic", "the topic of its goals");
   if (at.has("path_topic")) goals.path_topic = read_ros_name(at, "path_topic", "the topic of its paths");
@@ -262,9 +266,9 @@ GoalsFrom read_goals(const TomlTable& agent, Agent& robot) {
     return state >= 0 && (robot.Q[i] > 0 || robot.Q_f[i] > 0);
   });
   const std::string_view key = at.has("goal_topic") ? "goal_topic" : "path_topic";
-  if (!weighs) at.refuse(key, "a robot whose Q weighs its position: this one would not follow");
+  if (!weighs) at.throw_invalid(key, "a robot whose Q weighs its position: this one would not follow");
   if (robot.model.nx() > Reference::max_states)
-    at.refuse(key, fmt::format("a robot of at most {} states", Reference::max_states));
+    at.throw_invalid(key, fmt::format("a robot of at most {} states", Reference::max_states));
   goals.track = std::make_shared<GoalTrack>(robot.model, robot.x_ref, goals.speed);
   robot.x_ref = GoalTrack::reference(goals.track);
   return goals;
@@ -272,13 +276,13 @@ GoalsFrom read_goals(const TomlTable& agent, Agent& robot) {
 
 void read_body_link(const TomlTable& body, BodyId id, std::optional<FleetPlan>& fleet) {
   if (!body.has("link")) return;
-  if (!fleet) body.refuse("link", "no such table without a [fleet]");
+  if (!fleet) body.throw_invalid("link", "no such table without a [fleet]");
   const TomlTable at = body.table("link");
   at.expect_only({"poses", "pose_topic", "pose_name", "pose_frame"});
   BodyLink& link = fleet->bodies.emplace_back();
   link.body = id;
   link.poses = read_poses(at, PoseSource::odometry);
-  if (!link.poses.by_others()) at.refuse("poses", "\"mocap\" or \"tf\": where others see it");
+  if (!link.poses.by_others()) at.throw_invalid("poses", "\"mocap\" or \"tf\": where others see it");
 }
 
 namespace {

@@ -31,12 +31,14 @@ LinkFault read_link_fault(const TomlTable& at, const Team& team, const FleetPlan
   const auto link = std::find_if(fleet.links.begin(), fleet.links.end(),
                                  [&](const Link& one) { return one.robot == fault.robot; });
   if (link != fleet.links.end() && !can_have(*link, fault.kind))
-    at.refuse("kind", fmt::format("a fault of robots behind {}, {} is not", link->kind_name(), text.name));
+    at.throw_invalid("kind",
+                     fmt::format("a fault of robots behind {}, {} is not", link->kind_name(), text.name));
   if (at.has("since") && at.word("since", fault_clocks) == fault_clocks[1]) fault.since = FaultClock::flight;
   constexpr Range seconds = {0.0, 1e6, "0 to 1e6 s"};
   fault.at = at.number("at", seconds);
   if (at.has("duration")) fault.duration = at.number("duration", {1e-3, 1e6, "0.001 to 1e6 s"});
-  if (at.has("size") && text.size.empty()) at.refuse("size", fmt::format("no such key for {}", text.name));
+  if (at.has("size") && text.size.empty())
+    at.throw_invalid("size", fmt::format("no such key for {}", text.name));
   fault.size = text.fallback;
   if (at.has("size")) fault.size = TableSource(at).number("size", text.bounds, text.size);
   return fault;
@@ -52,7 +54,8 @@ bool can_have(const Link& link, LinkFaultKind kind) {
 
 void read_link_faults(const TomlTable& at, const Team& team, FleetPlan& fleet) {
   const std::vector<TomlTable> tables = at.tables("fault");
-  if (tables.size() > link_faults_most) at.refuse("fault", fmt::format("at most {}", link_faults_most));
+  if (tables.size() > link_faults_most)
+    at.throw_invalid("fault", fmt::format("at most {}", link_faults_most));
   for (const TomlTable& one : tables) fleet.faults.push_back(read_link_fault(one, team, fleet));
 }
 

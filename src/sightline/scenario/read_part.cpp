@@ -13,7 +13,8 @@ namespace {
 /// The mount of the observer's sensor, which it must have.
 SensorMount mount_of(const TomlTable& at, const Observer& observer) {
   if (!observer.mount) {
-    at.refuse(fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
+    at.throw_invalid(
+        fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
   }
   return *observer.mount;
 }
@@ -26,8 +27,8 @@ Potential read_text_potential(const TomlTable& at, const Observer& observer) {
 }
 
 /// The names of the potentials that there are, those of text last.
-std::vector<std::string_view> potential_names(const Parts& parts) {
-  std::vector<std::string_view> names = parts.potentials.names();
+std::vector<std::string_view> potential_names(const Registry& registry) {
+  std::vector<std::string_view> names = registry.potentials.names();
   names.insert(names.end(), {"region", "sensor"});
   return names;
 }
@@ -35,7 +36,7 @@ std::vector<std::string_view> potential_names(const Parts& parts) {
 /// The potential of that name in the table, seen by the observer.
 Potential read_choice(const TomlTable& choice, std::string_view name, const Observer& observer) {
   const TomlTable at = choice.table(name);
-  const PartList<Potential>& list = choice.parts().potentials;
+  const PartList<Potential>& list = choice.registry().potentials;
   if (list.find(name) == nullptr) return read_text_potential(at, observer);
   const Potential potential = read_named(list, name, at);
   if (potential.mount() == nullptr) return potential;
@@ -51,9 +52,9 @@ double read_weight(const TomlTable& at) {
 
 double TableSource::number(std::string_view key, const Bounds& bounds, std::string_view unit) const {
   const std::string expected = bounds.expected(unit), a_number = fmt::format("a number, {}", expected);
-  if (!at_.value(key, a_number).is_number()) at_.refuse(key, a_number);
+  if (!at_.value(key, a_number).is_number()) at_.throw_invalid(key, a_number);
   const double v = at_.number(key);  // finite, and nothing beyond what a scenario measures
-  if (!bounds.hold(v)) at_.refuse(key, expected);
+  if (!bounds.hold(v)) at_.throw_invalid(key, expected);
   return v;
 }
 
@@ -68,7 +69,7 @@ std::vector<double> TableSource::numbers(std::string_view key, std::size_t lengt
                                          std::string_view unit) const {
   std::vector<double> all = at_.numbers(key, length);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!bounds.hold(all[i])) at_.refuse(key, i, bounds.expected(unit));
+    if (!bounds.hold(all[i])) at_.throw_invalid(key, i, bounds.expected(unit));
   }
   return all;
 }
@@ -94,24 +95,25 @@ std::string read_name(const TomlTable& at, std::string_view key, const Team& tea
 std::string read_label(const TomlTable& at, std::string_view key) {
   const std::string expected = fmt::format("a name of 1 to {} characters on one line", name_size_max);
   std::string label = at.text(key, expected);
-  if (label.empty() || label.size() > name_size_max || one_line(label) != label) at.refuse(key, expected);
+  if (label.empty() || label.size() > name_size_max || one_line(label) != label)
+    at.throw_invalid(key, expected);
   return label;
 }
 
 Weighted read_potential(const TomlTable& at, const Observer& observer) {
   const TomlTable choice = at.table("potential");
-  const std::string_view name = choice.choice(potential_names(at.parts()));
+  const std::string_view name = choice.choice(potential_names(at.registry()));
   return {read_weight(at), read_choice(choice, name, observer)};
 }
 
 Weighted read_weighted(const TomlTable& at, const Observer& observer) {
-  const std::string_view name = at.choice(potential_names(at.parts()), {"weight"});
+  const std::string_view name = at.choice(potential_names(at.registry()), {"weight"});
   return {read_weight(at), read_choice(at, name, observer)};
 }
 
 RelaxedBarrier read_limit(const TomlTable& at) {
   const TomlTable choice = at.table("limit");
-  const PartList<Limit>& list = at.parts().limits;
+  const PartList<Limit>& list = at.registry().limits;
   const std::string_view name = choice.choice(list.names());
   const TomlTable limit = choice.table(name);
   RelaxedBarrier barrier{read_named(list, name, limit, parameter_keys<RelaxedBarrier>())};
@@ -126,7 +128,7 @@ Reference read_reference(const TomlTable& agent, const Model& model) {
   if (!agent.has("reference")) return {};
   constexpr std::string_view state = "state";
   const TomlTable choice = agent.table("reference");
-  const PartList<Reference>& list = agent.parts().references;
+  const PartList<Reference>& list = agent.registry().references;
   std::vector<std::string_view> known = list.names();
   known.push_back(state);
   const std::string_view name = choice.choice(known);

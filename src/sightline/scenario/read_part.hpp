@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
@@ -31,7 +31,7 @@ class TableSource final : public ParameterSource {
     return at_.rows(key, count, length);
   }
   std::size_t word(std::string_view key, std::span<const std::string_view> known) const override;
-  [[noreturn]] void refuse(std::string_view sentence) const override { at_.refuse_as_said(sentence); }
+  [[noreturn]] void throw_invalid(std::string_view sentence) const override { at_.rethrow_at(sentence); }
 
  private:
   const TomlTable& at_;

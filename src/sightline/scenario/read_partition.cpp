@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/read_part.hpp"
 
@@ -28,8 +28,9 @@ bool is_part_name(std::string_view name) {
 PlannedPart read_part_of(const TomlTable& at, const std::string& name, const Team& team,
                          std::vector<std::string_view>& missing) {
   if (!is_part_name(name) || name == PartitionPlan::all)
-    at.refuse(name, fmt::format("a name of a part of letters, digits and _, at most {}, which is not \"{}\"",
-                                part_name_max, PartitionPlan::all));
+    at.throw_invalid(name,
+                     fmt::format("a name of a part of letters, digits and _, at most {}, which is not \"{}\"",
+                                 part_name_max, PartitionPlan::all));
   PlannedPart part{name, at.texts(name, TomlTable::any_length, "robots by name")};
   for (std::size_t i = 0; i < part.robots.size(); ++i) {
     const auto found = std::find(missing.begin(), missing.end(), part.robots[i]);
@@ -38,9 +39,9 @@ PlannedPart read_part_of(const TomlTable& at, const std::string& name, const Tea
       continue;
     }
     const BodyId body = team.find(part.robots[i]);
-    if (body.index >= 0 && team.is_agent(body)) at.refuse(name, i, "a robot that no part has yet");
-    at.refuse(name, i,
-              "a robot" + hint(shortened(part.robots[i], name_size_max), body_names(team, Among::robots)));
+    if (body.index >= 0 && team.is_agent(body)) at.throw_invalid(name, i, "a robot that no part has yet");
+    at.throw_invalid(
+        name, i, "a robot" + hint(shortened(part.robots[i], name_size_max), body_names(team, Among::robots)));
   }
   return part;
 }
@@ -90,15 +91,16 @@ bool follows_a_robot(const Motion& motion) {
 void check_flown_in_parts(const Scenario& whole) {
   const std::string& part = whole.partition->part;
   if (!whole.localization.robots.empty())
-    refuse(
-        "partition.part = \"{}\" beside agent.{}.localized_by = view, expected \"global\": what it sees is "
+    throw_invalid(
+        "partition.part = \"{}\" beside agent.{}.localization = vision, expected \"global\": what it sees is "
         "of "
         "robots whose poses the part is not told",
         part, whole.team.name(whole.localization.robots.front().robot));
   for (const UncooperativeBody& body : whole.uncooperative)
     if (body.motion && follows_a_robot(*body.motion))
-      refuse("partition.part = \"{}\" beside {}, whose motion is that of a robot, expected one of its own",
-             part, whole.team.name(body.body));
+      throw_invalid(
+          "partition.part = \"{}\" beside {}, whose motion is that of a robot, expected one of its own", part,
+          whole.team.name(body.body));
 }
 
 }  // namespace
@@ -112,9 +114,10 @@ void read_partition(const TomlTable& root, Scenario& scenario) {
     if (key == exchange_key || key == part_key) continue;
     plan.parts.push_back(read_part_of(at, key, scenario.team, missing));
   }
-  if (plan.parts.empty()) at.refuse("a part, as front = [\"uav0\"]");
-  if (plan.parts.size() > parts_max) at.refuse(fmt::format("at most {} parts", parts_max));
-  if (!missing.empty()) at.refuse(fmt::format("every robot in one part, {} is in none", missing.front()));
+  if (plan.parts.empty()) at.throw_invalid("a part, as front = [\"uav0\"]");
+  if (plan.parts.size() > parts_max) at.throw_invalid(fmt::format("at most {} parts", parts_max));
+  if (!missing.empty())
+    at.throw_invalid(fmt::format("every robot in one part, {} is in none", missing.front()));
   plan.exchange = read_part<ExchangeOptions>(TableSource(at.table_or_empty(exchange_key)));
   plan.exchange.seed = scenario.simulation.seed;
   if (at.has(part_key)) {
@@ -132,8 +135,9 @@ void read_partition(const TomlTable& root, Scenario& scenario) {
 
 void check_plans_in_parts(const Scenario& scenario) {
   if (!plans_in_a_changing_team(scenario.solver.name))
-    refuse("the solver {} cannot plan a part, expected {}", scenario.solver.name, team_planners());
-  if (changes_in_flight(scenario)) refuse("the team changes in flight, expected a scenario without events");
+    throw_invalid("the solver {} cannot plan a part, expected {}", scenario.solver.name, team_planners());
+  if (changes_in_flight(scenario))
+    throw_invalid("the team changes in flight, expected a scenario without events");
 }
 
 Partition partition_of(const PartitionPlan& plan, const Team& team) {

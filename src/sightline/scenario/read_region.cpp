@@ -17,7 +17,8 @@ class Parameters {
  public:
   void read(const TomlTable& at) {
     for (const std::string& name : at.keys()) enter(name, at);
-    if (values_.size() > parameters_max) at.refuse(fmt::format("at most {} parameters", parameters_max));
+    if (values_.size() > parameters_max)
+      at.throw_invalid(fmt::format("at most {} parameters", parameters_max));
   }
 
   /// Other values for parameters that are there.
@@ -51,13 +52,13 @@ class Parameters {
     std::string unit;
     if (table.has("unit")) {
       unit = table.text("unit", "a unit in quotes");
-      if (!inner.is_number()) table.refuse("unit", "no unit beside a formula, which has its own");
+      if (!inner.is_number()) table.throw_invalid("unit", "no unit beside a formula, which has its own");
       check_unit(table.value("unit", "a unit in quotes"));
       parameter.text += " " + unit;
     }
     if (table.has("range")) {
       const TomlValue range = table.value("range", "two bounds");
-      if (!range.is_array() || range.items().size() != 2) range.refuse("two bounds, [least, most]");
+      if (!range.is_array() || range.items().size() != 2) range.throw_invalid("two bounds, [least, most]");
       const auto bound = [&](std::size_t i) {
         const TomlValue item = range.items()[i];
         const std::string text = formula_text(item, "a number or a formula in quotes");
@@ -98,21 +99,22 @@ class Parameters {
 Limits read_limits(const TomlValue& value, const Vocabulary& names, int depth = 0) {
   constexpr std::string_view expected =
       "a comparison in quotes, or a table with limit, all_of, any_of or not";
-  if (depth > region_depth_max) value.refuse(fmt::format("at most {} within each other", region_depth_max));
+  if (depth > region_depth_max)
+    value.throw_invalid(fmt::format("at most {} within each other", region_depth_max));
   if (value.is_text()) {
     in_text(value, [&] { return parse_limits(value.text(), names); });
     return value.text();
   }
-  if (!value.is_table()) value.refuse(expected);
+  if (!value.is_table()) value.throw_invalid(expected);
   const TomlTable table = value.table();
   if (table.has("limit")) {
     table.expect_only({"limit", "grows_with"});
     const TomlValue limit = table.value("limit", "a comparison in quotes");
-    if (!limit.is_text()) limit.refuse("a comparison in quotes");
+    if (!limit.is_text()) limit.throw_invalid("a comparison in quotes");
     in_text(limit, [&] { return parse_limits(limit.text(), names); });
     if (!table.has("grows_with")) return limit.text();
     const TomlValue grows = table.value("grows_with", "a formula in quotes");
-    if (!grows.is_text()) grows.refuse("a formula in quotes");
+    if (!grows.is_text()) grows.throw_invalid("a formula in quotes");
     in_text(grows, [&] { return parse_formula(grows.text(), names); });
     return {limit.text(), grows.text()};
   }
@@ -120,7 +122,7 @@ Limits read_limits(const TomlValue& value, const Vocabulary& names, int depth = 
   const std::string kind(table.choice(kinds));
   const TomlValue inner = table.value(kind, expected);
   if (kind == "not") return !read_limits(inner, names, depth + 1);
-  if (!inner.is_array() || inner.items().empty()) inner.refuse("an array of one or more limits");
+  if (!inner.is_array() || inner.items().empty()) inner.throw_invalid("an array of one or more limits");
   std::vector<Limits> parts;
   for (const TomlValue& item : inner.items()) parts.push_back(read_limits(item, names, depth + 1));
   return kind == "all_of" ? all_of(std::move(parts)) : any_of(std::move(parts));
@@ -145,7 +147,7 @@ Slope read_slope(const TomlTable& choice, const Vocabulary& names) {
           {"grows_with"});
   if (at.has("grows_with")) {
     const TomlValue grows = at.value("grows_with", "a formula in quotes");
-    if (!grows.is_text()) grows.refuse("a formula in quotes");
+    if (!grows.is_text()) grows.throw_invalid("a formula in quotes");
     in_text(grows, [&] { return parse_formula(grows.text(), names); });
     slope.grows_with = grows.text();
   }
@@ -175,7 +177,7 @@ Region read_file(const TomlTable& at) {
   try {
     text = at.file_text(name);
   } catch (const ScenarioError& error) {
-    at.refuse("file", fmt::format("the file of a region, relative to this one ({})", error.what()));
+    at.throw_invalid("file", fmt::format("the file of a region, relative to this one ({})", error.what()));
   }
   const TomlDocument document = parse_toml(text, file.native());
   const TomlTable there(document);
@@ -202,7 +204,7 @@ Region read_inside(const TomlTable& at, std::string_view key) {
 
 Region read_formula(const TomlTable& at, std::string_view key) {
   const TomlValue value = at.value(key, "a formula in quotes");
-  if (!value.is_text()) value.refuse("a formula in quotes");
+  if (!value.is_text()) value.throw_invalid("a formula in quotes");
   Parameters parameters;
   parameters.read(at.table_or_empty("parameters"));
   in_text(value, [&] { return parse_formula(value.text(), parameters.vocabulary()); });
@@ -211,7 +213,7 @@ Region read_formula(const TomlTable& at, std::string_view key) {
 
 std::string formula_text(const TomlValue& value, std::string_view expected) {
   if (value.is_text()) return value.text();
-  if (!value.is_number()) value.refuse(expected);
+  if (!value.is_number()) value.throw_invalid(expected);
   return fmt::format("{}", value.number());
 }
 

@@ -18,12 +18,12 @@ constexpr std::string_view of_parameter = "a number or a formula in quotes",
 std::vector<std::string> read_names(const TomlTable& at, std::string_view key, std::size_t most) {
   const std::string expected = fmt::format("1 to {} names", most);
   std::vector<std::string> list = at.texts(key, TomlTable::any_length, "names");
-  if (list.empty() || list.size() > most) at.refuse(key, expected);
+  if (list.empty() || list.size() > most) at.throw_invalid(key, expected);
   for (std::size_t i = 0; i < list.size(); ++i) {
     const bool twice = std::find(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(i), list[i]) !=
                        list.begin() + static_cast<std::ptrdiff_t>(i);
     if (!is_free_name(list[i]) || twice)
-      at.refuse(key, i, "a name of its own: letters, digits and _, no function or unit");
+      at.throw_invalid(key, i, "a name of its own: letters, digits and _, no function or unit");
   }
   return list;
 }
@@ -33,7 +33,7 @@ void check_state(const TomlTable& at, std::string_view key, std::size_t i, const
                  const TextRobot& robot) {
   if (std::find(robot.states.begin(), robot.states.end(), name) != robot.states.end()) return;
   const std::vector<std::string_view> known(robot.states.begin(), robot.states.end());
-  at.refuse(key, i, "a state" + hint(name, known));
+  at.throw_invalid(key, i, "a state" + hint(name, known));
 }
 
 std::vector<std::string> read_heading(const TomlTable& at, const TextRobot& robot) {
@@ -42,7 +42,7 @@ std::vector<std::string> read_heading(const TomlTable& at, const TextRobot& robo
     const std::vector<std::string_view> known(robot.states.begin(), robot.states.end());
     return {std::string(at.word("heading", known, "a state"))};
   }
-  if (!value.is_array()) value.refuse(of_heading);
+  if (!value.is_array()) value.throw_invalid(of_heading);
   std::vector<std::string> list = at.texts("heading", 2, "states");
   for (std::size_t i = 0; i < list.size(); ++i) check_state(at, "heading", i, list[i], robot);
   return list;
@@ -55,7 +55,7 @@ Model read_text_robot(const TomlTable& at, const TomlTable& parameters) {
   robot.inputs = read_names(at, "inputs", text_inputs_max);
   for (std::size_t i = 0; i < robot.inputs.size(); ++i) {
     if (std::find(robot.states.begin(), robot.states.end(), robot.inputs[i]) != robot.states.end())
-      at.refuse("inputs", i, "a name of its own, a state has this one");
+      at.throw_invalid("inputs", i, "a name of its own, a state has this one");
   }
   const std::vector<std::string> position = at.texts("position", 3, "states");
   for (std::size_t i = 0; i < 3; ++i) check_state(at, "position", i, robot.position[i] = position[i], robot);
@@ -95,7 +95,7 @@ Model read_robot(const TomlTable& agent) {
     own.expect_only({"text"});
     return read_text_robot(own.table("text", "a robot as text"), parameters);
   }
-  const PartList<Model>& robots = agent.parts().robots;
+  const PartList<Model>& robots = agent.registry().robots;
   return read_named(robots, agent.word("robot", robots.names()), parameters);
 }
 

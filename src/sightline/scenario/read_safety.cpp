@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/run/settled.hpp"
+#include "sightline/run/steady_state.hpp"
 #include "sightline/safety/authority.hpp"
 #include "sightline/scenario/read_part.hpp"
 
@@ -35,13 +35,13 @@ SupervisorOptions read_supervisor(const TomlTable& at) {
           {"accept_after"});
   if (at.has("accept_after")) limits.accept_after = static_cast<int>(at.integer("accept_after", 1, 1000));
   const auto rising = [&](std::string_view key, double value, std::string_view below, double than) {
-    if (value < than) at.refuse(key, fmt::format(">= {} = {} s", below, than));
+    if (value < than) at.throw_invalid(key, fmt::format(">= {} = {} s", below, than));
   };
   rising("slow_after", times.slow_after, "fresh", times.fresh);
   rising("hold_after", times.hold_after, "slow_after", times.slow_after);
   rising("land_after", times.land_after, "hold_after", times.hold_after);
   if (o.sigmas.land <= o.sigmas.hold)
-    at.refuse("sigma_land", fmt::format("> sigma_hold = {} m", o.sigmas.hold));
+    at.throw_invalid("sigma_land", fmt::format("> sigma_hold = {} m", o.sigmas.hold));
   return o;
 }
 
@@ -69,7 +69,7 @@ void read_nan(const TomlTable& at, const Team& team, Fault& fault) {
   at.expect_only({"kind", "body", "from", "until", "probability", "state"});
   read_probability(at, fault);
   if (!at.has("state")) return;
-  if (fault.body.index < 0) at.refuse("state", "no such key without a body");
+  if (fault.body.index < 0) at.throw_invalid("state", "no such key without a body");
   const auto states = team.model(fault.body).states();
   const std::string_view name = at.word("state", states);
   fault.number = static_cast<int>(std::find(states.begin(), states.end(), name) - states.begin());
@@ -92,7 +92,7 @@ template <class Timed>
 void read_window(const TomlTable& at, Timed& fault) {
   if (at.has("from")) fault.from = at.number("from", time_range);
   if (at.has("until")) fault.until = at.number("until", time_range);
-  if (fault.until <= fault.from) at.refuse("until", fmt::format("> from = {} s", fault.from));
+  if (fault.until <= fault.from) at.throw_invalid("until", fmt::format("> from = {} s", fault.from));
 }
 
 LatePlan read_late_plan(const TomlTable& at) {
@@ -126,7 +126,8 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
            {"position_sigma", &safety.position_sigma, not_negative(">= 0 m")},
            {"heading_sigma", &safety.heading_sigma, not_negative(">= 0 rad")}},
           {"barrier", "supervisor", "search", "start_outside"});
-  if (barrier.ceiling <= barrier.floor) at.refuse("ceiling", fmt::format("> floor = {} m", barrier.floor));
+  if (barrier.ceiling <= barrier.floor)
+    at.throw_invalid("ceiling", fmt::format("> floor = {} m", barrier.floor));
   barrier.world = safety.world;
   constexpr std::array<std::string_view, 3> modes = {"off", "on", "report"};
   if (at.has("barrier")) {
@@ -168,7 +169,7 @@ void check_start_outside(const TomlTable& root, const Scenario& scenario) {
       if (d_hard && norm(p - place(BodyId{j})) < *d_hard) return;
     }
   }
-  root.table("safety").refuse(
+  root.table("safety").throw_invalid(
       "start_outside", "no such key where every start is within the walls that are judged and keeps d_hard");
 }
 
@@ -283,7 +284,7 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .position_sigma = safety.position_sigma,
                        .period = scenario.horizon.dt,
                        .search = safety.search,
-                       .crew = scenario.crew};
+                       .pool = scenario.pool};
   // A period longer than the time in which the reserve may be used up uses up all of it, and no more.
   double& rate = options.barrier_options.rate;
   rate = std::min(rate, 1.0 / scenario.horizon.dt);

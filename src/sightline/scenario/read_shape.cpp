@@ -16,9 +16,9 @@ std::vector<BodyId> read_members(const TomlTable& at, std::string_view key, std:
   std::vector<BodyId> bodies = bodies_named(at, key, TomlTable::any_length, team);
   for (auto body = bodies.begin(); body != bodies.end(); ++body) {
     if (std::find(bodies.begin(), body, *body) == body) continue;
-    at.refuse(key, static_cast<std::size_t>(body - bodies.begin()), "each body once");
+    at.throw_invalid(key, static_cast<std::size_t>(body - bodies.begin()), "each body once");
   }
-  if (bodies.size() < least) at.refuse(key, fmt::format("an array of {} names or more", least));
+  if (bodies.size() < least) at.throw_invalid(key, fmt::format("an array of {} names or more", least));
   return bodies;
 }
 
@@ -38,7 +38,8 @@ std::vector<Between> read_star(const TomlTable& shape, const Team& team) {
   const std::vector<BodyId> observers = read_members(at, "observers", 1, team);
   const auto found = std::find(observers.begin(), observers.end(), centre);
   if (found != observers.end()) {
-    at.refuse("observers", static_cast<std::size_t>(found - observers.begin()), "another body than centre");
+    at.throw_invalid("observers", static_cast<std::size_t>(found - observers.begin()),
+                     "another body than centre");
   }
   return star(centre, observers);
 }
@@ -47,15 +48,15 @@ std::vector<Between> read_all_pairs(const TomlTable& at, const Team& team) {
   constexpr std::string_view key = "all_pairs", expected = "an array of names, or \"all\" for all robots";
   const TomlValue value = at.value(key, expected);
   if (!value.is_text()) {
-    if (!value.is_array()) value.refuse(expected);
+    if (!value.is_array()) value.throw_invalid(expected);
     return all_pairs(read_members(at, key, 2, team));
   }
-  if (value.text() != all_word) value.refuse(expected);
+  if (value.text() != all_word) value.throw_invalid(expected);
   std::vector<BodyId> robots;
   for (int i = 0; i < team.bodies(); ++i) {
     if (team.is_agent(BodyId{i})) robots.push_back(BodyId{i});
   }
-  if (robots.size() < 2) value.refuse("an array of names, the team has a single robot");
+  if (robots.size() < 2) value.throw_invalid("an array of names, the team has a single robot");
   return all_pairs(robots);
 }
 
@@ -73,7 +74,7 @@ FeltBy read_felt_by(const TomlTable& at, const std::vector<Between>& pairs, cons
   if (!at.has("felt_by") || at.word("felt_by", words) == both_word) return FeltBy::both;
   for (const Between& pair : pairs) {
     if (team.is_agent(pair.first)) continue;
-    at.refuse("felt_by", fmt::format("robots as observers, \"{}\" is none", team.name(pair.first)));
+    at.throw_invalid("felt_by", fmt::format("robots as observers, \"{}\" is none", team.name(pair.first)));
   }
   return FeltBy::observer;
 }
@@ -85,7 +86,7 @@ std::string read_shape_name(const TomlTable& shape, std::string_view missing, co
                                  [&](const std::string& stage) { return region_of(stage) == name; }) ||
                      std::any_of(script.choices.begin(), script.choices.end(),
                                  [&](const ViewChoice& choice) { return choice.name == name; });
-  if (taken) shape.refuse("name", "a name of its own, another shape has this one");
+  if (taken) shape.throw_invalid("name", "a name of its own, another shape has this one");
   return name;
 }
 
@@ -102,7 +103,7 @@ void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Scr
   std::vector<AgentId> observers;
   for (const BodyId body : read_members(at, "observers", 2, team)) {
     if (!team.is_agent(body) || body == target) {
-      at.refuse("observers", observers.size(), "a robot other than the target");
+      at.throw_invalid("observers", observers.size(), "a robot other than the target");
     }
     observers.push_back(AgentId{body});
   }
@@ -160,7 +161,7 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenar
   }
   for (const BodyId body : read_members(at, observers_key, 1, team)) {
     const auto refuse_observer = [&](std::string_view expected) {
-      at.refuse(observers_key, choice.observers.size(), expected);
+      at.throw_invalid(observers_key, choice.observers.size(), expected);
     };
     if (!team.is_agent(body) || (is_one && body == choice.targets[0]))
       refuse_observer(is_one ? "a robot other than the target" : "a robot");
@@ -176,19 +177,20 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenar
         fmt::format("a body with tags, [{}.{}.tags]",
                     team.is_agent(choice.targets[j]) ? "agent" : (is_target ? "target" : "obstacle"),
                     team.name(choice.targets[j]));
-    if (is_one) at.refuse(target_key, expected);
-    at.refuse(target_key, j, expected);
+    if (is_one) at.throw_invalid(target_key, expected);
+    at.throw_invalid(target_key, j, expected);
   }
   const auto is_observer = [&](BodyId body) {
     return std::find(choice.observers.begin(), choice.observers.end(), body) != choice.observers.end();
   };
   if (std::all_of(choice.targets.begin(), choice.targets.end(), is_observer))
-    at.refuse(target_key,
-              "a body that is no observer among them, since one has to know its place without looking");
+    at.throw_invalid(
+        target_key, "a body that is no observer among them, since one has to know its place without looking");
   if (is_one) choice.at_most = 1;
   if (at.has(max_key)) choice.at_most = static_cast<int>(at.integer(max_key, 1, agents_max));
   if (choice.observers.size() * choice.targets.size() > shape_couplings_max)
-    at.refuse(observers_key, fmt::format("at most {} pairs of observer and target", shape_couplings_max));
+    at.throw_invalid(observers_key,
+                     fmt::format("at most {} pairs of observer and target", shape_couplings_max));
 
   choice.variances = variances_of(choice, scenario.vision);
   const std::vector<double> u = resting_inputs(team);
@@ -203,7 +205,7 @@ void read_shape(const TomlTable& at, const Observers& observers, Scenario& scena
   constexpr std::string_view nearest_word = "nearest", best_word = "best";
   Team& team = scenario.team;
   const bool is_best = at.has(best_word), is_relay = at.has(nearest_word);
-  if (is_best && is_relay) at.refuse(best_word, "no such key beside nearest");
+  if (is_best && is_relay) at.throw_invalid(best_word, "no such key beside nearest");
   std::vector<Between> pairs;
   FeltBy felt_by = FeltBy::observer;
   std::string_view name = nearest_word;
@@ -220,15 +222,15 @@ void read_shape(const TomlTable& at, const Observers& observers, Scenario& scena
   std::vector<TomlTable> list;
   if (at.has("potentials")) {
     for (const std::string_view key : {"potential", "weight"}) {
-      if (at.has(key)) at.refuse(key, "no such key beside potentials, which have their own");
+      if (at.has(key)) at.throw_invalid(key, "no such key beside potentials, which have their own");
     }
     list = at.tables("potentials");
-    if (list.empty()) at.refuse("potentials", "one potential or more");
+    if (list.empty()) at.throw_invalid("potentials", "one potential or more");
   } else if (!at.has("potential")) {
-    at.refuse("potentials", "an array of potentials, or potential and weight");
+    at.throw_invalid("potentials", "an array of potentials, or potential and weight");
   }
   if (pairs.size() * std::max<std::size_t>(list.size(), 1) > shape_couplings_max) {
-    at.refuse(name, fmt::format("at most {} couplings", shape_couplings_max));
+    at.throw_invalid(name, fmt::format("at most {} couplings", shape_couplings_max));
   }
   const TermsOf terms_of = [&](Between pair) {
     const Observer observer = observer_of(team, observers, pair.first);

@@ -19,8 +19,8 @@ ContinuationOptions read_continuation(const TomlTable& at, const Horizon& horizo
            {"tolerance", &o.tolerance, positive("> 0")}},
           {"name", "k_max", "jacobian"});
   if (!(o.zeta * horizon.dt < 2)) {
-    at.refuse("zeta", fmt::format("less than 2 / horizon.period = {} 1/s, beyond which it oscillates",
-                                  2 / horizon.dt));
+    at.throw_invalid("zeta", fmt::format("less than 2 / horizon.period = {} 1/s, beyond which it oscillates",
+                                         2 / horizon.dt));
   }
   if (at.has("k_max")) o.k_max = static_cast<int>(at.integer("k_max", 1, 1000));
   constexpr std::array<std::string_view, 2> products = {"exact", "forward_difference"};

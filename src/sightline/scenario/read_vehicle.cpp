@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <array>
 
-#include "sightline/scenario/parts.hpp"
 #include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/world/flight_controller.hpp"
 
 namespace sightline {
 namespace {
 
 bool has_vehicles(const TomlTable& at, std::string_view world) {
-  const auto worlds = at.parts().worlds.with_vehicles();
+  const auto worlds = at.registry().worlds.with_vehicles();
   return std::find(worlds.begin(), worlds.end(), world) != worlds.end();
 }
 
@@ -23,8 +23,8 @@ bool has_vehicles(const TomlTable& at, std::string_view world) {
 void refuse_without_vehicles(const TomlTable& at, std::string_view key, std::string_view what,
                              std::string_view world) {
   if (!at.has(key) || has_vehicles(at, world)) return;
-  at.refuse(key, fmt::format("no such {} in the world \"{}\", only with world.kind = \"{}\"", what, world,
-                             fmt::join(at.parts().worlds.with_vehicles(), "\" or \"")));
+  at.throw_invalid(key, fmt::format("no such {} in the world \"{}\", only with world.kind = \"{}\"", what,
+                                    world, fmt::join(at.registry().worlds.with_vehicles(), "\" or \"")));
 }
 
 }  // namespace
@@ -41,21 +41,21 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
   const std::optional<Commands> commands = commands_of(model);
   refuse_without_vehicles(agent, key, "table", world);
   if (agent.has(key) && !commands) {
-    agent.refuse(key, fmt::format("no such table, the robot {} is no vehicle: those are {}", model.name(),
-                                  robots_with_vehicles()));
+    agent.throw_invalid(key, fmt::format("no such table, the robot {} is no vehicle: those are {}",
+                                         model.name(), robots_with_vehicles()));
   }
   if (!has_vehicles(agent, world) || !commands) return std::nullopt;
   if (commands == Commands::full_state && !agent.has(key)) return std::nullopt;  // a point may stay one
 
   const TomlTable at = agent.table_or_empty(key);
-  const VehicleOfModel of_model = agent.parts().worlds.of_model(world);
+  const VehicleOfModel of_model = agent.registry().worlds.of_model(world);
   const std::array<std::string_view, 3> beside = {"imu", "model", "body"};
   refuse_without_models(at, std::span(beside).last(2), world);
   RobotVehicle read;
   read.vehicle = read_part<Vehicle>(TableSource(at), std::span(beside).first(of_model ? 3 : 1));
   if (at.has("imu")) read.vehicle.imu = read_part<Imu>(TableSource(at.table("imu")));
   if (at.has("preset")) read.preset = at.text("preset", "a preset");
-  if (at.has("body") && !at.has("model")) at.refuse("model", "the file that body is of");
+  if (at.has("body") && !at.has("model")) at.throw_invalid("model", "the file that body is of");
   if (at.has("model")) {
     read.model = ModelBody{read_model_file(at), at.has("body") ? at.text("body", "the name of a body") : ""};
     // A log is flown again without the world, and without the files that its models name.
@@ -71,23 +71,23 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
 ModelFile read_model_file(const TomlTable& at) {
   constexpr std::string_view expected = "the name of a model file, relative to this one";
   const std::string name = at.text("model", expected);
-  if (name.empty()) at.refuse("model", expected);
+  if (name.empty()) at.throw_invalid("model", expected);
   try {
     return {.name = name, .text = at.file_text(name), .folder = at.file_folder(name)};
   } catch (const ScenarioError& error) {
-    at.refuse("model", fmt::format("{} ({})", expected, error.what()));
+    at.throw_invalid("model", fmt::format("{} ({})", expected, error.what()));
   }
 }
 
 void refuse_without_models(const TomlTable& at, std::span<const std::string_view> keys,
                            std::string_view world) {
-  if (at.parts().worlds.of_model(world)) return;
+  if (at.registry().worlds.of_model(world)) return;
   for (const std::string_view key : keys)
     if (at.has(key))
-      at.refuse(key,
-                fmt::format(
-                    "no such key in the world \"{}\", only in one that reads model files, as \"mujoco\" does",
-                    world));
+      at.throw_invalid(
+          key, fmt::format(
+                   "no such key in the world \"{}\", only in one that reads model files, as \"mujoco\" does",
+                   world));
 }
 
 }  // namespace sightline

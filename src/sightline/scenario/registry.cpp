@@ -1,11 +1,11 @@
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/point_mass.hpp"
@@ -24,7 +24,7 @@
 
 namespace sightline {
 
-Parts::Parts() {
+Registry::Registry() {
   robots.add<Multirotor>();
   robots.add<AngleMultirotor>();
   robots.add<OmniRover>();
@@ -66,7 +66,8 @@ Parts::Parts() {
 WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots, VehicleOfModel of_model,
                           MakeRenderer renderer) {
   check_part_name("world", name, {}, names());
-  if (!make) refuse("the world \"{}\" has no function, expected one that makes it of a scenario", name);
+  if (!make)
+    throw_invalid("the world \"{}\" has no function, expected one that makes it of a scenario", name);
   worlds_.push_back({std::string(name), std::move(make), robots, std::move(of_model), std::move(renderer)});
   return *this;
 }
@@ -115,8 +116,8 @@ std::vector<std::string_view> WorldList::with_renderers() const {
   return all;
 }
 
-const Parts& parts_of_sightline() {
-  static const Parts parts;
+const Registry& built_in_registry() {
+  static const Registry parts;
   return parts;
 }
 
@@ -127,11 +128,11 @@ void check_part_name(std::string_view kind, std::string_view name, const std::ve
                        std::all_of(name.begin(), name.end(),
                                    [&](char c) { return lower(c) || (c >= '0' && c <= '9') || c == '_'; });
   if (!is_word) {
-    refuse("a {} is called \"{}\", expected a word: a lower-case letter, then these, digits and _", kind,
-           name);
+    throw_invalid("a {} is called \"{}\", expected a word: a lower-case letter, then these, digits and _",
+                  kind, name);
   }
   if (std::count(taken.begin(), taken.end(), name) + std::count(names.begin(), names.end(), name) > 0)
-    refuse("a {} is called \"{}\", expected a name of its own, another has this one", kind, name);
+    throw_invalid("a {} is called \"{}\", expected a name of its own, another has this one", kind, name);
 }
 
 template <class Made>

@@ -1,11 +1,11 @@
 /// What a scenario may call by name: robots, potentials, references, limits, worlds. Ours are registered by the calls that a
 /// program of a user registers its own with:
 ///
-///   Parts parts;                          // all of ours
-///   parts.robots.add<Boat>();
-///   parts.potentials.add<Downwash>();
-///   parts.worlds.add("basin", make_basin);
-///   return command_line(argc, argv, parts);
+///   Registry registry;                          // all of ours
+///   registry.robots.add<Boat>();
+///   registry.potentials.add<Downwash>();
+///   registry.worlds.add("basin", make_basin);
+///   return command_line(argc, argv, registry);
 ///
 /// A part is a struct with `name`, a word; what it says by `parameters()` (base/parameter.hpp) is what a scenario may set.
 #pragma once
@@ -64,7 +64,7 @@ class PartList {
                 try {
                   return made(read);
                 } catch (const std::invalid_argument& error) {
-                  from.refuse(error.what());
+                  from.throw_invalid(error.what());
                   throw;  // never: that has thrown
                 }
               }};
@@ -176,9 +176,9 @@ class WorldList {
 };
 
 /// Every kind of part. A value: to be filled, then to be given to whoever reads a scenario.
-struct Parts {
+struct Registry {
   /// Those of the library.
-  Parts();
+  Registry();
 
   PartList<Model> robots{"robot", {"text"}};
   PartList<Potential> potentials{"potential", {"region", "sensor", "weight"}};
@@ -189,7 +189,7 @@ struct Parts {
 };
 
 /// Those of the library, made once.
-const Parts& parts_of_sightline();
+const Registry& built_in_registry();
 
 /// The parameters of all parts as a table of Markdown: `part`, `key`, default, range, meaning; as docs/parts.md has it.
 template <class Made>

@@ -13,7 +13,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/model/state_roles.hpp"
-#include "sightline/run/settled.hpp"
+#include "sightline/run/steady_state.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_camera.hpp"
@@ -40,8 +40,8 @@ constexpr std::array<std::string_view, 26> agent_keys = {
     "robot",        "parameters", "start",   "Q",      "R",        "command_delay",
     "u_ref",        "u_min",      "u_max",   "limits", "rate_max", "reference",
     "sensor",       "present",    "vehicle", "link",   "Q_f",      "disturbance_time",
-    "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localized_by",
-    "watches",      "estimate"};
+    "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localization",
+    "observes",     "estimate"};
 
 /// Fills a Scenario from a document, section by section; sections that others refer to come first.
 class Reader {
@@ -92,11 +92,12 @@ class Reader {
  private:
   void read_log() {
     const TomlTable at = root_.table_or_empty("log");
-    at.read({{"paths", &scenario_.log.paths, {1e-4, largest_number, ">= 1e-4 s"}}});
+    at.read({{"prediction_period", &scenario_.log.prediction_period, {1e-4, largest_number, ">= 1e-4 s"}}});
     constexpr double predictions_max = 1000.0;  // a second, of all robots together
-    if (!at.has("paths"))
-      scenario_.log.paths = std::max(scenario_.log.paths,
-                                     static_cast<double>(scenario_.team.agents().size()) / predictions_max);
+    if (!at.has("prediction_period"))
+      scenario_.log.prediction_period =
+          std::max(scenario_.log.prediction_period,
+                   static_cast<double>(scenario_.team.agents().size()) / predictions_max);
   }
 
   void read_horizon() {
@@ -110,7 +111,7 @@ class Reader {
 
   void read_world() {
     const TomlTable at = root_.table_or_empty("world");
-    const WorldList& worlds = root_.parts().worlds;
+    const WorldList& worlds = root_.registry().worlds;
     if (at.has("kind")) scenario_.world = at.word("kind", worlds.names());
     const std::array<std::string_view, 2> beside = {"kind", "model"};
     const bool reads_models = static_cast<bool>(worlds.of_model(scenario_.world));
@@ -133,10 +134,11 @@ class Reader {
     }
     const double updates = s.duration / scenario_.horizon.dt;
     if (updates > updates_max) {
-      at.refuse("duration", fmt::format("at most {:g} periods of {} s", updates_max, scenario_.horizon.dt));
+      at.throw_invalid("duration",
+                       fmt::format("at most {:g} periods of {} s", updates_max, scenario_.horizon.dt));
     }
     if (updates < 0.5)
-      at.refuse("duration", fmt::format("at least one period of {} s", scenario_.horizon.dt));
+      at.throw_invalid("duration", fmt::format("at least one period of {} s", scenario_.horizon.dt));
     s.disturbances = read_disturbances(at.table_or_empty("disturbance"));
   }
 
@@ -148,15 +150,16 @@ class Reader {
       const auto name = compare.begin() + static_cast<std::ptrdiff_t>(i);
       if (std::find(known.begin(), known.end(), *name) == known.end() ||
           std::find(compare.begin(), name, *name) != name) {
-        at.refuse("compare", i, fmt::format("one of {}, each once", fmt::join(known, ", ")));
+        at.throw_invalid("compare", i, fmt::format("one of {}, each once", fmt::join(known, ", ")));
       }
     }
   }
 
   void read_agents() {
     const auto agents = root_.named_tables("agent");
-    if (agents.empty()) root_.refuse("agent", "at least one [agent.NAME]");
-    if (agents.size() > agents_max) root_.refuse("agent", fmt::format("at most {} robots", agents_max));
+    if (agents.empty()) root_.throw_invalid("agent", "at least one [agent.NAME]");
+    if (agents.size() > agents_max)
+      root_.throw_invalid("agent", fmt::format("at most {} robots", agents_max));
     for (const auto& [name, at] : agents) {
       at.expect_only(agent_keys);
       const Model model = read_robot(at);
@@ -186,7 +189,7 @@ class Reader {
       observers_.push_back({name, read_mount(at)});
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
-        at.table("start").refuse(place_key(at), "a place at or above the ground, whose height is 0 m");
+        at.table("start").throw_invalid(place_key(at), "a place at or above the ground, whose height is 0 m");
       GoalsFrom goals = read_goals(at, agent);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
       if (vehicle) {
@@ -219,8 +222,9 @@ class Reader {
     std::vector<double> rate(start.size());
     model.f(start.data(), u_ref.data(), rate.data());
     if (all_finite(rate)) return;
-    at.refuse("start",
-              "a state in which the rates of the robot are finite: start.state gives every state of a robot");
+    at.throw_invalid(
+        "start",
+        "a state in which the rates of the robot are finite: start.state gives every state of a robot");
   }
 
   /// The key that says where a robot starts.
@@ -233,7 +237,8 @@ class Reader {
     constexpr double one_place = 1e-3;  // m
     for (const auto& [other, place] : places_) {
       if (root_.has("campaign") || norm(p - place) >= one_place) continue;
-      at.table("start").refuse(place_key(at), fmt::format("a place of its own, {} starts there", other));
+      at.table("start").throw_invalid(place_key(at),
+                                      fmt::format("a place of its own, {} starts there", other));
     }
     places_.emplace_back(name, p);
   }
@@ -243,8 +248,8 @@ class Reader {
                              const std::vector<double>& u_max) {
     for (std::size_t i = 0; i < u_min.size(); ++i) {
       if (u_min[i] < u_max[i]) continue;
-      at.refuse(where, fmt::format("u_min < u_max, but u_min[{0}] = {1} and u_max[{0}] = {2}", i, u_min[i],
-                                   u_max[i]));
+      at.throw_invalid(where, fmt::format("u_min < u_max, but u_min[{0}] = {1} and u_max[{0}] = {2}", i,
+                                          u_min[i], u_max[i]));
     }
   }
 
@@ -255,7 +260,7 @@ class Reader {
       return {std::move(u_min), std::move(u_max)};
     }
     for (const std::string_view key : {"u_min", "u_max"}) {
-      if (agent.has(key)) agent.refuse(key, "no such key beside limits, which has its own");
+      if (agent.has(key)) agent.throw_invalid(key, "no such key beside limits, which has its own");
     }
     const TomlTable at = agent.table("limits");
     at.expect_only({"times", "u_min", "u_max"});
@@ -269,10 +274,10 @@ class Reader {
   /// Each state of the robot, in its order.
   static std::vector<double> read_whole_start(const TomlTable& at, const Model& model) {
     for (const std::string_view key : {"p", "heading", "v"}) {
-      if (at.has(key)) at.refuse(key, "no such key beside state, which has every state of the robot");
+      if (at.has(key)) at.throw_invalid(key, "no such key beside state, which has every state of the robot");
     }
     std::vector<double> x = at.numbers("state", static_cast<std::size_t>(model.nx()));
-    if (!model.normalise(x.data())) at.refuse("state", "a heading other than (0, 0)");
+    if (!model.normalise(x.data())) at.throw_invalid("state", "a heading other than (0, 0)");
     return x;
   }
 
@@ -295,16 +300,16 @@ class Reader {
     std::vector<double> x(static_cast<std::size_t>(model.nx()));
     model.at_rest({at.vec3("p"), {cos(heading), sin(heading)}}, x.data());
     if (!model.turns() && heading != 0)
-      at.refuse("heading", fmt::format("0, {} has no heading", model.name()));
+      at.throw_invalid("heading", fmt::format("0, {} has no heading", model.name()));
     if (!at.has("v")) return x;
     const int forward = velocity_along(model, {1, 0, 0}), sideward = velocity_along(model, {0, 1, 0});
-    if (forward < 0) at.refuse("v", fmt::format("no velocity, {} has none", model.name()));
+    if (forward < 0) at.throw_invalid("v", fmt::format("no velocity, {} has none", model.name()));
     const std::vector<double> v = at.numbers("v", 2);
     x[size(forward)] = v[0];
     if (sideward >= 0) {
       x[size(sideward)] = v[1];
     } else if (v[1] != 0) {
-      at.refuse("v", 1, fmt::format("0, {} does not drive sideward", model.name()));
+      at.throw_invalid("v", 1, fmt::format("0, {} does not drive sideward", model.name()));
     }
     return x;
   }
@@ -312,7 +317,7 @@ class Reader {
   void read_bodies(std::string_view section, std::vector<BodyId>& ids) {
     const auto bodies = root_.named_tables(section);
     if (scenario_.targets.size() + bodies.size() > agents_max) {
-      root_.refuse(section, fmt::format("at most {} targets and obstacles", agents_max));
+      root_.throw_invalid(section, fmt::format("at most {} targets and obstacles", agents_max));
     }
     for (const auto& [name, at] : bodies) {
       UncooperativeStart read =
@@ -338,9 +343,9 @@ class Reader {
           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
                  c == '-';
         });
-    if (!fit) at.refuse(fmt::format("a name of 1 to {} letters, digits, _ and -", name_size_max));
+    if (!fit) at.throw_invalid(fmt::format("a name of 1 to {} letters, digits, _ and -", name_size_max));
     if (bodies_.contains(name))
-      at.refuse("a name of its own, another robot, target or obstacle has this one");
+      at.throw_invalid("a name of its own, another robot, target or obstacle has this one");
     bodies_[name] = at.checked(add);
   }
 
@@ -351,7 +356,7 @@ class Reader {
     if (found == bodies_.end() || !scenario_.team.is_agent(found->second)) {
       std::vector<std::string_view> known;
       for (const Agent& agent : scenario_.team.agents()) known.push_back(agent.name);
-      at.refuse("agent", "a robot" + hint(shortened(name, name_size_max), known));
+      at.throw_invalid("agent", "a robot" + hint(shortened(name, name_size_max), known));
     }
     return AgentId{found->second};
   }
@@ -384,12 +389,12 @@ class Reader {
 
 }  // namespace
 
-Scenario parse_scenario(std::string text, const std::filesystem::path& file, const Parts& parts,
+Scenario parse_scenario(std::string text, const std::filesystem::path& file, const Registry& registry,
                         const ScenarioChanges& changes) {
   Scenario scenario;
-  scenario.parts = std::make_shared<const Parts>(parts);
+  scenario.registry = std::make_shared<const Registry>(registry);
   TomlDocument document = layered(text, file.native(), changes.set);
-  document.parts = scenario.parts.get();
+  document.registry = scenario.registry.get();
   document.from_disk = !changes.files;
   if (changes.files) document.files = *changes.files;
   const bool in_layers = !document.layers.empty();
@@ -400,7 +405,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   if (in_layers) {  // what is good in its layers flies by its one text, as from a log
     auto places = std::move(scenario.coupling_places);
     auto campaign_refusal = std::move(scenario.campaign_refusal);
-    scenario = parse_scenario(std::move(text), file, parts, {.files = changes.files});
+    scenario = parse_scenario(std::move(text), file, registry, {.files = changes.files});
     scenario.coupling_places = std::move(places);
     if (campaign_refusal) scenario.campaign_refusal = std::move(campaign_refusal);
     return scenario;
@@ -413,9 +418,9 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   return scenario;
 }
 
-Scenario read_scenario(const std::filesystem::path& file, const Parts& parts,
+Scenario read_scenario(const std::filesystem::path& file, const Registry& registry,
                        const std::vector<std::string>& set) {
-  return parse_scenario(read_text(file), file, parts, {.files = {}, .set = set});
+  return parse_scenario(read_text(file), file, registry, {.files = {}, .set = set});
 }
 
 const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body) {
@@ -431,7 +436,7 @@ PlantOptions plant_options(const Scenario& scenario) {
                        .period = scenario.horizon.dt,
                        .motions = {},
                        .downwash = scenario.downwash,
-                       .crew = scenario.crew};
+                       .pool = scenario.pool};
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     if (uncooperative.motion) options.motions.push_back({uncooperative.body, *uncooperative.motion});
     options.speed_max.push_back(uncooperative.speed_max);

@@ -13,9 +13,9 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/ocp/ocp.hpp"
-#include "sightline/ocp/roster.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/ocp/tuned_script.hpp"
 #include "sightline/run/compensation.hpp"
@@ -37,8 +37,8 @@
 
 namespace sightline {
 
-struct Parts;
-const Parts& parts_of_sightline();
+struct Registry;
+const Registry& built_in_registry();
 
 /// Which solver, and its options.
 struct SolverChoice {
@@ -116,7 +116,7 @@ struct PartitionPlan {
 };
 
 struct LogOptions {
-  double paths = 0.1;  ///< time between two logged predictions [s], > 0
+  double prediction_period = 0.1;  ///< time between two logged predictions [s], > 0
 };
 
 /// Limits of what is read.
@@ -130,7 +130,7 @@ struct Scenario {
       text;  ///< as it was read; of several files, or with values set, the one text that says the same
   FileTexts files{};  ///< that it names, as they were read
   std::filesystem::path file;
-  std::shared_ptr<const Parts> parts{};  ///< by which it was read, and will be read again
+  std::shared_ptr<const Registry> registry{};  ///< by which it was read, and will be read again
   Horizon horizon{};
   SolverChoice solver{};
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
@@ -160,13 +160,13 @@ struct Scenario {
   /// Why its [campaign] cannot be flown, which stops no other flight; none where it can, and where it has none.
   std::optional<ScenarioError> campaign_refusal{};
   /// Threads that share the barriers and the simulated world of a large team, told in no file: the result is the same. None: nobody.
-  std::shared_ptr<Crew> crew{};
+  std::shared_ptr<ThreadPool> pool{};
 };
 
 /// @param parts  what it may call by name
 /// @param set    as in ScenarioChanges
 /// @throws ScenarioError
-Scenario read_scenario(const std::filesystem::path& file, const Parts& parts = parts_of_sightline(),
+Scenario read_scenario(const std::filesystem::path& file, const Registry& registry = built_in_registry(),
                        const std::vector<std::string>& set = {});
 
 /// What stands in place of what a scenario's files say.
@@ -178,7 +178,7 @@ struct ScenarioChanges {
 /// The same from a text that is already read; `file` stands in the refusals.
 /// @throws ScenarioError
 Scenario parse_scenario(std::string text, const std::filesystem::path& file,
-                        const Parts& parts = parts_of_sightline(), const ScenarioChanges& changes = {});
+                        const Registry& registry = built_in_registry(), const ScenarioChanges& changes = {});
 
 /// The vehicle that a body is; none where it is none.
 const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body);

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -85,7 +85,7 @@ bool is_word(std::string_view text) {
 
 std::string assignment(std::string_view key, double value) {
   if (key.find('=') != std::string_view::npos || !steps_of(trimmed(key)))
-    refuse("{}, expected a key as couple[0].weight", one_line(shortened(key, shown_size)));
+    throw_invalid("{}, expected a key as couple[0].weight", one_line(shortened(key, shown_size)));
   return fmt::format("{}={}", key, value);
 }
 

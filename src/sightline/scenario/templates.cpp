@@ -108,7 +108,7 @@ class Instance {
     at.expect_only({"each"});
     const toml::array* each = (*table)["each"].as_array();
     if (each == nullptr || each->size() != size(count_))
-      at.refuse("each", fmt::format("a list of {}, one for each robot", count_));
+      at.throw_invalid("each", fmt::format("a list of {}, one for each robot", count_));
     toml::array holder;
     holder.push_back((*each)[sightline::at(index_)]);
     return holder;
@@ -140,9 +140,9 @@ class Instance {
   double heading(const TomlTable& at) const {
     at.expect_only({"face"});
     const std::vector<double> to = at.numbers("face", 2);
-    if (!start_) at.refuse("face", "a start.p of three numbers or a place, from which it is faced");
+    if (!start_) at.throw_invalid("face", "a start.p of three numbers or a place, from which it is faced");
     const double x = to[0] - start_->x, y = to[1] - start_->y;
-    if (x == 0 && y == 0) at.refuse("face", "another point than the start");
+    if (x == 0 && y == 0) at.throw_invalid("face", "another point than the start");
     return rounded(std::atan2(y, x), 1e6);
   }
 
@@ -168,7 +168,7 @@ void merge(toml::table& into, toml::table&& from) {
 /// Whether a table needs no expansion, so that a document without templates is left as it was read.
 bool stands_for_itself(const toml::node& node) {
   if (const toml::table* table = node.as_table()) {
-    for (const std::string_view word : {"like", "place", "face", "each"}) {
+    for (const std::string_view word : {"inherits", "place", "face", "each"}) {
       if (table->contains(word)) return false;
     }
     return std::all_of(table->begin(), table->end(), [](const auto& entry) {
@@ -193,7 +193,7 @@ class Expansion {
   void run() {
     for (const std::string_view section : sections) expand_section(std::string(section));
     for (const auto& [name, at] : root_.named_tables("template")) {
-      if (!used_.contains(name)) at.refuse("a robot, target, obstacle or template that is like it");
+      if (!used_.contains(name)) at.throw_invalid("a robot, target, obstacle or template that inherits it");
     }
     document_.root.erase("template");
     for (auto&& [key, node] : document_.root) {
@@ -212,7 +212,7 @@ class Expansion {
       const TomlTable at = all.table(name);
       const auto range = names_of(name);
       if (!range && name.find_first_of("{}") != name.npos)
-        at.refuse(fmt::format("a name, or a range of at most {} as in \"uav{{0..7}}\"", range_max));
+        at.throw_invalid(fmt::format("a name, or a range of at most {} as in \"uav{{0..7}}\"", range_max));
       const std::vector<std::string> names = range.value_or(std::vector{name});
       if (!range && stands_for_itself(*into[name].as_table())) {
         expanded.insert_or_assign(key_of(into, name, 0, name), std::move(*into[name].as_table()));
@@ -223,10 +223,10 @@ class Expansion {
         TomlDocument own = as_written(document_);
         toml::table robot = std::move(*own.root[section][name].as_table());
         const std::string path = fmt::format("{}.{}", section, names[i]);
-        like(robot, own, TomlTable(document_, *into[name].as_table(), path), {});
+        inherit(robot, own, TomlTable(document_, *into[name].as_table(), path), {});
         Instance(document_, static_cast<int>(i), static_cast<int>(names.size())).fill(robot, path);
         if (expanded.contains(names[i]) || (range && into.contains(names[i])))
-          at.refuse(fmt::format("names of their own, {} is there already", names[i]));
+          at.throw_invalid(fmt::format("names of their own, {} is there already", names[i]));
         expanded.insert_or_assign(key_of(into, name, i, names[i]), std::move(robot));
       }
     }
@@ -244,16 +244,17 @@ class Expansion {
     return toml::key(of, place);
   }
 
-  void like(toml::table& robot, TomlDocument& own, const TomlTable& at, std::vector<std::string> above) {
-    if (!at.has("like")) return;
-    const std::string name(at.word("like", templates_views(), "a template"));
+  void inherit(toml::table& robot, TomlDocument& own, const TomlTable& at, std::vector<std::string> above) {
+    if (!at.has("inherits")) return;
+    const std::string name(at.word("inherits", templates_views(), "a template"));
     if (std::find(above.begin(), above.end(), name) != above.end())
-      at.refuse("like", fmt::format("a template that is not like itself, {} is", fmt::join(above, " like ")));
+      at.throw_invalid("inherits", fmt::format("a template that does not inherit itself, {} does",
+                                               fmt::join(above, " inherits ")));
     above.push_back(name);
     used_.insert(name);
-    robot.erase("like");
+    robot.erase("inherits");
     toml::table of = std::move(*own.root["template"][name].as_table());
-    like(of, own, root_.table("template").table(name), above);
+    inherit(of, own, root_.table("template").table(name), above);
     merge(robot, std::move(of));
   }
 

@@ -4,7 +4,7 @@
 ///     R = [0.1, 0.1, 0.1, 0.1]
 ///
 ///     [agent."uav{00..31}"]                              # uav00, uav01, ... uav31
-///     like = "follower"
+///     inherits = "follower"
 ///     start = { p = { place = "circle", centre = [0.0, 0.0, 1.5], radius = 8.0 }, heading = { face = [0.0, 0.0] } }
 ///
 /// A table's own keys win over those of its template; `start`, `parameters` and `sensor` are filled key by key. A template

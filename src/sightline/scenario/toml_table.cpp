@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "sightline/scenario/file_kind.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/string_place.hpp"
 
 namespace sightline {
@@ -130,15 +130,15 @@ std::string TomlTable::where() const {
   return at.line > 0 ? fmt::format("{}:{}", at.file, at.line) : at.file;
 }
 
-const Parts& TomlTable::parts() const {
-  return document_->parts != nullptr ? *document_->parts : parts_of_sightline();
+const Registry& TomlTable::registry() const {
+  return document_->registry != nullptr ? *document_->registry : built_in_registry();
 }
 
 const toml::node* TomlTable::find(std::string_view key) const { return table_->get(key); }
 
 const toml::node& TomlTable::need(std::string_view key, std::string_view expected) const {
   const toml::node* node = find(key);
-  if (node == nullptr) refuse(key, expected);
+  if (node == nullptr) throw_invalid(key, expected);
   return *node;
 }
 
@@ -187,7 +187,7 @@ std::string_view TomlTable::choice(std::span<const std::string_view> known,
   expect_only(all);
   const auto has_key = [&](std::string_view key) { return has(key); };
   if (std::count_if(known.begin(), known.end(), has_key) != 1) {
-    refuse(fmt::format("exactly one of {}", fmt::join(known, ", ")));
+    throw_invalid(fmt::format("exactly one of {}", fmt::join(known, ", ")));
   }
   return *std::find_if(known.begin(), known.end(), has_key);
 }
@@ -228,11 +228,11 @@ std::string TomlTable::text(std::string_view key, std::string_view expected) con
 std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known) const {
   const std::string expected = fmt::format("one of \"{}\"", fmt::join(known, "\", \""));
   const TomlValue given = value(key, expected);
-  if (!given.is_text()) given.refuse(expected);
+  if (!given.is_text()) given.throw_invalid(expected);
   const auto found = std::find(known.begin(), known.end(), given.text());
   if (found != known.end()) return *found;
   const auto near = nearest(shortened(given.text(), shown_size), known);
-  given.refuse(near ? fmt::format("{}, the nearest is \"{}\"", expected, *near) : expected);
+  given.throw_invalid(near ? fmt::format("{}, the nearest is \"{}\"", expected, *near) : expected);
 }
 
 std::string_view TomlTable::word(std::string_view key, std::span<const std::string_view> known,
@@ -243,7 +243,7 @@ std::string_view TomlTable::word(std::string_view key, std::span<const std::stri
 bool TomlTable::boolean(std::string_view key) const {
   constexpr std::string_view expected = "true or false";
   const auto* value = need(key, expected).as_boolean();
-  if (value == nullptr) refuse(key, expected);
+  if (value == nullptr) throw_invalid(key, expected);
   return value->get();
 }
 
@@ -275,7 +275,7 @@ Vec3<double> TomlTable::vec3(std::string_view key) const {
 std::vector<double> TomlTable::rising(std::string_view key) const {
   std::vector<double> times = numbers(key, any_length);
   for (std::size_t i = 1; i < times.size(); ++i) {
-    if (!(times[i] > times[i - 1])) refuse(key, i, "times that rise [s]");
+    if (!(times[i] > times[i - 1])) throw_invalid(key, i, "times that rise [s]");
   }
   return times;
 }
@@ -303,7 +303,7 @@ std::vector<std::string> TomlTable::texts(std::string_view key, std::size_t leng
   std::vector<std::string> values;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const auto* value = entries[i].as_string();
-    if (value == nullptr) refuse(key, i, "a name in quotes");
+    if (value == nullptr) throw_invalid(key, i, "a name in quotes");
     values.push_back(value->get());
   }
   return values;
@@ -337,11 +337,11 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   if (node == nullptr) return {};
   const toml::array* entries = node->as_array();
   const std::string expected = fmt::format("tables under [[{}]]", key);
-  if (entries == nullptr) refuse(key, expected);
+  if (entries == nullptr) throw_invalid(key, expected);
   std::vector<TomlTable> list;
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const toml::table* inner = (*entries)[i].as_table();
-    if (inner == nullptr) refuse(key, i, expected);
+    if (inner == nullptr) throw_invalid(key, i, expected);
     list.push_back(TomlTable(*document_, *inner, fmt::format("{}[{}]", place(key), i)));
   }
   return list;
@@ -363,11 +363,11 @@ TomlValue TomlTable::value(std::string_view key, std::string_view expected) cons
 }
 
 std::string_view TomlValue::word(std::span<const std::string_view> known, std::string_view expected) const {
-  if (!is_text()) refuse(expected);
+  if (!is_text()) throw_invalid(expected);
   const auto found = std::find(known.begin(), known.end(), text());
   if (found != known.end()) return *found;
-  if (known.empty()) refuse(fmt::format("{}, there is none", expected));
-  refuse(fmt::format("{}{}", expected, hint(shortened(text(), shown_size), known)));
+  if (known.empty()) throw_invalid(fmt::format("{}, there is none", expected));
+  throw_invalid(fmt::format("{}{}", expected, hint(shortened(text(), shown_size), known)));
 }
 
 std::vector<TomlValue> TomlValue::items() const {
@@ -380,11 +380,11 @@ std::vector<TomlValue> TomlValue::items() const {
 
 double TomlValue::number(const Range& range) const {
   const double value = *node_->value<double>();
-  if (!range.holds(value)) refuse(range.expected_of(value));
+  if (!range.holds(value)) throw_invalid(range.expected_of(value));
   return value;
 }
 
-void TomlValue::refuse(std::string_view expected) const {
+void TomlValue::throw_invalid(std::string_view expected) const {
   refuse_at_place(*document_, node_->source(),
                   fmt::format("{} = {}, expected {}", path_, shown(*node_), expected));
 }
@@ -406,20 +406,20 @@ void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::st
                   fmt::format("{} = {}, expected {}", at, shown(node), expected));
 }
 
-void TomlTable::refuse(std::string_view key, std::string_view expected) const {
+void TomlTable::throw_invalid(std::string_view key, std::string_view expected) const {
   if (const toml::node* node = find(key)) refuse_node(*node, place(key), expected);
   refuse_at_place(*document_, source_, fmt::format("{} is missing, expected {}", place(key), expected));
 }
 
-void TomlTable::refuse(std::string_view key, std::size_t i, std::string_view expected) const {
+void TomlTable::throw_invalid(std::string_view key, std::size_t i, std::string_view expected) const {
   refuse_node((*find(key)->as_array())[i], fmt::format("{}[{}]", place(key), i), expected);
 }
 
-void TomlTable::refuse(std::string_view expected) const {
+void TomlTable::throw_invalid(std::string_view expected) const {
   refuse_at_place(*document_, source_, fmt::format("{} = {}, expected {}", path_, shown(*table_), expected));
 }
 
-void TomlTable::refuse_as_said(std::string_view sentence) const {
+void TomlTable::rethrow_at(std::string_view sentence) const {
   // The key's line is nearer than the table's own.
   const std::size_t dot = sentence.find('.'), equals = sentence.find(" = ");
   if (equals != std::string_view::npos) {

@@ -48,7 +48,7 @@ Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
   return std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry.name == name; })->read;
 }
 
-struct Parts;
+struct Registry;
 
 /// One of the texts that a document is made of.
 struct TomlLayer {
@@ -63,9 +63,9 @@ struct TomlDocument {
   toml::table root;
   std::string text{};
   std::vector<TomlLayer> layers{};  ///< from the lowest up, where it is more than its own text
-  bool from_disk = true;         ///< files that it names are read from the disk; else they stand in `files`
-  mutable FileTexts files{};     ///< those that were asked for
-  const Parts* parts = nullptr;  ///< which it may call by name, outlive it; none: those of sightline
+  bool from_disk = true;      ///< files that it names are read from the disk; else they stand in `files`
+  mutable FileTexts files{};  ///< those that were asked for
+  const Registry* registry = nullptr;  ///< which it may call by name, outlive it; none: those of sightline
 };
 
 /// @throws ScenarioError where the text is refused by check_text() or is not TOML
@@ -149,18 +149,18 @@ class TomlTable {
     try {
       return make();
     } catch (const std::invalid_argument& error) {
-      refuse_as_said(error.what());
+      rethrow_at(error.what());
     }
   }
 
   /// `path.key = value, expected ...`, or `path.key is missing, expected ...`.
-  [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
+  [[noreturn]] void throw_invalid(std::string_view key, std::string_view expected) const;
   /// `path.key[i] = value, expected ...`.
-  [[noreturn]] void refuse(std::string_view key, std::size_t i, std::string_view expected) const;
+  [[noreturn]] void throw_invalid(std::string_view key, std::size_t i, std::string_view expected) const;
   /// Refuses the table itself, as `path = {...}, expected ...`.
-  [[noreturn]] void refuse(std::string_view expected) const;
+  [[noreturn]] void throw_invalid(std::string_view expected) const;
   /// Refuses it with a sentence; one that begins with a key, or with `word.key`, at the line of that key.
-  [[noreturn]] void refuse_as_said(std::string_view sentence) const;
+  [[noreturn]] void rethrow_at(std::string_view sentence) const;
 
   static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
 
@@ -171,7 +171,7 @@ class TomlTable {
   /// Whether files that it names are there; those of a log's scenario need not be any more.
   bool from_disk() const { return document_->from_disk; }
   /// What it may call by name.
-  const Parts& parts() const;
+  const Registry& registry() const;
   /// The file, as its refusals name it.
   const std::string& file() const { return document_->file; }
   /// Where it begins, `file:line`.
@@ -211,7 +211,7 @@ class TomlValue {
   double number(const Range& range = any_number()) const;
 
   /// `path = value, expected ...`.
-  [[noreturn]] void refuse(std::string_view expected) const;
+  [[noreturn]] void throw_invalid(std::string_view expected) const;
   /// At the byte `offset` of a text, at the beginning of any other value: `file:line:column: path = value, sentence`.
   [[noreturn]] void refuse_at(std::size_t offset, std::string_view sentence) const;
 

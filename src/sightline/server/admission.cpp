@@ -58,13 +58,13 @@ bool Admission::is_host(std::string_view host) const {
   return !token_.empty() && ::inet_pton(AF_INET, name.c_str(), &ignored) == 1;
 }
 
-std::string_view Admission::refusal(const HttpRequest& request, Asked asked) const {
+std::string_view Admission::refusal(const HttpRequest& request, Requested requested) const {
   const std::string_view host = request.header("host"), origin = request.header("origin");
   if (!is_host(host)) return "the host is a name, expected the address and port that were printed";
   if (request.headers.contains("origin") && origin != fmt::format("http://{}", host) &&
-      !(asked == Asked::topics && is_allowed(origin)))
+      !(requested == Requested::topics && is_allowed(origin)))
     return "the request comes from a page of another origin, expected this one";
-  if (asked != Asked::open_file &&
+  if (requested != Requested::open_file &&
       !same_secret(token_.empty() ? std::string_view() : request.parameter("token"), token_))
     return "the token is missing or wrong, expected the address as it was printed";
   return {};

@@ -29,7 +29,7 @@ void check_origin(std::string_view origin);
 class Admission {
  public:
   /// What a request asks for.
-  enum class Asked {
+  enum class Requested {
     flight,
     open_file,  ///< holds nothing of a flight: no token is asked for
     topics      ///< Foxglove's protocol, which tells only: other origins may be allowed
@@ -40,7 +40,7 @@ class Admission {
   Admission(std::uint16_t port, std::string token, std::vector<std::string> origins = {});
 
   /// @return why it is refused, a sentence; empty: it is not
-  std::string_view refusal(const HttpRequest& request, Asked asked = Asked::flight) const;
+  std::string_view refusal(const HttpRequest& request, Requested requested = Requested::flight) const;
 
  private:
   bool is_host(std::string_view host) const;

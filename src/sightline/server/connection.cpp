@@ -27,7 +27,7 @@ Connection::Connection(OwnedDescriptor socket, Time now, std::size_t message_lim
       messages_a_second_(messages_a_second),
       second_(now),
       moved_(now),
-      heard_(now) {}
+      received_(now) {}
 
 void Connection::receive(Time now) {
   std::array<char, 4096> bytes;
@@ -35,9 +35,9 @@ void Connection::receive(Time now) {
   const ssize_t n = ::recv(fd(), bytes.data(), bytes.size(), 0);
   if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (n <= 0) return close();
-  heard_ = now;
+  received_ = now;
   const std::string_view taken(bytes.data(), static_cast<std::size_t>(n));
-  if (state_ == State::asking && in_.size() <= request_limit) in_ += taken;
+  if (state_ == State::requesting && in_.size() <= request_limit) in_ += taken;
   if (state_ != State::watching) return;  // behind a request nothing is expected
   frames_.take(taken);
   bytes_ += taken.size();

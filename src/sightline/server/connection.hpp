@@ -36,9 +36,9 @@ class Connection {
   using Bytes = std::shared_ptr<const std::string>;
 
   enum class State {
-    asking,     ///< its request is not whole
-    answering,  ///< closed once the answer is out
-    watching,   ///< a WebSocket
+    requesting,  ///< its request is not whole
+    answering,   ///< closed once the answer is out
+    watching,    ///< a WebSocket
     closed
   };
 
@@ -55,7 +55,7 @@ class Connection {
   }
   /// When bytes last moved, or since it takes none.
   Time moved() const { return moved_; }
-  Time heard() const { return heard_; }
+  Time received() const { return received_; }
 
   /// Takes in what there is, once; an end of the stream closes it.
   void receive(Time now);
@@ -92,14 +92,14 @@ class Connection {
   std::optional<WebsocketClose> take_frame(WebsocketReader::Frame frame);
 
   OwnedDescriptor socket_;
-  State state_ = State::asking;
+  State state_ = State::requesting;
   std::string in_;  // of a request
   WebsocketReader frames_;
   std::optional<WebsocketReader::Frame> begun_{};  // a message in parts
   std::vector<WebsocketReader::Frame> whole_{};
   std::size_t message_limit_, bytes_ = 0;
   int messages_a_second_, messages_ = 0;
-  Time second_, moved_, heard_;
+  Time second_, moved_, received_;
   Bytes out_;
   std::string behind_;  // that waits for out_
   std::size_t sent_ = 0;

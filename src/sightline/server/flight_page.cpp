@@ -10,7 +10,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/record/log_topics.hpp"
-#include "sightline/run/ring.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/server/admission.hpp"
 #include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/page_files.hpp"
@@ -21,7 +21,7 @@ namespace sightline {
 namespace {
 
 constexpr std::size_t samples_that_wait = 64;  // at 100 Hz twenty times what comes between two looks
-constexpr std::size_t events_told = 32;        // the last of them, with each state
+constexpr std::size_t events_reported = 32;    // the last of them, with each state
 
 PageFiles files_of_flight(const SceneJson& scene, const Tuning* tuning) {
   PageFiles files = page_files();
@@ -40,7 +40,7 @@ class FlightPage::Thread {
       : ring(samples_that_wait, prototype),
         scene_(scenario),
         present_(scenario),
-        asked_(scene_.asked(present_)),
+        requested_(scene_.requested(present_)),
         feed_(scenario.name),
         topics_(scenario, prototype.solvers.size(), feed_),
         drawn_(scenario, feed_),
@@ -48,14 +48,15 @@ class FlightPage::Thread {
         options_(options),
         server_(
             options, files_of_flight(scene_, tuning), &feed_,
-            tuning == nullptr ? HearWatcher() : [tuning](std::string_view text) { tuning->hear(text); }),
+            tuning == nullptr ? OnWatcherMessage()
+                              : [tuning](std::string_view text) { tuning->receive(text); }),
         thread_("the page", [this] { run(); }) {}
   ~Thread() {
     done_ = true;
     thread_.join();
   }
 
-  Ring<Sample> ring;
+  SpscQueue<Sample> ring;
   std::atomic<std::int64_t> dropped{0};
   const PageServer& server() const { return server_; }
   ServeOptions served() const {
@@ -86,9 +87,9 @@ class FlightPage::Thread {
       any = true;
     }
     // Answers before files: who reads that a change is accepted finds it in the files.
-    const std::string answers = tuning_ != nullptr ? tuning_->told() : std::string();
-    const bool told = tells_more() && !newest_.seen.empty();  // of a flight that waits, too
-    if (!any && !told) return;
+    const std::string answers = tuning_ != nullptr ? tuning_->reported() : std::string();
+    const bool reported = reports_more() && !newest_.seen.empty();  // of a flight that waits, too
+    if (!any && !reported) return;
     if (any) tell([&] { drawn_.add(newest_); });
     feed_.hand_over(nanoseconds(newest_.time));
     std::string moment = scene_.moment(newest_, events_);
@@ -99,18 +100,18 @@ class FlightPage::Thread {
   }
 
   /// Whether somebody tuned, or was refused; then the files of it are others.
-  bool tells_more() {
+  bool reports_more() {
     if (tuning_ == nullptr) return false;
     tuning_->set_time(newest_.time);
     const std::uint64_t version = tuning_->version();
-    if (std::exchange(told_, version) == version) return false;
+    if (std::exchange(reported_, version) == version) return false;
     for (auto& [path, file] : tuning_->files()) server_.put(path, std::move(file));
     return true;
   }
 
   /// The newest of all, but of solve times the longest since the last look.
   void take(const Sample& sample) {
-    if (present_.follow(sample)) asked_ = scene_.asked(present_);
+    if (present_.follow(sample)) requested_ = scene_.requested(present_);
     tell([&] { (void)topics_.add(sample, present_, present_.cost(sample)); });
     const Team& team = scene_.team();
     newest_.time = sample.time;
@@ -120,7 +121,7 @@ class FlightPage::Thread {
       if (there) newest_.seen[size(i)] = true_sight(team, BodyId{i}, sample);
     }
     newest_.u = sample.u;
-    newest_.asked = asked_;
+    newest_.requested = requested_;
     double solve_us = 0.0;  // of all controllers together, as a log has it
     for (const SolverRecord& solver : sample.solvers) solve_us += solver.solve_us;
     newest_.solve_us = std::max(newest_.solve_us, solve_us);
@@ -145,20 +146,20 @@ class FlightPage::Thread {
     if (sample.has_path) take_paths(sample);
     for (int i = 0; i < sample.event_count; ++i) {
       const Event& event = sample.events[size(i)];
-      events_.push_back({happened_++, event.time, scene_.words(to_string(event.kind), event.value)});
+      events_.push_back({occurred_++, event.time, scene_.describe(to_string(event.kind), event.value)});
     }
-    if (events_.size() > events_told)
-      events_.erase(events_.begin(), events_.end() - static_cast<std::ptrdiff_t>(events_told));
+    if (events_.size() > events_reported)
+      events_.erase(events_.begin(), events_.end() - static_cast<std::ptrdiff_t>(events_reported));
   }
 
   /// What cannot be told ends the topics, and not the flight.
   template <class Tell>
   void tell(Tell&& topics) {
-    if (untold_ || !feed_.is_asked()) return;
+    if (unreported_ || !feed_.is_requested()) return;
     try {
       topics();
     } catch (const std::exception&) {
-      untold_ = true;
+      unreported_ = true;
     }
   }
 
@@ -178,16 +179,16 @@ class FlightPage::Thread {
 
   SceneJson scene_;
   PresentTeam present_;
-  std::vector<char> asked_;
+  std::vector<char> requested_;
   ShownState newest_;
-  std::vector<Happening> events_;
-  std::int64_t happened_ = 0;
+  std::vector<TriggeredEvent> events_;
+  std::int64_t occurred_ = 0;
   FoxgloveFeed feed_;
   LogTopics topics_;
   SceneTopics drawn_;
-  bool untold_ = false;
+  bool unreported_ = false;
   Tuning* tuning_;
-  std::uint64_t told_ = 0;  // version of it
+  std::uint64_t reported_ = 0;  // version of it
   ServeOptions options_;
   PageServer server_;
   std::atomic<bool> done_{false};

@@ -55,7 +55,7 @@ void FoxgloveFeed::hand_over(std::uint64_t time) {
   (void)!::write(waiting_.get(), &one, sizeof one);
 }
 
-bool FoxgloveFeed::is_asked() const {
+bool FoxgloveFeed::is_requested() const {
   const std::scoped_lock lock(lock_);
   return subscriptions_ > 0;
 }

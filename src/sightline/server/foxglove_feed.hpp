@@ -34,7 +34,7 @@ class FoxgloveFeed final : public MessageSink {
   /// @param time  up to which it goes [ns]
   void hand_over(std::uint64_t time);
   /// Whether somebody has subscribed to a topic.
-  bool is_asked() const;
+  bool is_requested() const;
 
   // By the thread that serves.
 

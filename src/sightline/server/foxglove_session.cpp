@@ -29,7 +29,7 @@ void FoxgloveSession::advertise() {
   advertised_ += channels.size();
 }
 
-void FoxgloveSession::hear(const WebsocketReader::Frame& message) {
+void FoxgloveSession::receive(const WebsocketReader::Frame& message) {
   if (message.op != WebsocketOp::text)
     return say(FoxgloveLevel::error, "a binary message, expected none: this server only tells");
   const FoxgloveRequest request = read_foxglove(message.payload);
@@ -75,10 +75,10 @@ void FoxgloveSession::unsubscribe(const FoxgloveUnsubscribe& request) {
 
 void FoxgloveSession::tell(const std::vector<FoxgloveFeed::Batch>& batches) {
   if (feed_.channel_count() > advertised_) advertise();
-  if (dropped_ > told_dropped_ && to_.waiting() == 0) {
-    say(FoxgloveLevel::warning,
-        fmt::format("{} messages were left out, for they were not taken in time", dropped_ - told_dropped_));
-    told_dropped_ = dropped_;
+  if (dropped_ > reported_dropped_ && to_.waiting() == 0) {
+    say(FoxgloveLevel::warning, fmt::format("{} messages were left out, for they were not taken in time",
+                                            dropped_ - reported_dropped_));
+    reported_dropped_ = dropped_;
   }
   for (const FoxgloveFeed::Batch& batch : batches) {
     for (const FoxgloveFeed::Message& message : batch.messages) {

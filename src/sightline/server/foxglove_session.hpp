@@ -27,7 +27,7 @@ class FoxgloveSession {
   FoxgloveSession& operator=(const FoxgloveSession&) = delete;
 
   /// Takes a message of the client: subscribes, unsubscribes, or says why not.
-  void hear(const WebsocketReader::Frame& message);
+  void receive(const WebsocketReader::Frame& message);
   /// Tells of topics that are new, of the messages that it has subscribed to, and the time. What does not fit behind what it has not
   /// taken is left out.
   void tell(const std::vector<FoxgloveFeed::Batch>& batches);
@@ -47,7 +47,7 @@ class FoxgloveSession {
   std::size_t advertised_ = 0;
   std::map<std::uint32_t, std::uint32_t> subscription_of_;  // of channels
   std::map<std::uint32_t, std::uint32_t> channel_of_;       // of subscriptions
-  std::int64_t sent_ = 0, dropped_ = 0, told_dropped_ = 0;
+  std::int64_t sent_ = 0, dropped_ = 0, reported_dropped_ = 0;
 };
 
 }  // namespace sightline

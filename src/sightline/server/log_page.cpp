@@ -98,7 +98,7 @@ class LogMoments::Player {
         scene_(scenario),
         script_(scenario.script.events.size()),
         present_(scenario),
-        asked_(scene_.asked(present_)),
+        requested_(scene_.requested(present_)),
         levels_(run_.bodies.size(), to_string(FallbackLevel::valid)) {
     check_team(run_, scenario, folder);
     for (const Recording::Body& body : run_.bodies) {
@@ -162,8 +162,8 @@ class LogMoments::Player {
   std::string moment(std::size_t row, std::size_t until) {
     ShownState now;
     now.time = run_.time[row];
-    const std::vector<Happening> events = follow(now.time);
-    now.asked = asked_;
+    const std::vector<TriggeredEvent> events = follow(now.time);
+    now.requested = requested_;
     now.levels = levels_;
     for (const Recording::Body& body : run_.bodies) {
       const double psi = body.heading[row];
@@ -188,28 +188,29 @@ class LogMoments::Player {
   }
 
   /// The last that is not after the time; it and those before are given up.
-  template <class Told>
-  static Told newest(std::map<double, Told>& all, double time) {
-    Told last;
+  template <class Reported>
+  static Reported newest(std::map<double, Reported>& all, double time) {
+    Reported last;
     const auto later = all.upper_bound(time + same_time);
     if (later != all.begin()) last = std::move(std::prev(later)->second);
     all.erase(all.begin(), later);
     return last;
   }
 
-  std::vector<Happening> follow(double time) {
-    std::vector<Happening> events;
+  std::vector<TriggeredEvent> follow(double time) {
+    std::vector<TriggeredEvent> events;
     while (next_ < run_.events.size() && run_.events[next_].time <= time + same_time) {
       const Recording::Event& event = run_.events[next_];
-      events.push_back({static_cast<std::int64_t>(next_), event.time, scene_.words(event.kind, event.value)});
+      events.push_back(
+          {static_cast<std::int64_t>(next_), event.time, scene_.describe(event.kind, event.value)});
       const EventKind kind = kind_named(event.kind);
       if (kind == EventKind::event_in_force && event.value >= 0 &&
           event.value < static_cast<double>(script_)) {
-        told_.time = time;
-        told_.event_count = 1;
-        told_.events[0] = {event.time, kind, event.controller, event.value};
-        (void)present_.follow(told_);
-        asked_ = scene_.asked(present_);
+        reported_.time = time;
+        reported_.event_count = 1;
+        reported_.events[0] = {event.time, kind, event.controller, event.value};
+        (void)present_.follow(reported_);
+        requested_ = scene_.requested(present_);
       }
       const bool is_level = kind >= EventKind::valid && kind <= EventKind::grounded;
       if (is_level && event.value >= 0 && event.value < static_cast<double>(levels_.size()))
@@ -228,14 +229,14 @@ class LogMoments::Player {
   SceneJson scene_;
   std::size_t script_;  // events of it
   PresentTeam present_;
-  std::vector<char> asked_;
+  std::vector<char> requested_;
   std::vector<std::string_view> levels_;                                           // of each body
   std::map<std::string, std::size_t, std::less<>> path_topics_, estimate_topics_;  // robots
   std::size_t robots_ = 0;
   LoggedPaths paths_;
   LoggedEstimates estimates_;
   LogState state_ = LogState::growing;
-  Sample told_;
+  Sample reported_;
   std::size_t next_ = 0;  // event
   std::size_t row_ = 0, stride_ = 0;
 };
@@ -274,9 +275,9 @@ class LogPage::Thread {
                               return scene_;
                             }};
     files["/moments.json"] = {
-        .type = "application/json", .body = {}, .made = [this](const HttpRequest& asked) {
-          return moments(count_in(asked.parameter("from"), 0),
-                         count_in(asked.parameter("most"), std::string::npos));
+        .type = "application/json", .body = {}, .made = [this](const HttpRequest& requested) {
+          return moments(count_in(requested.parameter("from"), 0),
+                         count_in(requested.parameter("most"), std::string::npos));
         }};
     return files;
   }
@@ -318,9 +319,9 @@ class LogPage::Thread {
                                                 {"moments", moments_.size()},
                                                 {"state", to_string(log_->state())},
                                                 {"fault", fault_}}));
-    if (now == told_) return;
-    told_ = std::move(now);
-    server_->post(told_);
+    if (now == reported_) return;
+    reported_ = std::move(now);
+    server_->post(reported_);
   }
 
   void run() {
@@ -343,7 +344,7 @@ class LogPage::Thread {
   mutable std::mutex shown_lock_;  // of what the server's thread reads
   std::string session_, scene_;
   std::vector<std::string> moments_;
-  std::string told_, fault_;
+  std::string reported_, fault_;
   std::optional<PageServer> server_;
   std::atomic<bool> done_{false};
   ServiceThread thread_{"the page of the log"};  // last: it uses all of it

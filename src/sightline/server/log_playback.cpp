@@ -57,8 +57,8 @@ class StateOfLog {
         seen = Sight<double>{{{pose->p[0], pose->p[1], pose->p[2]}, {pose->d[0], pose->d[1]}}, {}};
       seen_at_[body] = state_.time;
     } else if (what == "attitude" && seen) {  // behind the pose of its period
-      if (const auto told = decode_attitude(message.bytes))
-        seen->lean = lean(rotation({told->q[3], told->q[0], told->q[1], told->q[2]}));
+      if (const auto reported = decode_attitude(message.bytes))
+        seen->lean = lean(rotation({reported->q[3], reported->q[0], reported->q[1], reported->q[2]}));
     }
   }
 
@@ -112,9 +112,9 @@ LogPlayback::~LogPlayback() {
 
 bool LogPlayback::wait(double seconds) const {
   const auto end = WallTime::now() + std::chrono::duration<double>(seconds);
-  while (!done_ && feed_.is_asked() && WallTime::now() < end)
+  while (!done_ && feed_.is_requested() && WallTime::now() < end)
     std::this_thread::sleep_for(std::chrono::duration<double>(std::min(seconds, look_step)));
-  return !done_ && feed_.is_asked();
+  return !done_ && feed_.is_requested();
 }
 
 void LogPlayback::run() {

@@ -83,7 +83,7 @@ const std::vector<std::string>& checked_origins(const ServeOptions& options) {
 
 class PageServer::Thread {
  public:
-  Thread(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics, HearWatcher hear)
+  Thread(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics, OnWatcherMessage receive)
       : topics_(topics),
         listener_(listening_socket(options)),
         wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
@@ -94,7 +94,7 @@ class PageServer::Thread {
         url_(fmt::format("http://{}:{}/{}{}", options.address, port_,
                          token_.empty() ? "" : "?token=", token_)),
         admission_(port_, token_, checked_origins(options)),
-        hear_(std::move(hear)) {
+        receive_(std::move(receive)) {
     for (auto& [path, file] : files) put(path, std::move(file));
     thread_.start([this] { run(); }, [this] { leave_all(); });
   }
@@ -152,7 +152,7 @@ class PageServer::Thread {
       for (Connection& one : connections_) serve(one, polled[i++].revents, now);
       accept_new(now);
       give_newest(now);
-      tell_topics(now);
+      report_topics(now);
       leave_late(now);
       tidy();
     }
@@ -185,9 +185,9 @@ class PageServer::Thread {
 
   void serve(Connection& one, short events, Time now) {
     if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) one.receive(now);
-    if (one.state() == Connection::State::asking) {
+    if (one.state() == Connection::State::requesting) {
       if (one.head_too_long()) {
-        refuse(one, 431, "the request is too long", now);
+        throw_invalid(one, 431, "the request is too long", now);
       } else if (!one.head().empty()) {
         answer(one, now);
       }
@@ -195,52 +195,52 @@ class PageServer::Thread {
     const auto speaker = sessions_.find(&one);
     for (const WebsocketReader::Frame& message : one.take_messages())
       if (speaker != sessions_.end())
-        speaker->second.hear(message);
-      else if (hear_)
-        hear(one, message.payload);
+        speaker->second.receive(message);
+      else if (receive_)
+        receive(one, message.payload);
       else
-        ++now_counts_.unasked;
+        ++now_counts_.unrequested;
     one.send(now);
   }
 
   /// What a message brings about is not the server's: where that fails, who sent it is left.
-  void hear(Connection& one, std::string_view message) {
+  void receive(Connection& one, std::string_view message) {
     try {
-      hear_(message);
+      receive_(message);
     } catch (const std::exception&) {
       ++now_counts_.refused;
       one.close();
     }
   }
 
-  void refuse(Connection& one, int status, std::string_view why, Time now) {
+  void throw_invalid(Connection& one, int status, std::string_view why, Time now) {
     ++now_counts_.refused;
     one.answer(http_response(status, "text/plain; charset=utf-8", fmt::format("sightline: {}\n", why)), now);
   }
 
   void answer(Connection& one, Time now) {
     const auto request = parse_request(one.head());
-    if (!request) return refuse(one, 400, "this is no request", now);
+    if (!request) return throw_invalid(one, 400, "this is no request", now);
     const std::shared_ptr<const PageFile> file = file_at(request->path);
     const bool open = file != nullptr && file->open;
     const std::string_view protocol = foxglove_protocol(request->header("sec-websocket-protocol"));
     const bool topics = topics_ != nullptr && !protocol.empty() && request->path == "/";
-    const auto asked = topics ? Admission::Asked::topics
-                       : open ? Admission::Asked::open_file
-                              : Admission::Asked::flight;
-    if (const std::string_view why = admission_.refusal(*request, asked); !why.empty())
-      return refuse(one, 403, why, now);
+    const auto requested = topics ? Admission::Requested::topics
+                           : open ? Admission::Requested::open_file
+                                  : Admission::Requested::flight;
+    if (const std::string_view why = admission_.refusal(*request, requested); !why.empty())
+      return throw_invalid(one, 403, why, now);
     if (request->method != "GET" && request->method != "HEAD")
-      return refuse(one, 405, "this page is read-only", now);
+      return throw_invalid(one, 405, "this page is read-only", now);
     if (request->path == "/live") return upgrade(one, *request, "", now);
     if (topics) return upgrade(one, *request, protocol, now);
-    if (file == nullptr) return refuse(one, 404, "there is nothing here", now);
+    if (file == nullptr) return throw_invalid(one, 404, "there is nothing here", now);
     try {
       one.answer(http_response(200, file->type, file->made ? file->made(*request) : file->body,
                                request->method == "GET"),
                  now);
     } catch (const std::exception& error) {
-      refuse(one, 500, fmt::format("this could not be made: {}", sentence_of(error)), now);
+      throw_invalid(one, 500, fmt::format("this could not be made: {}", sentence_of(error)), now);
     }
   }
 
@@ -256,14 +256,14 @@ class PageServer::Thread {
     if (request.method != "GET" || !request.lists("connection", "upgrade") ||
         !request.lists("upgrade", "websocket") || request.header("sec-websocket-version") != "13" ||
         !is_websocket_key(key))
-      return refuse(one, 400, "expected a WebSocket, version 13", now);
+      return throw_invalid(one, 400, "expected a WebSocket, version 13", now);
     one.watch(upgrade_response(key, protocol), now);
     if (protocol.empty()) return;
     one.allow(FoxgloveSession::message_limit, FoxgloveSession::messages_a_second);
     sessions_.try_emplace(&one, *topics_, one);
   }
 
-  void tell_topics(Time now) {
+  void report_topics(Time now) {
     if (topics_ == nullptr) return;
     const std::vector<FoxgloveFeed::Batch> batches = topics_->take();
     for (auto& [connection, session] : sessions_) {
@@ -295,7 +295,7 @@ class PageServer::Thread {
     for (Connection& one : connections_) {
       const bool watches = one.state() == Connection::State::watching;
       const bool stuck = (one.sends() || !watches) && now - one.moved() > too_late;
-      if (stuck || (watches && now - one.heard() > gone_after)) {
+      if (stuck || (watches && now - one.received() > gone_after)) {
         if (watches) ++now_counts_.closed;
         one.close();
       }
@@ -337,7 +337,7 @@ class PageServer::Thread {
   Admission admission_;
   std::mutex files_lock_;
   std::map<std::string, std::shared_ptr<const PageFile>, std::less<>> files_;
-  HearWatcher hear_;
+  OnWatcherMessage receive_;
 
   std::list<Connection> connections_;                  // of the thread, as what follows
   std::map<Connection*, FoxgloveSession> sessions_;    // of those that speak Foxglove's protocol
@@ -354,8 +354,9 @@ class PageServer::Thread {
   ServiceThread thread_{"the page's server"};  // last: it uses all of it
 };
 
-PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics, HearWatcher hear)
-    : thread_(std::make_unique<Thread>(options, std::move(files), topics, std::move(hear))) {}
+PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics,
+                       OnWatcherMessage receive)
+    : thread_(std::make_unique<Thread>(options, std::move(files), topics, std::move(receive))) {}
 PageServer::~PageServer() = default;
 
 const std::string& PageServer::url() const { return thread_->url(); }

@@ -43,11 +43,11 @@ struct ServeCounts {
                dropped = 0;  ///< states; dropped: a newer one was there before a watcher took the last
   std::int64_t closed = 0;   ///< watchers that sent too much, or took nothing for `patience`
   std::int64_t messages = 0, messages_dropped = 0;  ///< of topics, to each that has subscribed
-  std::int64_t unasked = 0;  ///< messages that nobody hears: what is served is read-only
+  std::int64_t unrequested = 0;  ///< messages that nobody hears: what is served is read-only
 };
 
 /// Takes in what a watcher says; of the server's thread, which it does not keep.
-using HearWatcher = std::function<void(std::string_view)>;
+using OnWatcherMessage = std::function<void(std::string_view)>;
 
 /// An HTTP and WebSocket server with one thread, which waits for no client: no socket blocks. Read-only where nobody hears: then what a
 /// client sends is looked at for its length and rate alone, and counted.
@@ -70,7 +70,7 @@ class PageServer {
   /// @param hear    the messages of watchers; none: it is read-only
   /// @throws std::invalid_argument for an address that is none of this machine, a port that is taken, or an origin that is none, named
   PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics = nullptr,
-             HearWatcher hear = {});
+             OnWatcherMessage receive = {});
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;

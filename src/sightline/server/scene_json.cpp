@@ -104,7 +104,7 @@ class SceneSurfaces {
   /// A text that is no view: around the second body, or before the first one's sensor.
   void add_zone(const Coupling& c) {
     const Potential& potential = c.term.potential;
-    if (potential.as<Region>() == nullptr || watches(potential)) return;
+    if (potential.as<Region>() == nullptr || observes(potential)) return;
     const auto& [first, second] = c.between;
     const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
     Known& known = find(potential, mount, LimitSurface::Goes::with_target);
@@ -262,7 +262,7 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
   return json_text(json);
 }
 
-std::string SceneJson::moment(const ShownState& state, const std::vector<Happening>& events) const {
+std::string SceneJson::moment(const ShownState& state, const std::vector<TriggeredEvent>& events) const {
   constexpr int millimetres = 3, turns = 4;
   JsonText text;
   const auto point = [&](const Vec3<double>& p) {
@@ -286,9 +286,9 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
   text.key("p");
   std::size_t number = 0;
   text.list(pairs_, [&](const Observation& pair) {
-    const bool asked = state.asked.empty() || state.asked[number] != 0;
+    const bool requested = state.requested.empty() || state.requested[number] != 0;
     ++number;
-    if (!asked || !there(pair.observer) || !there(pair.target)) return text.raw("null");
+    if (!requested || !there(pair.observer) || !there(pair.target)) return text.raw("null");
     const auto sight = [&](BodyId body) { return state.seen[size(body.index)].value_or(Sight<double>{}); };
     const Sight<double> a = first_sight(sight, pair.observer, pair.third), b = sight(pair.target);
     text.raw(is_in_view(pair, a, b, state.time) ? "[1," : "[0,");
@@ -335,8 +335,8 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
       point(e.p);
       for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j) text.next(), text.significant(e.P(i, j));
-      const bool told = state.truth_known && there(robot);
-      text.next(), text.significant(told ? norm(e.p - state.seen[size(robot.index)]->p) : no_value);
+      const bool reported = state.truth_known && there(robot);
+      text.next(), text.significant(reported ? norm(e.p - state.seen[size(robot.index)]->p) : no_value);
       text.next(), text.significant(e.position_sigma());
       text.raw("]");
     });
@@ -351,7 +351,7 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
   }
   if (!events.empty()) {
     text.key("events");
-    text.list(events, [&](const Happening& event) {
+    text.list(events, [&](const TriggeredEvent& event) {
       text.raw(fmt::format("[{},", event.number));
       text.number(event.time, millimetres);
       text.next();
@@ -363,7 +363,7 @@ std::string SceneJson::moment(const ShownState& state, const std::vector<Happeni
   return text.take();
 }
 
-std::vector<char> SceneJson::asked(const PresentTeam& present) const {
+std::vector<char> SceneJson::requested(const PresentTeam& present) const {
   const std::vector<Observation> now = observations(present.couplings());
   std::vector<char> mask;
   for (const Observation& pair : pairs_)
@@ -373,7 +373,7 @@ std::vector<char> SceneJson::asked(const PresentTeam& present) const {
   return mask;
 }
 
-std::string SceneJson::words(std::string_view kind, double value) const {
+std::string SceneJson::describe(std::string_view kind, double value) const {
   const EventNames names = {
       .of_body =
           [&](int body) { return std::string(body < team_.bodies() ? team_.name(BodyId{body}) : "?"); },

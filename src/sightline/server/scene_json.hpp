@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/estimate/pose_filter.hpp"
-#include "sightline/record/event_words.hpp"
+#include "sightline/record/event_description.hpp"
 #include "sightline/record/present_team.hpp"
 #include "sightline/scenario/scenario.hpp"
 
@@ -23,7 +23,7 @@ struct ShownState {
   double residual = 0.0, solve_us = 0.0;
   int iterations = 0;
   std::vector<std::string_view> levels{};  ///< fallback levels of the bodies
-  std::vector<char> asked{};               ///< of each pair, whether it is in force; empty: all are
+  std::vector<char> requested{};           ///< of each pair, whether it is in force; empty: all are
   std::vector<char> barrier{};             ///< of each robot, whether the barrier acts
   std::vector<double> reserve{};           ///< of each robot, the barrier's [m]
   std::vector<PoseEstimate> estimates{};   ///< of each robot; empty: none is localized
@@ -33,7 +33,7 @@ struct ShownState {
 };
 
 /// Something that happened, as a person reads it.
-struct Happening {
+struct TriggeredEvent {
   std::int64_t number = 0;  ///< from 0
   double time = 0.0;        ///< [s]
   std::string words;
@@ -62,12 +62,12 @@ class SceneJson {
   /// @param session  another word for each flight, so that a page that comes back knows whether it is the same
   /// @param live     states come by and by; else all there is can be had at once
   std::string scene(std::string_view session, bool live) const;
-  std::string moment(const ShownState& state, const std::vector<Happening>& events) const;
+  std::string moment(const ShownState& state, const std::vector<TriggeredEvent>& events) const;
 
   /// Of each pair, whether it is in force now.
-  std::vector<char> asked(const PresentTeam& present) const;
+  std::vector<char> requested(const PresentTeam& present) const;
   /// An event of the log by its kind and value, in words.
-  std::string words(std::string_view kind, double value) const;
+  std::string describe(std::string_view kind, double value) const;
 
   const Team& team() const { return team_; }
   /// Who is to see whom at some time of the flight.

@@ -104,33 +104,34 @@ void put_marker(CdrEncoder& to, std::uint64_t time, const Drawn& drawn, std::int
   to.put(std::uint8_t{0});
 }
 
-struct Told {
+struct Reported {
   std::uint8_t level = 0;  // 0 OK, 1 WARN, 2 ERROR
   std::string name, message, hardware;
   std::vector<std::pair<std::string, std::string>> values{};
 };
 
-Told told_of_solver(const ShownState& state) {
-  Told told = {.name = "sightline: solver", .message = std::string(state.status), .hardware = "controller"};
+Reported reported_of_solver(const ShownState& state) {
+  Reported reported = {
+      .name = "sightline: solver", .message = std::string(state.status), .hardware = "controller"};
   for (int i = 0; i < status_count; ++i)
     if (to_string(static_cast<Status>(i)) == state.status && !gives_plan(static_cast<Status>(i)))
-      told.level = 2;
-  told.values = {{"status", told.message},
-                 {"residual [1/s]", fmt::format("{:.3g}", state.residual)},
-                 {"iterations", fmt::format("{}", state.iterations)}};
-  return told;
+      reported.level = 2;
+  reported.values = {{"status", reported.message},
+                     {"residual [1/s]", fmt::format("{:.3g}", state.residual)},
+                     {"iterations", fmt::format("{}", state.iterations)}};
+  return reported;
 }
 
 /// @param robot  its number among the robots
-Told told_of_robot(const ShownState& state, BodyId body, std::size_t robot, const std::string& name) {
+Reported reported_of_robot(const ShownState& state, BodyId body, std::size_t robot, const std::string& name) {
   const std::string_view level = size(body.index) < state.levels.size() ? state.levels[size(body.index)]
                                                                         : to_string(FallbackLevel::valid);
-  Told told = {.name = "sightline: " + name, .message = std::string(level), .hardware = name};
-  if (level != to_string(FallbackLevel::valid)) told.level = 1;
-  told.values = {{"level", told.message}};
+  Reported reported = {.name = "sightline: " + name, .message = std::string(level), .hardware = name};
+  if (level != to_string(FallbackLevel::valid)) reported.level = 1;
+  reported.values = {{"level", reported.message}};
   if (robot < state.barrier.size())
-    told.values.emplace_back("barrier", state.barrier[robot] != 0 ? "acts" : "rests");
-  return told;
+    reported.values.emplace_back("barrier", state.barrier[robot] != 0 ? "acts" : "rests");
+  return reported;
 }
 
 }  // namespace
@@ -184,13 +185,13 @@ void SceneTopics::send_scene(const ShownState& state) {
 }
 
 void SceneTopics::send_diagnostics(const ShownState& state) {
-  std::vector<Told> all = {told_of_solver(state)};
+  std::vector<Reported> all = {reported_of_solver(state)};
   for (std::size_t i = 0; i < robots_.size(); ++i)
-    all.push_back(told_of_robot(state, robots_[i], i, names_[size(robots_[i].index)]));
+    all.push_back(reported_of_robot(state, robots_[i], i, names_[size(robots_[i].index)]));
   CdrEncoder to(bytes_);
   put_stamp(to, nanoseconds(state.time), "");
   put_count(to, all.size());
-  for (const Told& one : all) {
+  for (const Reported& one : all) {
     to.put(one.level);
     to.put(std::string_view(one.name)).put(std::string_view(one.message)).put(std::string_view(one.hardware));
     put_count(to, one.values.size());

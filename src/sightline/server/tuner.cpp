@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/refuse.hpp"
-#include "sightline/scenario/parts.hpp"
+#include "sightline/base/throw_invalid.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline {
@@ -47,7 +47,7 @@ Json section_of(const TomlDocument& document, std::string_view key) {
 
 TomlDocument expanded(const Scenario& scenario) {
   TomlDocument document = parse_toml(scenario.text, scenario.file.native());
-  document.parts = scenario.parts.get();
+  document.registry = scenario.registry.get();
   expand(document);
   return document;
 }
@@ -121,7 +121,7 @@ std::string toml_of(const nlohmann::ordered_json& value) {
     for (const auto& item : value) items.push_back(toml_of(item));
     return fmt::format("[{}]", fmt::join(items, ", "));
   }
-  if (value.is_null()) refuse("null, expected a number, a text, true, false, an array or an object");
+  if (value.is_null()) throw_invalid("null, expected a number, a text, true, false, an array or an object");
   if (!value.is_number_float()) return json_text(value);
   std::string number = fmt::format("{}", value.get<double>());
   if (number.find_first_of(".en") == std::string::npos) number += ".0";
@@ -165,29 +165,32 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
   try {  // of a file that writes its events as one array nothing can stand behind
     (void)parse_toml(scenario_.text + "\n[[event]]\nat = 0.0\n", scenario_.file.native());
   } catch (const ScenarioError& error) {
-    refuse("events cannot be added behind the scenario, expected [[event]] in place of event = [...]: {}",
-           error.what());
+    throw_invalid(
+        "events cannot be added behind the scenario, expected [[event]] in place of event = [...]: {}",
+        error.what());
   }
 }
 
 Tuner::Term& Tuner::Values::term(const std::string& kind, const std::string& name) {
   const auto found = std::find_if(terms.begin(), terms.end(),
                                   [&](const Term& t) { return t.kind == kind && t.name == name; });
-  if (found == terms.end()) refuse("{} = {}, expected the name of a [[{}]]", kind, in_quotes(name), kind);
+  if (found == terms.end())
+    throw_invalid("{} = {}, expected the name of a [[{}]]", kind, in_quotes(name), kind);
   return *found;
 }
 
 /// The keys of the event beside `at`.
 std::string Tuner::keys_of(const Json& change, double ramp) const {
   if (!change.is_object() || change.empty())
-    refuse("event = {}, expected an object with one of {}", json_text(change), fmt::join(tuned_keys, ", "));
+    throw_invalid("event = {}, expected an object with one of {}", json_text(change),
+                  fmt::join(tuned_keys, ", "));
   std::string text;
   for (const auto& [key, value] : change.items()) {
     if (std::find(tuned_keys.begin(), tuned_keys.end(), key) == tuned_keys.end())
-      refuse("event.{}, expected one of {}", key, fmt::join(tuned_keys, ", "));
+      throw_invalid("event.{}, expected one of {}", key, fmt::join(tuned_keys, ", "));
     for (const Json& one : value.is_array() ? value : Json::array({value})) {
       if (key == "retune" && one.is_object() && one.contains("agent"))
-        refuse(
+        throw_invalid(
             "event.retune.agent, expected couple or constrain: a robot's own weights and limits change at "
             "once");
     }
@@ -195,7 +198,7 @@ std::string Tuner::keys_of(const Json& change, double ramp) const {
   }
   if (std::isnan(ramp)) ramp = usual_ramp_of(change);
   if (!(ramp >= least_ramp && ramp <= longest_ramp))
-    refuse("ramp = {}, expected {} to {} s, so that no input steps", ramp, least_ramp, longest_ramp);
+    throw_invalid("ramp = {}, expected {} to {} s, so that no input steps", ramp, least_ramp, longest_ramp);
   return text + fmt::format("ramp = {}\n", toml_of(Json(ramp)));
 }
 
@@ -204,14 +207,14 @@ Json Tuner::completed(const Json& change) const {
   Json whole = change;
   if (!whole.is_object() || !whole.contains("retune") || !whole["retune"].is_object()) return whole;
   Json& retune = whole["retune"];
-  const auto* const asked = retune.contains("potential") ? chosen(retune["potential"]) : nullptr;
-  if (asked == nullptr || !asked->second.is_object()) return whole;
+  const auto* const requested = retune.contains("potential") ? chosen(retune["potential"]) : nullptr;
+  if (requested == nullptr || !requested->second.is_object()) return whole;
   for (const Term& term : now_.terms) {
     if (!retune.contains(term.kind) || retune[term.kind] != Json(term.name)) continue;
     const auto* const now = chosen(term.table);
-    if (now == nullptr || now->first != asked->first || !now->second.is_object()) continue;
+    if (now == nullptr || now->first != requested->first || !now->second.is_object()) continue;
     Json table = now->second;
-    table.update(asked->second);
+    table.update(requested->second);
     retune["potential"] = Json{{now->first, table}};
     break;
   }
@@ -221,7 +224,7 @@ Json Tuner::completed(const Json& change) const {
 std::string Tuner::change(const Json& change, double ramp, double now) {
   TunedScript& tuned = *scenario_.tuned;
   if (tuned.is_full())
-    refuse("{} changes of one flight, expected no more: write it, and fly that", TunedScript::room);
+    throw_invalid("{} changes of one flight, expected no more: write it, and fly that", TunedScript::room);
   const Json whole = completed(change);
   std::string keys = keys_of(whole, ramp);
   // As it would stand in the scenario, behind what was tuned before.
@@ -229,20 +232,20 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
   double at = std::max(0.0, now);
   for (std::size_t i = 0; i < tuned.size(); ++i) {
     if (tuned.is_ignored(i)) continue;
-    const double happened = tuned.at(i);
-    at = std::isnan(happened) ? at + scenario_.horizon.dt : std::max(at, happened);
-    text += tuned.text(i, std::isnan(happened) ? at : happened);
+    const double occurred = tuned.at(i);
+    at = std::isnan(occurred) ? at + scenario_.horizon.dt : std::max(at, occurred);
+    text += tuned.text(i, std::isnan(occurred) ? at : occurred);
   }
   text += fmt::format("\n[[event]]\nat = {}\n{}", at + scenario_.horizon.dt, keys);
   TeamEvent event;
   try {
-    event = parse_scenario(std::move(text), scenario_.file, *scenario_.parts, {.files = scenario_.files})
+    event = parse_scenario(std::move(text), scenario_.file, *scenario_.registry, {.files = scenario_.files})
                 .script.events.back();
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(error.what());
   }
   const std::string words =
-      std::visit([&](const auto& action) { return action.words(scenario_.team); }, event.actions.front());
+      std::visit([&](const auto& action) { return action.describe(scenario_.team); }, event.actions.front());
   event.name =
       shortened(one_line(fmt::format("tune {}: {}", script_ + tuned.size(), words)), name_size_max - 4);
   keys += fmt::format("name = {}\n", in_quotes(event.name));
@@ -308,7 +311,7 @@ std::string Tuner::final_text() const {
   std::vector<std::string> set;
   for (const auto& [place, value] : now_.last) set.push_back(fmt::format("{}={}", place, value));
   try {
-    return parse_scenario(printed(expanded(scenario_)), scenario_.file, *scenario_.parts,
+    return parse_scenario(printed(expanded(scenario_)), scenario_.file, *scenario_.registry,
                           {.files = scenario_.files, .set = set})
         .text;
   } catch (const std::runtime_error& error) {
@@ -324,19 +327,19 @@ Json Tuner::reference_of(const std::string& agent) const {
     const auto found = std::find(states.begin(), states.end(), axis);
     if (found != states.end()) places.push_back(found - states.begin());
   }
-  Json told = {{"agent", agent},  {"kind", nullptr},  {"value", nullptr},
-               {"goal", nullptr}, {"places", places}, {"parameters", Json::array()}};
+  Json reported = {{"agent", agent},  {"kind", nullptr},  {"value", nullptr},
+                   {"goal", nullptr}, {"places", places}, {"parameters", Json::array()}};
   const auto* const now = chosen(now_.references.at(agent));
-  if (now == nullptr) return told;
-  told["kind"] = now->first;
-  told["value"] = now->second;
-  if (now->first == "constant") told["goal"] = now->second.value("p", Json());
-  if (now->first == "circle") told["goal"] = now->second.value("centre", Json());
+  if (now == nullptr) return reported;
+  reported["kind"] = now->first;
+  reported["value"] = now->second;
+  if (now->first == "constant") reported["goal"] = now->second.value("p", Json());
+  if (now->first == "circle") reported["goal"] = now->second.value("centre", Json());
   if (now->first == "state" && places.size() == 3)
-    for (const Json& place : places) told["goal"].push_back(now->second.at(place.get<std::size_t>()));
-  if (const auto* const part = scenario_.parts->references.find(now->first); part != nullptr)
-    told["parameters"] = parameters_of(part->parameters, now->second);
-  return told;
+    for (const Json& place : places) reported["goal"].push_back(now->second.at(place.get<std::size_t>()));
+  if (const auto* const part = scenario_.registry->references.find(now->first); part != nullptr)
+    reported["parameters"] = parameters_of(part->parameters, now->second);
+  return reported;
 }
 
 Json Tuner::tunables() const {

@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/server/tuner.hpp"
 
 namespace sightline {
@@ -29,16 +29,18 @@ constexpr std::string_view expected_message =
     R"(expected one object as {"id": "1", "event": {"retune": {"couple": "couple[0]", "weight": 0.4}}})";
 
 void check_message(const Message& message) {
-  if (message.is_discarded() || !message.is_object()) refuse("no JSON object, {}", expected_message);
-  int asked = 0;
+  if (message.is_discarded() || !message.is_object()) throw_invalid("no JSON object, {}", expected_message);
+  int requested = 0;
   for (const auto& [key, value] : message.items()) {
-    asked += key == "event" || key == "pause" || key == "step" || key == "seed" ? 1 : 0;
+    requested += key == "event" || key == "pause" || key == "step" || key == "seed" ? 1 : 0;
     const bool known =
         key == "id" || key == "event" || key == "ramp" || key == "pause" || key == "step" || key == "seed";
-    if (!known) refuse("{}, expected one of id, event, ramp, pause, step, seed", json_text(Message(key)));
+    if (!known)
+      throw_invalid("{}, expected one of id, event, ramp, pause, step, seed", json_text(Message(key)));
   }
-  if (asked != 1) refuse("{} of event, pause, step, seed, {}", asked, expected_message);
-  if (message.contains("ramp") && !message.contains("event")) refuse("ramp, expected beside event alone");
+  if (requested != 1) throw_invalid("{} of event, pause, step, seed, {}", requested, expected_message);
+  if (message.contains("ramp") && !message.contains("event"))
+    throw_invalid("ramp, expected beside event alone");
 }
 
 std::string id_of(const Message& message) {
@@ -50,7 +52,7 @@ std::string id_of(const Message& message) {
 std::int64_t whole_number(const Message& message, const char* key, std::int64_t low, std::int64_t high) {
   const Message& value = message.at(key);
   if (!value.is_number_integer() || value < low || value > high)
-    refuse("{} = {}, expected a whole number, {} to {}", key, json_text(value), low, high);
+    throw_invalid("{} = {}, expected a whole number, {} to {}", key, json_text(value), low, high);
   return value.get<std::int64_t>();
 }
 
@@ -72,11 +74,11 @@ class Tuning::Thread {
     thread_.join();
   }
 
-  void hear(std::string_view message) {
+  void receive(std::string_view message) {
     {
       const std::scoped_lock lock(lock_);
       if (waiting_.size() >= waiting_max || thread_.failed()) {
-        ++unheard;
+        ++stale;
         return;
       }
       waiting_.emplace_back(message);
@@ -84,7 +86,7 @@ class Tuning::Thread {
     come_.notify_one();
   }
 
-  std::string told() const {
+  std::string reported() const {
     const std::scoped_lock lock(lock_);
     Message list = Message::array();
     for (const Answer& one : answers_) list.push_back({one.number, one.id, one.accepted, one.sentence});
@@ -100,7 +102,7 @@ class Tuning::Thread {
   std::atomic<double> time{0.0};
   std::atomic<bool> over{false};
   std::atomic<std::uint64_t> version{0};
-  std::atomic<std::int64_t> refused{0}, unheard{0};
+  std::atomic<std::int64_t> refused{0}, stale{0};
 
  private:
   struct Answer {
@@ -144,16 +146,17 @@ class Tuning::Thread {
     const std::scoped_lock lock(lock_);
     said.number = answered_++;
     answers_.push_back(std::move(said));
-    if (answers_.size() > answers_told) answers_.pop_front();
+    if (answers_.size() > answers_reported) answers_.pop_front();
     ++version;
   }
 
   std::string act(const Message& message) {
-    if (over && !message.contains("seed")) refuse("the flight is over, expected one that goes on");
+    if (over && !message.contains("seed")) throw_invalid("the flight is over, expected one that goes on");
     if (message.contains("event")) {
       double ramp = std::numeric_limits<double>::quiet_NaN();
       if (message.contains("ramp")) {
-        if (!message["ramp"].is_number()) refuse("ramp = {}, expected a number", json_text(message["ramp"]));
+        if (!message["ramp"].is_number())
+          throw_invalid("ramp = {}, expected a number", json_text(message["ramp"]));
         ramp = message["ramp"].get<double>();
       }
       return tuner_.change(message["event"], ramp, time);
@@ -161,21 +164,21 @@ class Tuning::Thread {
     if (message.contains("seed")) {
       const auto seed = whole_number(message, "seed", 0, std::numeric_limits<std::int64_t>::max());
       if (!controls_.restart)
-        refuse("seed, expected none: this flight is flown once, `sightline view --tune` begins anew");
+        throw_invalid("seed, expected none: this flight is flown once, `sightline view --tune` begins anew");
       controls_.restart(static_cast<std::uint64_t>(seed));
       return fmt::format("another flight, with seed {}", seed);
     }
     if (controls_.clock == nullptr)
-      refuse("{}, expected none: this flight keeps the wall clock, `sightline view --tune` can wait",
-             message.contains("pause") ? "pause" : "step");
+      throw_invalid("{}, expected none: this flight keeps the wall clock, `sightline view --tune` can wait",
+                    message.contains("pause") ? "pause" : "step");
     if (message.contains("step")) {
-      if (!controls_.clock->paused()) refuse("step, expected a flight that is paused");
+      if (!controls_.clock->paused()) throw_invalid("step, expected a flight that is paused");
       const auto steps = whole_number(message, "step", 1, steps_max);
       for (std::int64_t i = 0; i < steps; ++i) controls_.clock->step();
       return fmt::format("{} period{}", steps, steps == 1 ? "" : "s");
     }
     if (!message["pause"].is_boolean())
-      refuse("pause = {}, expected true or false", json_text(message["pause"]));
+      throw_invalid("pause = {}, expected true or false", json_text(message["pause"]));
     if (message["pause"].get<bool>()) {
       controls_.clock->pause();
       return "paused";
@@ -244,13 +247,13 @@ Tuning::Tuning(const Scenario& scenario, TuningControls controls)
     : thread_(std::make_unique<Thread>(scenario, std::move(controls))) {}
 Tuning::~Tuning() = default;
 
-void Tuning::hear(std::string_view message) { thread_->hear(message); }
+void Tuning::receive(std::string_view message) { thread_->receive(message); }
 void Tuning::set_time(double t) noexcept { thread_->time = t; }
 void Tuning::end() noexcept { thread_->over = true; }
 std::uint64_t Tuning::version() const noexcept { return thread_->version; }
-std::string Tuning::told() const { return thread_->told(); }
+std::string Tuning::reported() const { return thread_->reported(); }
 PageFiles Tuning::files() const { return thread_->files(); }
 std::int64_t Tuning::refused() const noexcept { return thread_->refused; }
-std::int64_t Tuning::unheard() const noexcept { return thread_->unheard; }
+std::int64_t Tuning::stale() const noexcept { return thread_->stale; }
 
 }  // namespace sightline

@@ -33,7 +33,7 @@ struct TuningControls {
 class Tuning {
  public:
   static constexpr std::size_t waiting_max = 64;
-  static constexpr std::size_t answers_told = 32;  ///< with each state
+  static constexpr std::size_t answers_reported = 32;  ///< with each state
   static constexpr std::size_t id_size_max = 64;
   static constexpr int steps_max = 1000;  ///< at once
 
@@ -45,7 +45,7 @@ class Tuning {
   Tuning& operator=(const Tuning&) = delete;
 
   /// Of any thread.
-  void hear(std::string_view message);
+  void receive(std::string_view message);
   /// Time of the flight [s]. Of any thread.
   void set_time(double t) noexcept;
   /// Nothing is changed any more. Of any thread.
@@ -54,12 +54,12 @@ class Tuning {
   /// Another one whenever there is something new to be told. Of any thread.
   std::uint64_t version() const noexcept;
   /// For the end of a state's object: `,"answers":[...],"paused":false`.
-  std::string told() const;
+  std::string reported() const;
   /// /tune.json, what may be tuned; /tuned.toml and /final.toml, the scenario with what was (tuner.hpp).
   PageFiles files() const;
   /// Messages that were refused, and those that nobody heard.
   std::int64_t refused() const noexcept;
-  std::int64_t unheard() const noexcept;
+  std::int64_t stale() const noexcept;
 
  private:
   class Thread;

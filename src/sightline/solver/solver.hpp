@@ -15,15 +15,15 @@ namespace sightline {
 
 /// What an update reckons with besides the states, of all agents (nu each).
 struct AppliedInputs {
-  std::span<const double> before;  ///< in force until the update, `added` in it
+  std::span<const double> previous;  ///< in force until the update, `offset` in it
   std::span<const double>
-      added;  ///< to the solver's inputs afterwards, such as what holds a robot against wind
+      offset;  ///< to the solver's inputs afterwards, such as what holds a robot against wind
   std::span<const Vec2<double>> lean{};  ///< of each body, that `added` gives it beside its own; empty: none
   std::span<const double> u_ref{};       ///< u* in the costs of the agents; empty: the team's
 };
 
 /// How sure a robot is of where what it looks at is to it, sideways.
-struct ViewDoubt {
+struct ViewUncertainty {
   double sigma = 0.0;   ///< standard deviation now [m]
   double growth = 0.0;  ///< of it, while nothing is seen [m/s]
 
@@ -98,7 +98,7 @@ struct Solution {
   double elapsed = 0.0;     ///< wall time of the update [s]
 };
 
-class Hearing;
+class Connectivity;
 class TeamPlanner;
 
 /// A solver of one Ocp. `solve` does not throw, allocate, lock or print. One thread at a time.
@@ -118,8 +118,8 @@ class Solver {
   virtual void set_applied(const AppliedInputs& /*applied*/) noexcept {}
 
   /// For the updates that follow: Sight::doubt of each body along the horizon. Never told, all are sure. A solver that does not
-  /// reckon with it, plans_with_doubt(), looks at where they take what they see to be.
-  virtual void set_doubts(std::span<const ViewDoubt> /*of_bodies*/) noexcept {}
+  /// reckon with it, uses_uncertainty(), looks at where they take what they see to be.
+  virtual void set_view_uncertainty(std::span<const ViewUncertainty> /*of_bodies*/) noexcept {}
 
   /// Projected KKT infinity norm of the present iterate at these states, without the solver's own
   /// relaxations; infinity where it is not a number. For acceptance figures, outside the timed part.
@@ -136,11 +136,11 @@ class Solver {
   /// Its capability to plan in a team that changes (team_planner.hpp); none: it plans for its own team alone.
   virtual TeamPlanner* team_planner() noexcept { return nullptr; }
   /// Which robots hear each other, where its team plans in parts that exchange messages; none: nobody needs to.
-  virtual const Hearing* hearing() const noexcept { return nullptr; }
+  virtual const Connectivity* connectivity() const noexcept { return nullptr; }
   /// Whether it plans for teams with swarms, Team::keep_apart().
   virtual bool keeps_apart() const noexcept { return false; }
-  /// Whether its views shrink by what set_doubts() tells.
-  virtual bool plans_with_doubt() const noexcept { return false; }
+  /// Whether its views shrink by what set_view_uncertainty() tells.
+  virtual bool uses_uncertainty() const noexcept { return false; }
   /// Which of its formulas are compiled, for messages; nothing where none is ever looked for.
   virtual KernelUse kernels() const { return {}; }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 
@@ -35,7 +35,7 @@ void TeamPlanner::take_over(const Team& before, std::span<const double> plan_bef
 
 TeamPlanner& team_planner_of(Solver& solver, std::string_view need) {
   if (TeamPlanner* const planner = solver.team_planner()) return *planner;
-  refuse(
+  throw_invalid(
       "the solver {} cannot hand over its plan, which {} needs, expected one that can, such as "
       "newton_riccati",
       solver.name(), need);

@@ -1,4 +1,4 @@
-/// How a robot evades an obstacle while it watches a target: Table 1 and Figs 26 to 32 of the paper.
+/// How a robot evades an obstacle while it observes a target: Table 1 and Figs 26 to 32 of the paper.
 #pragma once
 
 #include <span>
@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sightline/plot/figures.hpp"
-#include "sightline/run/ring.hpp"
 #include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
 #include "sightline/scenario/scenario.hpp"
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <numbers>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 
 void Camera::check() const {
   check_parameters(*this);
   if (latency[0] > latency[1])
-    refuse("camera.latency = [{}, {}] s, expected the shortest first", latency[0], latency[1]);
+    throw_invalid("camera.latency = [{}, {}] s, expected the shortest first", latency[0], latency[1]);
 }
 
 double Camera::focal() const {

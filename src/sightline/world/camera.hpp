@@ -9,17 +9,17 @@
 #include "sightline/base/parameter.hpp"
 #include "sightline/math/fixed.hpp"
 #include "sightline/model/frames.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 
 /// What a camera tells of a body with tags.
-enum class CameraTells {
+enum class CameraOutput {
   pose,      ///< position and attitude
   position,  ///< position alone, that is bearing and range
 };
-inline constexpr std::array<std::string_view, 2> camera_tells = {"pose", "position"};
+inline constexpr std::array<std::string_view, 2> camera_outputs = {"pose", "position"};
 
 /// A pinhole camera with a global shutter, without distortion, that looks along x of the sensor frame S.
 struct Camera {
@@ -36,7 +36,7 @@ struct Camera {
   double outliers = 0.0;
   double flips = 0.0;
   double misalignment = 0.0;
-  CameraTells tells = CameraTells::pose;
+  CameraOutput output = CameraOutput::pose;
 
   static constexpr Bounds share = {0.0, 1.0, "0 to 1"};
   bool operator==(const Camera&) const = default;
@@ -62,7 +62,7 @@ struct Camera {
                   "part of the detections with a heading off by 0.35 to 1.35 rad"),
         parameter("misalignment", &C::misalignment, "rad", {0, 0.5, "0 to 0.5"},
                   "turn against its mounting, about an axis that is drawn once"),
-        parameter("tells", &C::tells, camera_tells,
+        parameter("output", &C::output, camera_outputs,
                   "of a body with tags: position and attitude, or where it is alone")};
   }
 

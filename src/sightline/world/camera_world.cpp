@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 
@@ -15,10 +15,11 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
     : SensingWorld(std::move(world)), options_(std::move(options)), source_(std::move(source)) {
   const Team& all = team();
   if (SensingWorld::measured_max().detections > 0)
-    refuse("the world gives detections of its own, expected one without");
+    throw_invalid("the world gives detections of its own, expected one without");
   const auto check_body = [&](BodyId body) {
     if (body.index < 0 || body.index >= all.bodies())
-      refuse("a camera, tags or a hull of body {}, expected one of the team's {}", body.index, all.bodies());
+      throw_invalid("a camera, tags or a hull of body {}, expected one of the team's {}", body.index,
+                    all.bodies());
   };
   std::size_t room = 0;
   for (const RobotCamera& one : options_.cameras) {
@@ -27,7 +28,7 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
     // Pictures on their way, and one more for each end of the drawn range.
     room += (static_cast<std::size_t>(std::ceil(one.camera.latency[1] * one.camera.rate)) + 2) *
             options_.tags.size();
-    shutters_.push_back({0, RandomStream(options_.seed, Chance::latency, one.observer.index)});
+    shutters_.push_back({0, RandomStream(options_.seed, StreamId::latency, one.observer.index)});
   }
   for (const BodyTags& one : options_.tags) one.tags.check(), check_body(one.body);
   for (const BodyHull& one : options_.hulls) check_parameters(one.hull), check_body(one.body);
@@ -81,7 +82,7 @@ void CameraWorld::take_picture(std::size_t camera, double t) noexcept {
   for (std::size_t i = 0; i < count && !lost; ++i) {
     found_[i].stamp = t;
     found_[i].arrival = t + latency;
-    if (of.camera.tells == CameraTells::position) found_[i].forget_attitude();
+    if (of.camera.output == CameraOutput::position) found_[i].forget_attitude();
     detections_.send(found_[i]);
   }
 }

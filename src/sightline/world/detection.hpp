@@ -8,7 +8,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/math/fixed.hpp"
 #include "sightline/math/matrix.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {

@@ -16,7 +16,7 @@ RigidPose camera_pose(const RobotCamera& camera, const Rotation& turned, const R
 std::vector<Rotation> drawn_misalignments(const CameraOptions& options) {
   std::vector<Rotation> all;
   for (const RobotCamera& one : options.cameras) {
-    const Vec3<double> axis = RandomStream(options.seed, Chance::mounting, one.observer.index).normals();
+    const Vec3<double> axis = RandomStream(options.seed, StreamId::mounting, one.observer.index).normals();
     const double size = norm(axis);
     all.push_back(size > 0 ? turn_by((one.camera.misalignment / size) * axis) : Rotation{});
   }

@@ -42,7 +42,7 @@ void Disturbances::check() const {
   expect(measurement_delay >= 0 && measurement_delay <= 1, "delay", measurement_delay, "0 to 1 s");
 }
 
-RandomStream::RandomStream(std::uint64_t seed, Chance purpose, int body) : state_(seed) {
+RandomStream::RandomStream(std::uint64_t seed, StreamId purpose, int body) : state_(seed) {
   state_ = next_split_mix(state_) + static_cast<std::uint64_t>(purpose);
   state_ = next_split_mix(state_) + static_cast<std::uint64_t>(body);
   state_ = next_split_mix(state_);
@@ -71,7 +71,7 @@ Vec3<double> RandomStream::normals() noexcept {
 
 Gusts::Gusts(double sigma, double time, int robots, std::uint64_t seed) : sigma_(sigma), time_(time) {
   for (int i = 0; i < robots; ++i) {
-    streams_.emplace_back(seed, Chance::gust, i);
+    streams_.emplace_back(seed, StreamId::gust, i);
     a_.push_back(sigma_ * streams_.back().normals());
   }
 }
@@ -84,7 +84,7 @@ void Gusts::advance(double s) noexcept {
 
 Wakes::Wakes(const Airflow& airflow, int robots, std::uint64_t seed) : airflow_(airflow) {
   for (int i = 0; i < robots; ++i) {
-    RandomStream& stream = streams_.emplace_back(seed, Chance::wake, i);
+    RandomStream& stream = streams_.emplace_back(seed, StreamId::wake, i);
     phase_.push_back(2 * std::numbers::pi * stream.uniform());
     swing_.push_back(sin(phase_.back()));
   }
@@ -114,9 +114,9 @@ void Wakes::advance(double s) noexcept {
 
 OdometryErrors::OdometryErrors(const Odometry& odometry, std::size_t velocities, std::uint64_t seed, int body)
     : odometry_(odometry),
-      of_position_(seed, Chance::position_drift, body),
-      of_heading_(seed, Chance::heading_drift, body),
-      of_velocity_(seed, Chance::velocity_drift, body),
+      of_position_(seed, StreamId::position_drift, body),
+      of_heading_(seed, StreamId::heading_drift, body),
+      of_velocity_(seed, StreamId::velocity_drift, body),
       position_(odometry.position_bias * of_position_.normals()),
       heading_(odometry.heading_bias * of_heading_.normal()),
       scale_(odometry.velocity_scale * of_velocity_.normal()) {

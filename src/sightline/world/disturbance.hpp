@@ -91,7 +91,7 @@ struct Disturbances {
 };
 
 /// What a stream of random numbers is for.
-enum class Chance : std::uint64_t {
+enum class StreamId : std::uint64_t {
   gust,
   wake,
   position_noise,
@@ -117,7 +117,7 @@ enum class Chance : std::uint64_t {
 /// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.
 class RandomStream {
  public:
-  RandomStream(std::uint64_t seed, Chance purpose, int body);
+  RandomStream(std::uint64_t seed, StreamId purpose, int body);
 
   double uniform() noexcept;  ///< in (0, 1]
   double normal() noexcept;   ///< mean 0, standard deviation 1

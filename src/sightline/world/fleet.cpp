@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -23,7 +23,7 @@ std::vector<std::size_t> shown_by(const Model& model) {
   for (const std::string_view state : model.states()) {
     const auto found = std::find(shown_names.begin(), shown_names.end(), state);
     if (found == shown_names.end())
-      refuse("the state {} of {} is none that a vehicle shows", state, model.name());
+      throw_invalid("the state {} of {} is none that a vehicle shows", state, model.name());
     all.push_back(static_cast<std::size_t>(found - shown_names.begin()));
   }
   return all;
@@ -46,20 +46,21 @@ static_assert(shown_names[first_sensed] == "r");
 }  // namespace
 
 Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant)
-    : crew_(crew_where(static_cast<int>(vehicles.size()) >= PlantOptions::vehicles_shared_from, plant.crew)),
+    : pool_(thread_pool_if(static_cast<int>(vehicles.size()) >= PlantOptions::vehicles_shared_from,
+                           plant.pool)),
       downwash_(plant.downwash.scale),
       jets_(vehicles.size()),
       craft_of_(size(team.bodies()), -1) {
   for (const RobotVehicle& one : vehicles) {
     if (one.robot.index < 0 || one.robot.index >= team.bodies() || !team.is_agent(one.robot))
-      refuse("a vehicle is of body {}, expected a robot of the team", one.robot.index);
+      throw_invalid("a vehicle is of body {}, expected a robot of the team", one.robot.index);
     const Model& model = team.model(one.robot);
     const std::optional<Commands> commands = commands_of(model);
     if (!commands)
-      refuse("{} is of the kind {}, expected one that a vehicle can be: {}", team.name(one.robot),
-             model.name(), robots_with_vehicles());
+      throw_invalid("{} is of the kind {}, expected one that a vehicle can be: {}", team.name(one.robot),
+                    model.name(), robots_with_vehicles());
     int& craft = craft_of_[at(one.robot)];
-    if (craft >= 0) refuse("{} is two vehicles, expected one", team.name(one.robot));
+    if (craft >= 0) throw_invalid("{} is two vehicles, expected one", team.name(one.robot));
     craft = static_cast<int>(crafts_.size());
     crafts_.push_back({.robot = one.robot,
                        .flown = Rotorcraft(one.vehicle, *commands, plant.seed, one.robot.index),
@@ -113,7 +114,7 @@ void Fleet::blow() noexcept {
                 .thrust = crafts_[i].steered ? one.lift() : 0.0,
                 .radius2 = static_cast<double>(v.rotors()) * square(v.rotor_radius)};
   }
-  crew_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {
+  pool_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {
     Craft& below = crafts_[at(i)];
     if (!below.steered) return;
     Vec3<double> pushed{};

@@ -57,7 +57,7 @@ class Fleet : public RobotDynamics {
   std::int64_t tick() const noexcept { return tick_; }
 
   std::vector<Craft> crafts_;
-  std::shared_ptr<Crew> crew_;  ///< shares the vehicles
+  std::shared_ptr<ThreadPool> pool_;  ///< shares the vehicles
 
  private:
   static constexpr std::int64_t downwash_steps = 10;

@@ -84,8 +84,8 @@ Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, cons
   acceleration_.y += share * ((body.v.y - v_before_.y) / period - acceleration_.y);
   v_before_ = {body.v.x, body.v.y};
   const Vehicle& c = vehicle_;
-  const auto part = [&](double missing, double integral, double rate, double asked) {
-    return c.velocity_gain * missing + integral - c.velocity_damping * (rate - asked) + asked;
+  const auto part = [&](double missing, double integral, double rate, double requested) {
+    return c.velocity_gain * missing + integral - c.velocity_damping * (rate - requested) + requested;
   };
   Vec3<double> a = {part(error.x, velocity_integral_.x, acceleration_.x, ahead.x),
                     part(error.y, velocity_integral_.y, acceleration_.y, ahead.y), 0.0};

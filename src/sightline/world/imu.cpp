@@ -24,10 +24,10 @@ std::array<Preset<Imu>, 2> Imu::presets() { return {{{"bmi088", bmi088()}, {"icm
 
 InertialErrors::InertialErrors(const Imu& imu, std::uint64_t seed, int body)
     : imu_(checked(imu)),
-      gyro_noise_(seed, Chance::gyro_noise, body),
-      gyro_walk_(seed, Chance::gyro_bias, body),
-      accelerometer_noise_(seed, Chance::accelerometer_noise, body),
-      accelerometer_walk_(seed, Chance::accelerometer_bias, body),
+      gyro_noise_(seed, StreamId::gyro_noise, body),
+      gyro_walk_(seed, StreamId::gyro_bias, body),
+      accelerometer_noise_(seed, StreamId::accelerometer_noise, body),
+      accelerometer_walk_(seed, StreamId::accelerometer_bias, body),
       gyro_bias_(imu_.gyro_bias * gyro_walk_.normals()),
       accelerometer_bias_(imu_.accelerometer_bias * accelerometer_walk_.normals()) {
   begin({});
@@ -59,18 +59,18 @@ void InertialErrors::advance(const Rotation& R, double h) noexcept {
 }
 
 RigidBody InertialErrors::seen(const RigidBody& body) const noexcept {
-  RigidBody believed = body;
-  believed.v = body.v + v_;
-  believed.w = body.w + rate_;
+  RigidBody estimated = body;
+  estimated.v = body.v + v_;
+  estimated.w = body.w + rate_;
   // exp([phi]) from the left: phi is in G.
   const double angle = norm(phi_);
   const SinCos<double> half = sincos(0.5 * angle);
   const Vec3<double> s = (angle > 0 ? half.sin / angle : 0.5) * phi_;
   const Quaternion& q = body.q;
-  believed.q = {
+  estimated.q = {
       half.cos * q.w - s.x * q.x - s.y * q.y - s.z * q.z, half.cos * q.x + s.x * q.w + s.y * q.z - s.z * q.y,
       half.cos * q.y - s.x * q.z + s.y * q.w + s.z * q.x, half.cos * q.z + s.x * q.y - s.y * q.x + s.z * q.w};
-  return believed;
+  return estimated;
 }
 
 }  // namespace sightline

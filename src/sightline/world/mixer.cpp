@@ -56,8 +56,8 @@ Thrusts Mixer::operator()(double thrust, const Vec3<double>& torque) const noexc
   double part = 1.0;
   for (std::size_t i = 0; i < rotors_; ++i) {
     tilt[i] = each + scale * tilt[i];
-    const double room = turn[i] > 0 ? top_ - tilt[i] : tilt[i], asked = std::abs(turn[i]);
-    if (part * asked > room) part = std::max(room, 0.0) / asked;
+    const double room = turn[i] > 0 ? top_ - tilt[i] : tilt[i], requested = std::abs(turn[i]);
+    if (part * requested > room) part = std::max(room, 0.0) / requested;
   }
   for (std::size_t i = 0; i < rotors_; ++i) tilt[i] = std::clamp(tilt[i] + part * turn[i], 0.0, top_);
   return tilt;

@@ -161,7 +161,7 @@ Motions::Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_
                 .x = x,
                 .followed = {team.model(seen), static_cast<std::size_t>(team.state_offset(seen)),
                              static_cast<std::size_t>(team.input_offset(seen))},
-                .chance = RandomStream(seed, Chance::motion, one.body.index),
+                .chance = RandomStream(seed, StreamId::motion, one.body.index),
                 .lengths = {}};
     if (auto* path = std::get_if<PathMotion>(&mover.motion)) {
       path->points = corners(*path);

@@ -27,12 +27,12 @@ Vec3<double> turn_vector(const Mat<3, 3>& R) {
 
 MotionSensor::MotionSensor(const FilterOptions& errors, std::uint64_t seed, int body)
     : errors_(checked_errors(errors)),
-      chance_(seed ^ stream_of_motion, Chance::motion, body),
+      chance_(seed ^ stream_of_motion, StreamId::motion, body),
       velocity_bias_(errors_.velocity_bias * chance_.normals()),
       gyro_bias_(errors_.gyro_bias * chance_.normals()),
       force_bias_(errors_.accelerometer_bias * chance_.normals()),
       yaw_rate_bias_(errors_.yaw_rate_bias * chance_.normal()),
-      magnetic_(seed ^ stream_of_compass, Chance::motion, body) {
+      magnetic_(seed ^ stream_of_compass, StreamId::motion, body) {
   tilt_error_.x = errors_.tilt_bias * chance_.normal();
   tilt_error_.y = errors_.tilt_bias * chance_.normal();
 }

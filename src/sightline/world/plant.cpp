@@ -76,7 +76,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
       delay_(disturbances_.input_delay, options.period, resting_inputs(team_)),
       motions_(team_, options.motions, options.seed, options.speed_max),
       dynamics_(options.dynamics),
-      crew_(crew_where(team_.bodies() >= PlantOptions::shared_from, options.crew)),
+      pool_(thread_pool_if(team_.bodies() >= PlantOptions::shared_from, options.pool)),
       steered_for_(options.period) {
   if (z_.size() != nx_) {
     throw std::invalid_argument(fmt::format("the plant's start has {} numbers, expected {}", z_.size(), nx_));
@@ -245,7 +245,7 @@ void Plant::move_by_dynamics(double t) noexcept {
 void Plant::integrate(std::span<const double> u, double from, double s) noexcept {
   for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = disturbances_.input_gain * u[i];
   if (dynamics_ != nullptr) move_by_dynamics(from + s);
-  crew_->share(static_cast<int>(bunches_.size()),
+  pool_->share(static_cast<int>(bunches_.size()),
                [&](int b, int) noexcept { integrate(bunches_[at(b)], u, s); });
 }
 

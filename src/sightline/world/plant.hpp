@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
 #include "sightline/math/integrate.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/math/thread_pool.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "sightline/world/downwash.hpp"
 #include "sightline/world/motion.hpp"
@@ -48,7 +48,7 @@ struct PlantOptions {
   RobotDynamics* dynamics = nullptr;  ///< of the robots that it moves; outlives the plant
   DownwashOptions downwash{};         ///< of vehicles; for the dynamics
   /// Threads that at least so many bodies, or vehicles, are shared over; none: that of the caller alone. The result is the same.
-  std::shared_ptr<Crew> crew{};
+  std::shared_ptr<ThreadPool> pool{};
   static constexpr int shared_from = 256, vehicles_shared_from = 16;
 };
 
@@ -129,7 +129,7 @@ class Plant {
   std::optional<Wakes> wakes_;
   Motions motions_;
   RobotDynamics* dynamics_;
-  std::shared_ptr<Crew> crew_;
+  std::shared_ptr<ThreadPool> pool_;
   double steered_for_;                          // step that the bodies' velocities are for [s]
   std::vector<Vec3<double>> p_, acceleration_;  // of the robots
   bool pushed_;

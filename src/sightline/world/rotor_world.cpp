@@ -13,7 +13,7 @@ class RotorFleet final : public Fleet {
 
  private:
   void advance(std::int64_t steps) noexcept override {
-    crew_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {
+    pool_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {
       Craft& craft = crafts_[at(i)];
       for (std::int64_t k = 0; craft.steered && k < steps; ++k) craft.flown.step(craft.commands, craft.air);
     });

@@ -7,10 +7,10 @@ namespace sightline {
 SensingWorld::SensingWorld(std::unique_ptr<World> world)
     : world_(std::move(world)), applied_(size(world_->team().nu())) {}
 
-bool SensingWorld::apply(double t, std::span<const double> believed, const Command& u, double period,
+bool SensingWorld::apply(double t, std::span<const double> estimated, const Command& u, double period,
                          std::int64_t periods) noexcept {
   std::copy(u.begin(), u.end(), applied_.begin());
-  return world_->apply(t, believed, u, period, periods);
+  return world_->apply(t, estimated, u, period, periods);
 }
 
 Sight<double> SensingWorld::sight_of(BodyId body, std::span<const double> x) const noexcept {
@@ -20,8 +20,8 @@ Sight<double> SensingWorld::sight_of(BodyId body, std::span<const double> x) con
 
 Quaternion SensingWorld::attitude_of(BodyId body, const Sight<double>& sight,
                                      const Measured& now) const noexcept {
-  const bool told = at(body) < now.attitudes.size() && now.attitudes[at(body)] != no_attitude;
-  return told ? now.attitudes[at(body)] : leaning(sight.d, sight.lean);
+  const bool received = at(body) < now.attitudes.size() && now.attitudes[at(body)] != no_attitude;
+  return received ? now.attitudes[at(body)] : leaning(sight.d, sight.lean);
 }
 
 }  // namespace sightline

@@ -24,7 +24,7 @@ class SensingWorld : public World {
   void set_presence(std::span<const Presence> presence) noexcept override { world_->set_presence(presence); }
   void surround(const Surroundings& around) noexcept override { world_->surround(around); }
   Measured measure(double t) noexcept override { return world_->measure(t); }
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override;
   std::span<const double> truth() const noexcept override { return world_->truth(); }
   std::string ended() const override { return world_->ended(); }

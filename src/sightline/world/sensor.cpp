@@ -21,12 +21,12 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
       .check();
   require(options.period >= 1e-4, "sensor", "period", options.period, ">= 1e-4 s");
   for (int i = 0; i < team.bodies(); ++i) {
-    const auto stream = [&](Chance purpose) { return RandomStream(options.seed, purpose, i); };
+    const auto stream = [&](StreamId purpose) { return RandomStream(options.seed, purpose, i); };
     Part part{.model = team.model(BodyId{i}),
               .x = static_cast<std::size_t>(team.state_offset(BodyId{i})),
-              .position = stream(Chance::position_noise),
-              .heading = stream(Chance::heading_noise),
-              .velocity = stream(Chance::velocity_noise),
+              .position = stream(StreamId::position_noise),
+              .heading = stream(StreamId::heading_noise),
+              .velocity = stream(StreamId::velocity_noise),
               .positions = {},
               .direction = {},
               .angle = {},
@@ -59,7 +59,7 @@ Sensor::Sensor(const Team& team, const SensorOptions& options)
       require(fault.number < parts_[part].model.nx(), "fault", "number", fault.number,
               "a place in the body's state");
       const int stream = static_cast<int>(k) * team.bodies() + i;
-      injections_.push_back({fault, part, RandomStream(options.seed, Chance::fault, stream)});
+      injections_.push_back({fault, part, RandomStream(options.seed, StreamId::fault, stream)});
     }
   }
   times_.resize(static_cast<std::size_t>(std::ceil((options.delay + longest) / options.period)) + 2);
@@ -76,12 +76,12 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
   remember(t, x);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     Part& part = parts_[i];
-    Mishap mishap;
+    FaultEffect effect;
     for (const Injection& one : injections_) {
       const bool strikes = one.part == i && one.fault.strikes(BodyId{static_cast<int>(i)}, t);
-      if (strikes && one.fault.kind == FaultKind::delay) mishap.delay += one.fault.delay;
+      if (strikes && one.fault.kind == FaultKind::delay) effect.delay += one.fault.delay;
     }
-    const std::size_t at = youngest(t - delay_ - mishap.delay);
+    const std::size_t at = youngest(t - delay_ - effect.delay);
     const auto nx = static_cast<std::ptrdiff_t>(part.model.nx());
     const auto begin = static_cast<std::ptrdiff_t>(part.x);
     std::copy_n(past_.begin() + static_cast<std::ptrdiff_t>(at * seen_.size()) + begin, nx,
@@ -89,11 +89,11 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
     add_noise(part);
     if (part.odometry) add_drift(part, since);
     for (const std::size_t k : unknown_) fresh_[k] = 0.0;
-    spoil(i, t, mishap);
+    spoil(i, t, effect);
     const bool first = stamps_[i] == never;
-    if (first || !(mishap.lost || mishap.frozen))
+    if (first || !(effect.lost || effect.frozen))
       std::copy_n(fresh_.begin() + begin, nx, seen_.begin() + begin);
-    if (!mishap.lost) stamps_[i] = times_[at];
+    if (!effect.lost) stamps_[i] = times_[at];
   }
   return seen_;
 }
@@ -116,7 +116,7 @@ std::size_t Sensor::youngest(double until) const noexcept {
   return at;
 }
 
-void Sensor::spoil(std::size_t part, double t, Mishap& mishap) noexcept {
+void Sensor::spoil(std::size_t part, double t, FaultEffect& effect) noexcept {
   const Part& of = parts_[part];
   const BodyId body{static_cast<int>(part)};
   for (Injection& one : injections_) {
@@ -124,22 +124,23 @@ void Sensor::spoil(std::size_t part, double t, Mishap& mishap) noexcept {
     // Both are drawn whatever comes of it, so that one fault leaves the others as they were.
     const bool hit = one.chance.uniform() <= one.fault.probability;
     const double which = one.chance.uniform();
-    befall(one.fault, of, hit, which, mishap);
+    befall(one.fault, of, hit, which, effect);
   }
   for (const Fault& one : brought_)
-    if (one.strikes(body, t)) befall(one, of, true, 0.0, mishap);
+    if (one.strikes(body, t)) befall(one, of, true, 0.0, effect);
 }
 
-void Sensor::befall(const Fault& fault, const Part& part, bool hit, double which, Mishap& mishap) noexcept {
+void Sensor::befall(const Fault& fault, const Part& part, bool hit, double which,
+                    FaultEffect& effect) noexcept {
   const std::size_t n = static_cast<std::size_t>(part.model.nx());
   switch (fault.kind) {
     case FaultKind::dropout:
-      mishap.lost |= hit;
+      effect.lost |= hit;
       break;
     case FaultKind::delay:
       break;
     case FaultKind::freeze:
-      mishap.frozen = true;
+      effect.frozen = true;
       break;
     case FaultKind::nan: {
       const auto drawn = std::min(static_cast<std::size_t>(which * static_cast<double>(n)), n - 1);

@@ -65,7 +65,7 @@ class Sensor {
     RandomStream chance;
   };
   /// What faults make of a measurement.
-  struct Mishap {
+  struct FaultEffect {
     double delay = 0.0;
     bool lost = false, frozen = false;
   };
@@ -75,9 +75,9 @@ class Sensor {
   void add_noise(Part& part) noexcept;
   void turn(const Part& part, double angle) noexcept;
   void add_drift(Part& part, double since) noexcept;
-  void spoil(std::size_t part, double t, Mishap& mishap) noexcept;
+  void spoil(std::size_t part, double t, FaultEffect& effect) noexcept;
   /// @param which  of its numbers, in [0, 1]; of a fault that makes one of them none
-  void befall(const Fault& fault, const Part& part, bool hit, double which, Mishap& mishap) noexcept;
+  void befall(const Fault& fault, const Part& part, bool hit, double which, FaultEffect& effect) noexcept;
 
   Noise noise_;
   double delay_;

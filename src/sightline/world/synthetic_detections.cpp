@@ -27,7 +27,7 @@ SyntheticDetections::SyntheticDetections(const Team& team, const CameraOptions& 
     : options_(options), turned_(drawn_misalignments(options)) {
   for (const RobotCamera& camera : options_.cameras) {
     for (const BodyTags& tags : options_.tags)
-      streams_.emplace_back(options_.seed, Chance::sighting,
+      streams_.emplace_back(options_.seed, StreamId::sighting,
                             camera.observer.index * team.bodies() + tags.body.index);
   }
 }

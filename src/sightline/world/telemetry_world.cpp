@@ -6,8 +6,8 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/base/refuse.hpp"
 #include "sightline/base/same_time.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/world/sighting.hpp"
 
 namespace sightline {
@@ -20,7 +20,7 @@ constexpr std::uint64_t stream_of_messages = 0x7261646961ULL;
 void Radio::check() const {
   check_parameters(*this);
   if (latency[0] > latency[1])
-    refuse("latency = [{}, {}], expected the shortest first", latency[0], latency[1]);
+    throw_invalid("latency = [{}, {}], expected the shortest first", latency[0], latency[1]);
 }
 
 TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, const TelemetryOptions& options)
@@ -28,11 +28,11 @@ TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, const TelemetryOpti
   const Team& all = team();
   const MeasuredMost most = SensingWorld::measured_max();
   if (most.motions > 0 || most.broadcasts > 0)
-    refuse("the world gives telemetry of its own, expected one without");
+    throw_invalid("the world gives telemetry of its own, expected one without");
   radio_.check();
   const auto check_body = [&](BodyId body) {
     if (body.index < 0 || body.index >= all.bodies())
-      refuse("telemetry of body {}, expected one of the team's {}", body.index, all.bodies());
+      throw_invalid("telemetry of body {}, expected one of the team's {}", body.index, all.bodies());
   };
   for (const MovingRobot& one : options.robots) {
     check_body(one.robot);
@@ -42,7 +42,7 @@ TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, const TelemetryOpti
     check_body(body);
     senders_.push_back(
         {.body = body,
-         .chance = RandomStream(options.seed ^ stream_of_messages, Chance::motion, body.index)});
+         .chance = RandomStream(options.seed ^ stream_of_messages, StreamId::motion, body.index)});
   }
   motions_.reserve(robots_.size());
   // Messages on their way, and one more for each end of the drawn range.

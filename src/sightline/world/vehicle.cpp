@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/world/mixer.hpp"
 #include "sightline/world/rigid_body.hpp"
 
@@ -86,17 +86,18 @@ void Vehicle::check() const {
   if (imu) imu->check();
   const std::size_t n = rotors();
   if (n < rotors_min || n > rotors_max)
-    refuse("vehicle.rotor_x has {} rotors, expected {} to {}", n, rotors_min, rotors_max);
+    throw_invalid("vehicle.rotor_x has {} rotors, expected {} to {}", n, rotors_min, rotors_max);
   if (rotor_y.size() != n)
-    refuse("vehicle.rotor_y has {} numbers, expected {}, as rotor_x", rotor_y.size(), n);
-  if (spin.size() != n) refuse("vehicle.spin has {} numbers, expected {}, as rotor_x", spin.size(), n);
+    throw_invalid("vehicle.rotor_y has {} numbers, expected {}, as rotor_x", rotor_y.size(), n);
+  if (spin.size() != n) throw_invalid("vehicle.spin has {} numbers, expected {}, as rotor_x", spin.size(), n);
   for (const double s : spin) {
-    if (s != 1 && s != -1) refuse("vehicle.spin = {}, expected 1 or -1 for each rotor", s);
+    if (s != 1 && s != -1) throw_invalid("vehicle.spin = {}, expected 1 or -1 for each rotor", s);
   }
   if (inertia.x + inertia.y < inertia.z || inertia.y + inertia.z < inertia.x ||
       inertia.z + inertia.x < inertia.y)
-    refuse("vehicle.inertia = [{}, {}, {}] kg m^2, expected none greater than the sum of the other two",
-           inertia.x, inertia.y, inertia.z);
+    throw_invalid(
+        "vehicle.inertia = [{}, {}, {}] kg m^2, expected none greater than the sum of the other two",
+        inertia.x, inertia.y, inertia.z);
 
   // Hover needs equal thrusts without torque, and steering a torque about each axis.
   const auto sum = [](const std::vector<double>& all) {
@@ -106,25 +107,27 @@ void Vehicle::check() const {
   for (std::size_t i = 0; i < n; ++i) arm = std::max(arm, norm(rotor_x[i], rotor_y[i]));
   const auto balanced = [&](double total) { return std::abs(total) <= 1e-3 * arm; };
   if (!balanced(sum(rotor_x)))
-    refuse("vehicle.rotor_x sums to {} m, expected 0: equal thrusts would pitch it", sum(rotor_x));
+    throw_invalid("vehicle.rotor_x sums to {} m, expected 0: equal thrusts would pitch it", sum(rotor_x));
   if (!balanced(sum(rotor_y)))
-    refuse("vehicle.rotor_y sums to {} m, expected 0: equal thrusts would roll it", sum(rotor_y));
-  if (sum(spin) != 0) refuse("vehicle.spin sums to {}, expected 0: equal thrusts would yaw it", sum(spin));
+    throw_invalid("vehicle.rotor_y sums to {} m, expected 0: equal thrusts would roll it", sum(rotor_y));
+  if (sum(spin) != 0)
+    throw_invalid("vehicle.spin sums to {}, expected 0: equal thrusts would yaw it", sum(spin));
   if (!Mixer::steers(*this))
-    refuse(
+    throw_invalid(
         "vehicle.rotor_x, rotor_y and spin leave an axis without torque, expected one about each of x, y, z");
 
   const double lift = thrust_max() / weight();
   if (!(lift >= 1.1)) {
-    refuse(
+    throw_invalid(
         "vehicle.mass = {} kg with {} rotors that lift {:.4g} N: thrust to weight {:.3g}, expected at least "
         "1.1",
         mass, n, thrust_max(), lift);
   }
   const double slow = std::max(tau_up, tau_down);
   if (attitude_gain * slow >= 0.5) {
-    refuse("vehicle.attitude_gain = {:.4g} 1/s with rotors that lag by {} s, expected below {:.4g} 1/s",
-           attitude_gain, slow, 0.5 / slow);
+    throw_invalid(
+        "vehicle.attitude_gain = {:.4g} 1/s with rotors that lag by {} s, expected below {:.4g} 1/s",
+        attitude_gain, slow, 0.5 / slow);
   }
 }
 

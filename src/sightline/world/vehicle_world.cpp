@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 void check_period(std::string_view kind, double period) {
   const double steps = period / rotorcraft_step;
   if (std::abs(steps - std::round(steps)) > 1e-6 || std::round(steps) < 1)
-    refuse(
+    throw_invalid(
         "world.kind = \"{}\" moves in steps of {} s, but the period is {} s, expected a whole number of "
         "steps",
         kind, rotorcraft_step, period);
@@ -29,7 +29,7 @@ void check_wind(const Vehicle& vehicle, std::string_view name, const PlantOption
   const bool calm = (drag.x > 0 || !(level || d.wind.x != 0 || d.wind.y != 0)) &&
                     (drag.z > 0 || !(everywhere || d.wind.z != 0 || plant.downwash.scale > 0));
   if (!calm)
-    refuse(
+    throw_invalid(
         "vehicle.drag of {} is [{}, {}, {}] N s/m, expected one that wind, gusts, wakes and downwash can "
         "push",
         name, vehicle.drag.x, vehicle.drag.y, vehicle.drag.z);
@@ -50,8 +50,8 @@ VehicleWorld::VehicleWorld(std::string_view kind, const Team& team, std::vector<
   for (const RobotVehicle& one : vehicles) {
     check_wind(one.vehicle, team.name(one.robot), plant);
     if (const double z = sight(one.robot).p.z; z < 0)
-      refuse("{} starts at a height of {} m, expected one above the ground, at least 0 m",
-             team.name(one.robot), z);
+      throw_invalid("{} starts at a height of {} m, expected one above the ground, at least 0 m",
+                    team.name(one.robot), z);
   }
 }
 
@@ -80,11 +80,11 @@ Measured VehicleWorld::measure(double t) noexcept {
   return now;
 }
 
-bool VehicleWorld::apply(double t, std::span<const double> believed, const Command& u, double period,
+bool VehicleWorld::apply(double t, std::span<const double> estimated, const Command& u, double period,
                          std::int64_t periods) noexcept {
   for (std::int64_t k = 0; k < periods; ++k) {
     before(t + static_cast<double>(k) * period);
-    if (!world_->apply(t + static_cast<double>(k) * period, believed, u, period, 1)) return false;
+    if (!world_->apply(t + static_cast<double>(k) * period, estimated, u, period, 1)) return false;
     touch_ = touch(t + static_cast<double>(k + 1) * period);
     if (touch_) return false;
   }

@@ -27,7 +27,7 @@ class VehicleWorld : public World {
   void set_presence(std::span<const Presence> presence) noexcept override;
   void surround(const Surroundings& around) noexcept override;
   Measured measure(double t) noexcept override;
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override;
   std::span<const double> truth() const noexcept override { return world_->truth(); }
   std::string ended() const override;

@@ -66,8 +66,8 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
   options.tags.push_back({target, flight.tags});
   SyntheticDetections pictures(team, options);
   MotionSensor motion(flight.filter, flight.seed, observer.index);
-  RandomStream told(flight.seed, Chance::position_noise, target.index),
-      dropped(flight.seed, Chance::picture, observer.index);
+  RandomStream received(flight.seed, StreamId::position_noise, target.index),
+      dropped(flight.seed, StreamId::picture, observer.index);
   const auto filter = make_pose_filter(flight.filter, flight.mount);
   std::array<ExposedBody, 2> bodies;
   const auto expose = [&](const Places& at) {
@@ -75,7 +75,7 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
     bodies[0].now = standing(at.own, 0.0);
     bodies[1].now = standing(at.target, at.target_heading);
   };
-  RandomStream draw(flight.seed, Chance::draw, 0);
+  RandomStream draw(flight.seed, StreamId::draw, 0);
   const Turning turning = {.from = 2 * std::numbers::pi * draw.uniform(),
                            .rate = slowest_turning + (fastest_turning - slowest_turning) * draw.uniform()};
   expose(places_at(flight, distance, 0.0, turning));
@@ -103,11 +103,11 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
       if (is_found) {
         last_seen = t;
         detection[0].stamp = detection[0].arrival = t;
-        if (flight.camera.tells == CameraTells::position) detection[0].forget_attitude();
+        if (flight.camera.output == CameraOutput::position) detection[0].forget_attitude();
         Measurement z = sighting_of(detection[0], flight.mount, {u.roll, u.pitch});
-        z.p_other = bodies[1].now.p + flight.told_sigma * told.normals();
-        z.psi_other = wrap(turning.at(t) + flight.told_sigma * told.normal());
-        z.P_other = identity<4>(square(flight.told_sigma));
+        z.p_other = bodies[1].now.p + flight.given_sigma * received.normals();
+        z.psi_other = wrap(turning.at(t) + flight.given_sigma * received.normal());
+        z.P_other = identity<4>(square(flight.given_sigma));
         filter->take(z);
       }
     }

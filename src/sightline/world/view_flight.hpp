@@ -20,8 +20,8 @@ struct ViewFlight {
   double target_speed = 0.0;  ///< [m/s], >= 0
   double sway = 0.08;  ///< by which the distance goes to and fro, as gusts and a solver leave it [m], >= 0
   double lag = 0.05;   ///< of the observer [s], >= 0
-  double told_sigma = 0.01;  ///< of the pose that the body tells [m], [rad], > 0
-  double duration = 20.0;    ///< [s]; figures are from 4 s on
+  double given_sigma = 0.01;  ///< of the pose that the body tells [m], [rad], > 0
+  double duration = 20.0;     ///< [s]; figures are from 4 s on
   std::uint64_t seed = 1;
 
   bool operator==(const ViewFlight&) const = default;

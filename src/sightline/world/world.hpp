@@ -8,7 +8,7 @@
 
 #include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/measurement.hpp"
-#include "sightline/ocp/roster.hpp"
+#include "sightline/ocp/active_team.hpp"
 #include "sightline/world/command.hpp"
 #include "sightline/world/detection.hpp"
 #include "sightline/world/rigid_body.hpp"
@@ -67,7 +67,7 @@ class World {
   /// The inputs u (nu) are in force from t [s] on, for `periods` periods of `period` [s]. Of missed periods, the inputs
   /// that went on. `believed` are the states that u was decided on (nx).
   /// @return false where the world cannot go on, which ends the loop
-  virtual bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  virtual bool apply(double t, std::span<const double> estimated, const Command& u, double period,
                      std::int64_t periods) noexcept = 0;
   /// True states after the last apply() (nx), without any sensor; empty where nobody knows them. Changes nothing that
   /// measure() will give.

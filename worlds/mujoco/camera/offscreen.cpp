@@ -3,7 +3,7 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline::mujoco {
 
@@ -14,7 +14,7 @@ Offscreen::Offscreen() : display_(nullptr), context_(nullptr) {
     display_ = platform_display(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);
   EGLint major = 0, minor = 0;
   if (display_ == nullptr || eglInitialize(display_, &major, &minor) == EGL_FALSE)
-    refuse("EGL has no surfaceless display, expected Mesa's (libgl1-mesa-dri)");
+    throw_invalid("EGL has no surfaceless display, expected Mesa's (libgl1-mesa-dri)");
   const EGLint wanted[] = {EGL_SURFACE_TYPE,
                            EGL_PBUFFER_BIT,
                            EGL_RENDERABLE_TYPE,
@@ -32,7 +32,7 @@ Offscreen::Offscreen() : display_(nullptr), context_(nullptr) {
   eglBindAPI(EGL_OPENGL_API);
   context_ = eglCreateContext(display_, count > 0 ? config : nullptr, nullptr, nullptr);
   if (context_ == nullptr || !make_current())
-    refuse("EGL makes no context of OpenGL, error {:#x}", eglGetError());
+    throw_invalid("EGL makes no context of OpenGL, error {:#x}", eglGetError());
 }
 
 Offscreen::~Offscreen() {

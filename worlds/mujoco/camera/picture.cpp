@@ -21,7 +21,7 @@ Picture::Picture(int width, int height)
       other_(grey_.size()),
       bytes_(grey_.size()),
       normals_(normals_drawn) {
-  RandomStream chance(1, Chance::sighting, 0);
+  RandomStream chance(1, StreamId::sighting, 0);
   for (float& n : normals_) n = static_cast<float>(chance.normal());
 }
 

@@ -18,7 +18,7 @@ RenderedDetections::RenderedDetections(const Team& team, const CameraOptions& op
       scene_(team, options, surroundings, finder_) {
   for (const RobotCamera& one : options_.cameras) {
     pictures_.emplace_back(one.camera.width, one.camera.height);
-    chance_.emplace_back(options_.seed, Chance::picture, one.observer.index);
+    chance_.emplace_back(options_.seed, StreamId::picture, one.observer.index);
   }
 }
 
@@ -51,14 +51,14 @@ std::size_t RenderedDetections::find(const Exposure& exposure, std::span<Detecti
   if (!of.render) return synthetic_.find(exposure, found);
   const ExposedBody& own = exposure.bodies[at(of.observer)];
   if (!own.there) return 0;
-  constexpr double told_within = 0.012;  // attitude of the observer [rad]
-  const Vec3<double> error = told_within * chance_[exposure.camera].normals();
-  const RigidPose told = sensor_pose(of.mount, {own.now.p, compose(turn_by(error), own.now.R)});
+  constexpr double given_within = 0.012;  // attitude of the observer [rad]
+  const Vec3<double> error = given_within * chance_[exposure.camera].normals();
+  const RigidPose reported = sensor_pose(of.mount, {own.now.p, compose(turn_by(error), own.now.R)});
   if (!take(exposure, camera_pose(of, turned_[exposure.camera], own.now))) return 0;
   seen_ = &finder_.find(pictures_[exposure.camera]);
   std::size_t count = 0;
   for (std::size_t i = 0; i < numbers_.size() && count < found.size(); ++i) {
-    if (detect(exposure, i, told.R.to_B({0, 0, 1}), found[count])) ++count;
+    if (detect(exposure, i, reported.R.to_B({0, 0, 1}), found[count])) ++count;
   }
   return count;
 }

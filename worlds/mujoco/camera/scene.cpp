@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "sightline/base/index.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "worlds/mujoco/mjcf.hpp"
 
 namespace sightline::mujoco {
@@ -54,7 +54,8 @@ std::vector<TagNumbers> number_tags(const CameraOptions& options) {
     all.push_back({one.body, next, one.tags.faces});
     next += one.tags.faces;
   }
-  if (next > TagFinder::tags) refuse("the bodies have {} tags, tag36h11 has {}", next, TagFinder::tags);
+  if (next > TagFinder::tags)
+    throw_invalid("the bodies have {} tags, tag36h11 has {}", next, TagFinder::tags);
   return all;
 }
 
@@ -126,7 +127,7 @@ Scene::Scene(const Team& team, const CameraOptions& options, const std::optional
   try {
     model_ = load(scene_of(team, options, surroundings), surroundings ? &*surroundings : nullptr);
   } catch (const std::invalid_argument& error) {
-    refuse("MuJoCo refuses what cameras are to see: {}", error.what());
+    throw_invalid("MuJoCo refuses what cameras are to see: {}", error.what());
   }
   data_ = data_of(*model_);
   // Bodies of the team and then the eyes come last in the model.
@@ -156,8 +157,8 @@ Scene::Scene(const Team& team, const CameraOptions& options, const std::optional
       },
       this);
   if (!made || context_.currentBuffer != mjFB_OFFSCREEN)
-    refuse("MuJoCo renders nothing here: {}",
-           made ? "OpenGL has no buffer off screen" : on_one_line(last_error()));
+    throw_invalid("MuJoCo renders nothing here: {}",
+                  made ? "OpenGL has no buffer off screen" : on_one_line(last_error()));
   scene_.flags[mjRND_SHADOW] = 0;
   scene_.flags[mjRND_REFLECTION] = 0;
   scene_.flags[mjRND_SKYBOX] = 1;

@@ -1,16 +1,16 @@
 /// Robots over DDS, as PX4 and ROS 2 speak it. Link sightline::dds.
 ///
-///   Parts parts;
-///   add_dds(parts);                                  // sightline fly, sightline vehicles
-///   return command_line(argc, argv, parts);
+///   Registry registry;
+///   add_dds(registry);                                  // sightline fly, sightline vehicles
+///   return command_line(argc, argv, registry);
 #pragma once
 
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 
 namespace sightline {
 
 /// Makes it the bridge that fleets are flown by.
 /// @throws std::invalid_argument where there is one already
-void add_dds(Parts& parts);
+void add_dds(Registry& registry);
 
 }  // namespace sightline

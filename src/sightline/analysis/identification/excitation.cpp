@@ -6,7 +6,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
@@ -100,14 +100,15 @@ Scenario raised(Scenario scenario, AgentId robot, const ExcitationOptions& optio
 }  // namespace
 
 void ExcitationOptions::check() const {
-  if (!(seconds >= 5 && seconds <= 600)) refuse("--seconds = {}, expected 5 to 600 s", seconds);
-  if (height && !(*height >= 1 && *height <= 1000)) refuse("--height = {}, expected 1 to 1000 m", *height);
-  if (!(radius >= 0.5 && radius <= 1000)) refuse("--radius = {}, expected 0.5 to 1000 m", radius);
-  if (!(climb > 0 && climb <= 1000)) refuse("climb = {}, expected above 0 to 1000 m", climb);
+  if (!(seconds >= 5 && seconds <= 600)) throw_invalid("--seconds = {}, expected 5 to 600 s", seconds);
+  if (height && !(*height >= 1 && *height <= 1000))
+    throw_invalid("--height = {}, expected 1 to 1000 m", *height);
+  if (!(radius >= 0.5 && radius <= 1000)) throw_invalid("--radius = {}, expected 0.5 to 1000 m", radius);
+  if (!(climb > 0 && climb <= 1000)) throw_invalid("climb = {}, expected above 0 to 1000 m", climb);
 }
 
 ExcitationSignal::ExcitationSignal(const ExcitationOptions& options)
-    : options_(options), random_(options.seed, Chance::motion, 0) {}
+    : options_(options), random_(options.seed, StreamId::motion, 0) {}
 
 std::array<double, 4> ExcitationSignal::at(double t) {
   if (options_.kind == ExcitationKind::three_two_one_one) return three_two_one_one(t);
@@ -136,7 +137,7 @@ ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, Ag
   }
   options.radius = level / beyond, options.climb = climb / beyond;
   if (!(options.radius >= least_radius && options.climb >= least_climb))
-    refuse(
+    throw_invalid(
         "it began at [{:.2f}, {:.2f}, {:.2f}] m, expected room of {:.2f} m level and {:.2f} m up and down "
         "within the "
         "walls",
@@ -148,8 +149,8 @@ ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, Ag
     const Vec3<double> r = team.model(other.body).sight(&scenario.x0[x], rest.data()).p - p;
     const double kept = other.d_hard.value_or(scenario.safety ? scenario.safety->d_hard : 0.0);
     if (norm(r.x, r.y) < beyond * options.radius + kept)
-      refuse("{} is {:.2f} m from {}, expected more than {:.2f} m: less radius, or another place",
-             team.name(other.body), norm(r.x, r.y), team.name(robot), beyond * options.radius + kept);
+      throw_invalid("{} is {:.2f} m from {}, expected more than {:.2f} m: less radius, or another place",
+                    team.name(other.body), norm(r.x, r.y), team.name(robot), beyond * options.radius + kept);
   }
   return options;
 }
@@ -157,14 +158,14 @@ ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, Ag
 enum class Room { free, within_walls };
 constexpr double first_seen_by = 0.2;  // [s]
 
-FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOptions& asked, World& world,
+FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOptions& requested, World& world,
                    Clock& clock, Room room, const std::atomic<bool>* stop) {
   const Team& team = scenario.team;
   const Model& model = team.model(robot);
   const double period = scenario.horizon.dt;
   FlownMotion motion = motion_of(team, robot, period);
   const std::size_t x = size(team.state_offset(robot)), u_at = size(team.input_offset(robot));
-  ExcitationOptions options = asked;
+  ExcitationOptions options = requested;
   ExcitationSignal signal(options);
   std::optional<WayBack> back;
   std::vector<double> u(size(team.nu()));
@@ -177,7 +178,8 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
   clock.start(period);
   for (std::int64_t next = 0; next < periods; ++next) {
     const std::int64_t k = std::min(clock.wait(next), periods - 1);
-    if (stop != nullptr && *stop) refuse("the excitation was ended, expected {} s of it", options.seconds);
+    if (stop != nullptr && *stop)
+      throw_invalid("the excitation was ended, expected {} s of it", options.seconds);
     // Periods that were missed passed under the command before.
     for (; next < k; ++next) motion.add(model, nullptr, no_value, nullptr, command);
     const double t = static_cast<double>(k) * period;
@@ -188,7 +190,7 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
     // On a link the first pose may be from before the first period.
     const bool is_known = last != motion.measured.rend();
     if (!is_known && (room == Room::free || t > first_seen_by))
-      refuse("{} was not seen at {} s, expected a measurement", motion.robot, t);
+      throw_invalid("{} was not seen at {} s, expected a measurement", motion.robot, t);
     if (is_known) {
       if (!back) {
         if (room == Room::within_walls) options = fitted(options, scenario, robot, last->p);
@@ -216,8 +218,9 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
     motion.u.back() = command;
     if (!world.apply(t, now.measured, applied, period, 1)) {
       const std::string why = world.ended();
-      refuse("{}: {}, expected a flight of {} s; begin higher (--height) or with more room (--radius)",
-             scenario.file.native(), why.empty() ? "a state is no longer finite" : why, options.seconds);
+      throw_invalid("{}: {}, expected a flight of {} s; begin higher (--height) or with more room (--radius)",
+                    scenario.file.native(), why.empty() ? "a state is no longer finite" : why,
+                    options.seconds);
     }
   }
   return motion;

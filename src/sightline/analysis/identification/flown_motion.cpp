@@ -10,7 +10,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -79,15 +79,15 @@ AgentId identified_robot(const Team& team, const std::string& name) {
   if (name.empty()) {
     if (known.size() == 1) return AgentId{team.find(known.front())};
     if (known.empty())
-      refuse("--agent is missing and no robot is a multirotor, expected one of the kind {}",
-             robots_with_vehicles(identified));
-    refuse("--agent is missing, expected one of {}", fmt::join(known, ", "));
+      throw_invalid("--agent is missing and no robot is a multirotor, expected one of the kind {}",
+                    robots_with_vehicles(identified));
+    throw_invalid("--agent is missing, expected one of {}", fmt::join(known, ", "));
   }
   const BodyId body = team.find(name);
-  if (body.index < 0) refuse("--agent = {}, expected one of {}", name, fmt::join(known, ", "));
+  if (body.index < 0) throw_invalid("--agent = {}, expected one of {}", name, fmt::join(known, ", "));
   if (!team.is_agent(body) || !identifies(team.model(body)))
-    refuse("--agent = {} is of the kind {}, expected a multirotor: {}", name, team.model(body).name(),
-           robots_with_vehicles(identified));
+    throw_invalid("--agent = {} is of the kind {}, expected a multirotor: {}", name, team.model(body).name(),
+                  robots_with_vehicles(identified));
   return AgentId{body};
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 
 namespace sightline {
 namespace {
@@ -26,19 +26,20 @@ double way(const FlownMotion& motion) {
 
 void check(const FlownMotion& motion) {
   if (motion.seconds() < seconds_min - 1e-9)
-    refuse("{}: {:.3g} s of flight, expected at least {} s", motion.robot, motion.seconds(), seconds_min);
+    throw_invalid("{}: {:.3g} s of flight, expected at least {} s", motion.robot, motion.seconds(),
+                  seconds_min);
   const auto seen = std::count_if(motion.measured.begin(), motion.measured.end(), is_seen);
   if (2 * static_cast<std::size_t>(seen) < motion.size())
-    refuse("{} was seen in {} of {} periods, expected at least half of them", motion.robot, seen,
-           motion.size());
+    throw_invalid("{} was seen in {} of {} periods, expected at least half of them", motion.robot, seen,
+                  motion.size());
   const std::array<bool, 4> moved = inputs_moved(motion, {0, motion.size()});
   constexpr double least_way = 0.1;
   if (std::none_of(moved.begin(), moved.end(), [](bool m) { return m; }))
-    refuse("the inputs of {} rested, expected some that move by more than a hundredth of their limits",
-           motion.robot);
+    throw_invalid("the inputs of {} rested, expected some that move by more than a hundredth of their limits",
+                  motion.robot);
   if (const double far = way(motion); far < least_way)
-    refuse("{} moved by {:.2g} m, expected at least {} m: is it on the ground?", motion.robot, far,
-           least_way);
+    throw_invalid("{} moved by {:.2g} m, expected at least {} m: is it on the ground?", motion.robot, far,
+                  least_way);
 }
 
 std::string input_of(const FittedNumber& number) {

@@ -36,7 +36,7 @@ struct AddBody {
     return {};
   }
   std::string subject(const Team& all) const { return body_subject(all, body); }
-  std::string words(const Team& all) const { return fmt::format("add {}", all.name(body)); }
+  std::string describe(const Team& all) const { return fmt::format("add {}", all.name(body)); }
 
   static AddBody named(BodyId body) { return {body}; }
   template <class Text>

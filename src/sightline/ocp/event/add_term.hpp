@@ -46,7 +46,7 @@ struct AddCoupling {
                          [](Team& trial, Coupling c) { trial.couple(std::move(c)); });
   }
   std::string subject(const Team& /*all*/) const { return term_subject(coupling.name); }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("add {} {} between {} and {}", coupling.term.weight, coupling.term.potential.name(),
                        all.name(coupling.between.first), all.name(coupling.between.second));
   }
@@ -68,7 +68,7 @@ struct AddConstraint {
                          [](Team& trial, Constraint c) { trial.constrain(std::move(c)); });
   }
   std::string subject(const Team& /*all*/) const { return term_subject(constraint.name); }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("add {} {} of {}", constraint.term.weight, constraint.term.potential.name(),
                        all.name(constraint.agent));
   }

@@ -25,10 +25,10 @@ struct AfterTime {
     return {fmt::format("after = {}, expected >= 0 s", delay)};
   }
   bool takes_no_time() const { return delay <= 0; }
-  bool happens(const Moment& moment) const noexcept {
+  bool occurs(const EventInstant& moment) const noexcept {
     return moment.known.t - moment.began >= delay - same_time;
   }
-  std::string words(const Team& /*all*/) const { return fmt::format("after {} s", delay); }
+  std::string describe(const Team& /*all*/) const { return fmt::format("after {} s", delay); }
 
   template <class Text>
   static AfterTime read(const Text& event, std::string_view key) {

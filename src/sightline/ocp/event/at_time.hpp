@@ -25,8 +25,8 @@ struct AtTime {
     return {fmt::format("at = {}, expected >= 0 s", t)};
   }
   bool takes_no_time() const { return false; }  // it comes once
-  bool happens(const Moment& moment) const noexcept { return moment.known.t >= t - same_time; }
-  std::string words(const Team& /*all*/) const { return fmt::format("at {} s", t); }
+  bool occurs(const EventInstant& moment) const noexcept { return moment.known.t >= t - same_time; }
+  std::string describe(const Team& /*all*/) const { return fmt::format("at {} s", t); }
 
   template <class Text>
   static AtTime read(const Text& event, std::string_view key) {

@@ -31,8 +31,8 @@ struct Condition {
 
   std::vector<std::string> faults(bool repeats) const;
   bool takes_no_time() const { return dwell <= 0; }
-  bool happens(const Moment& moment) const noexcept;
-  std::string words(const Team& all) const;
+  bool occurs(const EventInstant& moment) const noexcept;
+  std::string describe(const Team& all) const;
   std::vector<BodyId> bodies() const {
     return std::visit([](const auto& of) { return of.bodies(); }, measure);
   }
@@ -73,31 +73,32 @@ inline std::vector<std::string> Condition::faults(bool repeats) const {
   return all;
 }
 
-inline bool Condition::happens(const Moment& moment) const noexcept {
+inline bool Condition::occurs(const EventInstant& moment) const noexcept {
   const double value = std::visit([&](const auto& of) { return of.value(moment); }, measure);
   const double beyond = side == Side::above ? value - threshold : threshold - value;
-  auto& [holds, told, since] = moment.condition;
+  auto& [holds, fired, since] = moment.condition;
   const bool held = holds;
   holds = held ? beyond >= -hysteresis : beyond > 0;  // false for what is not a number
-  if (!holds) told = false;
+  if (!holds) fired = false;
   if (holds && !held) since = moment.known.t;
-  if (!holds || told || moment.known.t - since < dwell - same_time) return false;
-  told = true;
+  if (!holds || fired || moment.known.t - since < dwell - same_time) return false;
+  fired = true;
   return true;
 }
 
-inline std::string Condition::words(const Team& all) const {
+inline std::string Condition::describe(const Team& all) const {
   const bool is_above = side == Side::above;
   const auto* limit = std::get_if<ExcessOf>(&measure);
   std::string text;
   if (limit != nullptr && threshold == 0) {
     text = fmt::format("when {}", limit->limit_words(all, is_above));
   } else if (const auto* turned = std::get_if<TurnedTo>(&measure)) {
-    text = fmt::format("when {} falls on this", turned->words(all));
+    text = fmt::format("when {} falls on this", turned->describe(all));
     return text;
   } else {
-    text = fmt::format("when {} is {} {}", std::visit([&](const auto& of) { return of.words(all); }, measure),
-                       is_above ? "above" : "below", threshold);
+    text =
+        fmt::format("when {} is {} {}", std::visit([&](const auto& of) { return of.describe(all); }, measure),
+                    is_above ? "above" : "below", threshold);
   }
   if (hysteresis > 0) text += fmt::format(", hysteresis {}", hysteresis);
   if (dwell > 0) text += fmt::format(", for {} s", dwell);
@@ -146,7 +147,7 @@ template <class Text>
 Condition Condition::read_view(const Text& view, Side side) {
   view.expect_only({"observer", "target", "alpha", "hysteresis", "dwell"});
   const BodyId observer = view.robot("observer"), target = view.body("target", "the name of a body");
-  if (observer == target) view.refuse("target", "another body than observer");
+  if (observer == target) view.throw_invalid("target", "another body than observer");
   const SensorMount mount = view.sensor_of(observer, "observer");
   if (view.has("alpha")) {
     Condition condition{.measure = ViewAngleOf{observer, target, mount}, .side = side};
@@ -156,8 +157,8 @@ Condition Condition::read_view(const Text& view, Side side) {
   }
   const Potential* const limit = view.limit_of_view(observer, target);
   if (limit == nullptr) {
-    view.refuse("alpha", fmt::format("an angle of view [rad], no coupling of \"{}\" looks at \"{}\"",
-                                     view.name(observer), view.name(target)));
+    view.throw_invalid("alpha", fmt::format("an angle of view [rad], no coupling of \"{}\" looks at \"{}\"",
+                                            view.name(observer), view.name(target)));
   }
   Condition condition{.measure = ExcessOf{*limit, observer, target}, .side = side};
   condition.read_settling(view, {});
@@ -167,7 +168,7 @@ Condition Condition::read_view(const Text& view, Side side) {
 /// `above` or `below`.
 template <class Text>
 void Condition::read_threshold(const Text& at, const Range& range) {
-  if (at.has("above") == at.has("below")) at.refuse("exactly one of above, below");
+  if (at.has("above") == at.has("below")) at.throw_invalid("exactly one of above, below");
   if (at.has("above")) side = Side::above;
   threshold = at.number(at.has("above") ? "above" : "below", range);
 }
@@ -179,14 +180,15 @@ void Condition::read_settling(const Text& at, const MeasureScale& scale) {
   if (scale.largest && at.has("hysteresis")) {
     const double room = side == Side::above ? threshold : *scale.largest - threshold;
     if (hysteresis >= room) {
-      at.refuse("hysteresis",
-                fmt::format("less than {} {}, or the condition never becomes false", room, scale.unit));
+      at.throw_invalid("hysteresis", fmt::format("less than {} {}, or the condition never becomes false",
+                                                 room, scale.unit));
     }
   }
   if (at.has("dwell")) dwell = at.number("dwell", not_negative(">= 0 s"));
   if (dwell >= at.duration()) {
-    at.refuse("dwell", fmt::format("less than simulation.duration = {} s, or the event never comes about",
-                                   at.duration()));
+    at.throw_invalid(
+        "dwell",
+        fmt::format("less than simulation.duration = {} s, or the event never comes about", at.duration()));
   }
 }
 

@@ -36,7 +36,7 @@ struct HandOver {
   std::string subject(const Team& all) const {
     return fmt::format("whom {} observes", body_subject(all, observer));
   }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     if (couplings.empty()) return fmt::format("{} observes nobody", all.name(observer));
     return fmt::format("{} observes {}", all.name(observer), all.name(couplings.front().between.second));
   }

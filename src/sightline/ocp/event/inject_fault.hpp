@@ -33,7 +33,7 @@ struct InjectFault {
     return {};
   }
   std::string subject(const Team& /*all*/) const { return {}; }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("{} of {} for {} s", words_of_kinds[static_cast<std::size_t>(kind)], all.name(body),
                        lasts);
   }
@@ -49,7 +49,7 @@ struct InjectFault {
     if (read.kind == Surroundings::FaultKind::jump) {
       read.offset = fault.vec3("offset");
     } else if (fault.has("offset")) {
-      fault.refuse("offset", "no such key beside another kind than jump");
+      fault.throw_invalid("offset", "no such key beside another kind than jump");
     }
     return read;
   }

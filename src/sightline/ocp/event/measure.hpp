@@ -41,14 +41,14 @@ struct DistanceOf {
 
   BodyId a, b;
 
-  double value(const Moment& now) const noexcept {
+  double value(const EventInstant& now) const noexcept {
     return now.is_there(a) && now.is_there(b) ? norm(now.sight(a).p - now.sight(b).p) : no_measure;
   }
   static MeasureScale scale(std::string_view /*key*/) {
     return {.threshold = positive("> 0 m"), .unit = "m", .largest = largest_number};
   }
   std::vector<BodyId> bodies() const { return {a, b}; }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("the distance of {} and {}", all.name(a), all.name(b));
   }
   template <class Text>
@@ -67,7 +67,7 @@ struct ViewAngleOf {
   BodyId observer, target;
   SensorMount mount{};
 
-  double value(const Moment& now) const noexcept {
+  double value(const EventInstant& now) const noexcept {
     if (!now.is_there(observer) || !now.is_there(target)) return no_measure;
     return view_angle(mount, now.sight(observer), now.sight(target).p);
   }
@@ -75,7 +75,7 @@ struct ViewAngleOf {
     return {.threshold = range, .unit = "rad", .largest = std::numbers::pi};
   }
   std::vector<BodyId> bodies() const { return {observer, target}; }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("the view angle of {} to {}", all.name(observer), all.name(target));
   }
   template <class Text>
@@ -91,12 +91,14 @@ struct AgeOf {
 
   BodyId body;
 
-  double value(const Moment& now) const noexcept { return now.is_there(body) ? now.age(body) : no_measure; }
+  double value(const EventInstant& now) const noexcept {
+    return now.is_there(body) ? now.age(body) : no_measure;
+  }
   static MeasureScale scale(std::string_view /*key*/) {
     return {.threshold = positive("> 0 s"), .unit = "s", .largest = largest_number};
   }
   std::vector<BodyId> bodies() const { return {body}; }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("the age of what is known of {}", all.name(body));
   }
   template <class Text>
@@ -112,7 +114,7 @@ struct ExcessOf {
   Potential potential;  ///< one that states a limit
   BodyId a, b;          ///< the same body twice for a potential of one
 
-  double value(const Moment& now) const noexcept {
+  double value(const EventInstant& now) const noexcept {
     if (!now.is_there(a) || !now.is_there(b)) return no_measure;
     return potential.violation(now.sight(a), now.sight(b), now.known.t);
   }
@@ -122,7 +124,7 @@ struct ExcessOf {
     return scale;
   }
   std::vector<BodyId> bodies() const { return {a, b}; }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("the excess of {} {}", potential.name(), whose(all, "of", "between"));
   }
   /// "is broken between uav0 and uav1".
@@ -132,7 +134,7 @@ struct ExcessOf {
   }
   template <class Text>
   static ExcessOf read(const Text& when, std::string_view key) {
-    if (when.has("agent") == when.has("between")) when.refuse("exactly one of between, agent");
+    if (when.has("agent") == when.has("between")) when.throw_invalid("exactly one of between, agent");
     const std::string_view ends_key = when.has("agent") ? "agent" : "between";
     const Between ends = when.has("agent") ? when.one_robot(ends_key) : when.two_bodies(ends_key);
     return {when.limits(key, ends.first, ends_key), ends.first, ends.second};
@@ -150,7 +152,7 @@ struct ExcessOf {
 struct NearerThan {
   BodyId a, b, target;
 
-  double value(const Moment& now) const noexcept {
+  double value(const EventInstant& now) const noexcept {
     if (!now.is_steered(b) || !now.is_there(target)) return no_measure;
     if (!now.is_steered(a)) return std::numeric_limits<double>::infinity();
     const Vec3<double> p = now.sight(target).p;
@@ -158,7 +160,7 @@ struct NearerThan {
   }
   static MeasureScale scale(std::string_view /*key*/) { return {}; }
   std::vector<BodyId> bodies() const { return {a, b, target}; }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("what {} is nearer to {} than {}", all.name(b), all.name(target), all.name(a));
   }
 };
@@ -170,14 +172,14 @@ struct TurnedTo {
   int target = ViewChoice::nobody;
   BodyId body{};  ///< the observer
 
-  double value(const Moment& now) const noexcept {
+  double value(const EventInstant& now) const noexcept {
     if (choice >= now.choosers.size()) return no_measure;
     const ViewChooser& chooser = now.choosers[choice];
     return chooser.changed(observer) && chooser.target(observer) == target ? 1.0 : 0.0;
   }
   static MeasureScale scale(std::string_view /*key*/) { return {}; }
   std::vector<BodyId> bodies() const { return {body}; }
-  std::string words(const Team& all) const { return fmt::format("the choice for {}", all.name(body)); }
+  std::string describe(const Team& all) const { return fmt::format("the choice for {}", all.name(body)); }
 };
 
 using Measure = std::variant<DistanceOf, ViewAngleOf, AgeOf, ExcessOf, NearerThan, TurnedTo>;

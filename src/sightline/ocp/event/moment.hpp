@@ -9,7 +9,7 @@
 namespace sightline {
 
 /// What is known at a time.
-struct Known {
+struct EventContext {
   double t = 0.0;                      ///< [s]
   std::span<const double> x;           ///< states of all bodies (nx)
   std::span<const double> u;           ///< inputs of all robots (nu)
@@ -20,16 +20,16 @@ struct Known {
 /// What an event remembers of its condition.
 struct ConditionState {
   bool holds = false;  ///< the condition, with its hysteresis
-  bool told = false;   ///< since it came to hold
+  bool fired = false;  ///< since it came to hold
   double since = 0.0;  ///< when it came to hold [s]
 };
 
 class ViewChooser;
 
 /// What is known when an event is asked whether it happens.
-struct Moment {
+struct EventInstant {
   const Team& all;
-  const Known& known;
+  const EventContext& known;
   double began;    ///< its stage [s]
   bool signalled;  ///< a signal of it came since the moment before
   ConditionState& condition;

@@ -35,7 +35,7 @@ struct MoveBody {
   std::string subject(const Team& all) const {
     return fmt::format("the place of {}", body_subject(all, body));
   }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("move {} to {:.4g}, {:.4g}, {:.4g}", all.name(body), p.x, p.y, p.z);
   }
 

@@ -27,7 +27,7 @@ struct Observe {
   std::string subject(const Team& all) const {
     return fmt::format("whom {} observes", body_subject(all, observer));
   }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("{} observes {}", all.name(observer), all.name(target));
   }
   /// Bodies that must be there.
@@ -37,8 +37,8 @@ struct Observe {
   static Observe read(const Text& observe, std::string_view /*kind*/) {
     observe.expect_only({"observer", "target"});
     const Observe read{observe.robot("observer"), observe.body("target", "the name of a body")};
-    if (read.observer == read.target) observe.refuse("target", "another body than observer");
-    if (!observe.has_sensor(read.observer)) observe.refuse("observer", "a robot with a sensor");
+    if (read.observer == read.target) observe.throw_invalid("target", "another body than observer");
+    if (!observe.has_sensor(read.observer)) observe.throw_invalid("observer", "a robot with a sensor");
     return read;
   }
 
@@ -70,7 +70,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
   if (observer == target) return fmt::format("\"{}\" cannot observe itself", change.name(observer));
   auto& couplings = change.now.couplings;
   const auto looks = std::find_if(couplings.begin(), couplings.end(), [&](const Coupling& c) {
-    return c.ramp.lasts() && c.between.first == observer && watches(c.term.potential);
+    return c.ramp.lasts() && c.between.first == observer && observes(c.term.potential);
   });
   if (looks == couplings.end()) {
     return fmt::format("\"{}\" has no sensor on anything, expected a robot that observes",
@@ -84,7 +84,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
   for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
     if (!couplings[i].ramp.lasts() || !joins(couplings[i], observer, before)) continue;
     // By this one it is observed itself, with the sensor of the other: that goes on.
-    if (couplings[i].between.first == before && watches(couplings[i].term.potential)) continue;
+    if (couplings[i].between.first == before && observes(couplings[i].term.potential)) continue;
     const bool stays = keeps_apart(couplings[i].term.potential);
     Coupling next = couplings[i];
     BodyId& end = next.between.first == before ? next.between.first : next.between.second;

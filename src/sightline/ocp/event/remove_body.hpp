@@ -58,7 +58,7 @@ struct RemoveBody {
     return {};
   }
   std::string subject(const Team& all) const { return body_subject(all, body); }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     constexpr std::array<std::string_view, 3> how = {"", ", which holds", ", which lands"};
     return fmt::format("remove {}{}", all.name(body), how[static_cast<std::size_t>(afterwards)]);
   }
@@ -66,7 +66,7 @@ struct RemoveBody {
   static RemoveBody named(BodyId body) { return {body}; }
   template <class Text>
   static RemoveBody read(const Text& remove, std::string_view kind) {
-    if (kind != "agent" && remove.has("then")) remove.refuse("then", "no such key but beside agent");
+    if (kind != "agent" && remove.has("then")) remove.throw_invalid("then", "no such key but beside agent");
     RemoveBody read{remove.body_of_kind(kind)};
     constexpr std::array<std::string_view, 3> words = {"vanish", "hold",
                                                        "land"};  // in the order of Afterwards

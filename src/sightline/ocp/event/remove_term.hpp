@@ -29,11 +29,11 @@ struct RemoveTerm {
     return no_such_term(name);
   }
   std::string subject(const Team& /*all*/) const { return term_subject(name); }
-  std::string words(const Team& /*all*/) const { return fmt::format("remove {}", name); }
+  std::string describe(const Team& /*all*/) const { return fmt::format("remove {}", name); }
 
   template <class Text>
   static RemoveTerm read(const Text& remove, std::string_view kind) {
-    if (remove.has("then")) remove.refuse("then", "no such key but beside agent");
+    if (remove.has("then")) remove.throw_invalid("then", "no such key but beside agent");
     return {remove.term(kind).name};
   }
 };

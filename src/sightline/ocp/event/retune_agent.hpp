@@ -37,7 +37,7 @@ struct RetuneAgent {
   std::string subject(const Team& all) const {
     return fmt::format("the tuning of {}", body_subject(all, agent));
   }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     std::vector<std::string_view> changed;
     if (Q) changed.push_back("Q");
     if (R) changed.push_back("R");
@@ -62,7 +62,7 @@ struct RetuneAgent {
     if (retune.has("u_min") || retune.has("u_max")) {
       for (const std::string_view of : {"u_min", "u_max"}) {
         if (!retune.has(of) && now.limits.times().size() > 1) {
-          retune.refuse(of, "both u_min and u_max, the limits of this robot change over time");
+          retune.throw_invalid(of, "both u_min and u_max, the limits of this robot change over time");
         }
       }
       const auto& u_min = now.limits.u_min().front();
@@ -71,7 +71,7 @@ struct RetuneAgent {
       const auto high = numbers("u_max", u_max.size(), any_number()).value_or(u_max);
       read.limits = retune.checked([&] { return InputLimits(low, high); });
     }
-    if (retune.size() == 1) retune.refuse("one of Q, R, Q_f, u_ref, u_min, u_max beside agent");
+    if (retune.size() == 1) retune.throw_invalid("one of Q, R, Q_f, u_ref, u_min, u_max beside agent");
     return read;
   }
 };

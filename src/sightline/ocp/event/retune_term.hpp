@@ -54,7 +54,7 @@ struct RetuneTerm {
     return refusal;
   }
   std::string subject(const Team& /*all*/) const { return term_subject(name); }
-  std::string words(const Team& /*all*/) const {
+  std::string describe(const Team& /*all*/) const {
     std::string text = fmt::format("retune {}", name);
     if (weight) text += fmt::format(", weight {}", *weight);
     if (potential) text += fmt::format(", another {}", potential->name());
@@ -70,11 +70,11 @@ struct RetuneTerm {
     if (retune.has("potential")) {
       read.potential = retune.potential(term.observer);
       if (read.potential->is_pair() != term.is_pair) {
-        retune.refuse("potential",
-                      term.is_pair ? "a potential between two bodies" : "a potential of one robot alone");
+        retune.throw_invalid(
+            "potential", term.is_pair ? "a potential between two bodies" : "a potential of one robot alone");
       }
     }
-    if (retune.size() == 1) retune.refuse("weight", "weight or potential, whatever changes");
+    if (retune.size() == 1) retune.throw_invalid("weight", "weight or potential, whatever changes");
     return read;
   }
 };

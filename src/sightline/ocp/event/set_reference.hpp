@@ -28,7 +28,7 @@ struct SetReference {
   std::string subject(const Team& all) const {
     return fmt::format("the reference of {}", body_subject(all, agent));
   }
-  std::string words(const Team& all) const {
+  std::string describe(const Team& all) const {
     return fmt::format("another reference for {}", all.name(agent));
   }
 
@@ -36,7 +36,7 @@ struct SetReference {
   static SetReference read(const Text& change, std::string_view /*kind*/) {
     change.expect_only({"agent", "reference"});
     const AgentId agent = change.robot("agent");
-    if (!change.has("reference")) change.refuse("reference", "a reference as in [agent.NAME]");
+    if (!change.has("reference")) change.throw_invalid("reference", "a reference as in [agent.NAME]");
     return {agent, change.reference(agent)};
   }
 };

@@ -23,7 +23,7 @@ struct SetWind {
     return {};
   }
   std::string subject(const Team& /*all*/) const { return "the wind"; }
-  std::string words(const Team& /*all*/) const {
+  std::string describe(const Team& /*all*/) const {
     return fmt::format("wind {:.4g}, {:.4g}, {:.4g}", acceleration.x, acceleration.y, acceleration.z);
   }
 

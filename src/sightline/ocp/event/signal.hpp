@@ -20,13 +20,13 @@ struct Signal {
 
   std::vector<std::string> faults(bool /*repeats*/) const { return {}; }
   bool takes_no_time() const { return false; }  // it comes from outside
-  bool happens(const Moment& moment) const noexcept { return moment.signalled; }
-  std::string words(const Team& /*all*/) const { return fmt::format("on the signal {}", name); }
+  bool occurs(const EventInstant& moment) const noexcept { return moment.signalled; }
+  std::string describe(const Team& /*all*/) const { return fmt::format("on the signal {}", name); }
 
   template <class Text>
   static Signal read(const Text& event, std::string_view key) {
     const std::vector<std::string_view> known = event.signals();
-    if (known.empty()) event.refuse(key, "a signal of simulation.signal, there is none");
+    if (known.empty()) event.throw_invalid(key, "a signal of simulation.signal, there is none");
     return {std::string(event.word(key, known, "a signal of simulation.signal"))};
   }
 };

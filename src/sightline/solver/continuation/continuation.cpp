@@ -161,9 +161,9 @@ void Continuation::restart() noexcept {
 }
 
 void Continuation::set_applied(const AppliedInputs &applied) noexcept {
-  if (applied.added.size() != u_.size()) return;
-  here_.set_added(applied.added);
-  there_.set_added(applied.added);
+  if (applied.offset.size() != u_.size()) return;
+  here_.set_added(applied.offset);
+  there_.set_added(applied.offset);
   if (applied.u_ref.size() != u_.size()) return;
   here_.set_u_ref(applied.u_ref);
   there_.set_u_ref(applied.u_ref);

@@ -12,7 +12,7 @@
 namespace sightline {
 
 /// What carries predictions between parts. By the thread that flies: nothing throws, allocates, locks or prints.
-class PartExchange : public Hearing {
+class PartExchange : public Connectivity {
  public:
   /// Gives what came of others by t [s] to their receiver, and ends what is too old.
   virtual void receive(double t, Subteam& receiver) noexcept = 0;
@@ -39,7 +39,7 @@ class PartSolver final : public Solver {
   }
   void planned(double time, std::span<double> u) const noexcept override { subteam_.planned(time, u); }
   void restart() noexcept override { subteam_.restart(); }
-  const Hearing* hearing() const noexcept override { return &exchange_; }
+  const Connectivity* connectivity() const noexcept override { return &exchange_; }
   bool keeps_apart() const noexcept override { return subteam_.solver().keeps_apart(); }
   KernelUse kernels() const override { return subteam_.solver().kernels(); }
 

@@ -10,7 +10,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/nearest.hpp"
-#include "sightline/base/refuse.hpp"
+#include "sightline/base/throw_invalid.hpp"
 #include "sightline/math/subnormals.hpp"
 
 namespace sightline {
@@ -46,20 +46,22 @@ std::vector<std::string_view> split(std::string_view s, char separator) {
 
 /// Every robot in exactly one subteam, named where not.
 void check(const Partition& partition, const Team& team) {
-  if (partition.empty()) refuse("the partition has no part, expected at least one");
+  if (partition.empty()) throw_invalid("the partition has no part, expected at least one");
   std::vector<int> taken(at(team.bodies()), 0);
   for (const std::vector<AgentId>& subteam : partition) {
-    if (subteam.empty()) refuse("the partition has a part without robots, expected at least one in each");
+    if (subteam.empty())
+      throw_invalid("the partition has a part without robots, expected at least one in each");
     for (const AgentId agent : subteam) {
       if (agent.index < 0 || agent.index >= team.bodies() || !team.is_agent(agent))
-        refuse("the partition names body {}, expected a robot of the team", agent.index);
+        throw_invalid("the partition names body {}, expected a robot of the team", agent.index);
       if (++taken[at(agent.index)] > 1)
-        refuse("the partition names \"{}\" twice, expected every robot in one part", team.name(agent));
+        throw_invalid("the partition names \"{}\" twice, expected every robot in one part", team.name(agent));
     }
   }
   for (int i = 0; i < team.bodies(); ++i) {
     if (team.is_agent(BodyId{i}) && taken[at(i)] == 0)
-      refuse("the partition leaves out \"{}\", expected every robot in one part", team.name(BodyId{i}));
+      throw_invalid("the partition leaves out \"{}\", expected every robot in one part",
+                    team.name(BodyId{i}));
   }
 }
 
@@ -76,7 +78,7 @@ ExchangeOrder exchange_order(std::string_view word) {
   for (const ExchangeOrder order : {ExchangeOrder::jacobi, ExchangeOrder::gauss_seidel}) {
     if (word == to_string(order)) return order;
   }
-  refuse("order = \"{}\", expected jacobi or gauss_seidel", word);
+  throw_invalid("order = \"{}\", expected jacobi or gauss_seidel", word);
 }
 
 std::vector<PartInWords> parts_in_words(std::string_view text) {
@@ -86,7 +88,7 @@ std::vector<PartInWords> parts_in_words(std::string_view text) {
     if (const auto colon = words.find(':'); colon != words.npos) {
       const std::string_view name = trimmed(words.substr(0, colon));
       if (std::any_of(parts.begin(), parts.end(), [&](const PartInWords& one) { return one.name == name; }))
-        refuse("partition = \"{}\" has part \"{}\" twice, expected each name once", text, name);
+        throw_invalid("partition = \"{}\" has part \"{}\" twice, expected each name once", text, name);
       part.name = name;
       words = trimmed(words.substr(colon + 1));
     }
@@ -100,17 +102,17 @@ std::vector<PartInWords> parts_in_words(std::string_view text) {
 Partition read_partition(std::string_view text, const Team& team) {
   std::vector<std::string_view> names;
   for (const Agent& agent : team.agents()) names.push_back(agent.name);
-  if (names.empty()) refuse("the team has no robot, expected at least one");
+  if (names.empty()) throw_invalid("the team has no robot, expected at least one");
   Partition partition;
   for (const PartInWords& part : parts_in_words(text)) {
     if (part.robots.empty())
-      refuse("partition = \"{}\" has a part without robots, expected at least one in each", text);
+      throw_invalid("partition = \"{}\" has a part without robots, expected at least one in each", text);
     std::vector<AgentId>& subteam = partition.emplace_back();
     for (const std::string& word : part.robots) {
       const BodyId body = word.empty() ? BodyId{} : team.find(word);
       if (body.index < 0 || !team.is_agent(body)) {
-        refuse("partition = \"{}\": \"{}\" is no robot of the team, expected one{}", text, word,
-               hint(word, names));
+        throw_invalid("partition = \"{}\": \"{}\" is no robot of the team, expected one{}", text, word,
+                      hint(word, names));
       }
       subteam.push_back(AgentId{body});
     }
@@ -121,21 +123,21 @@ Partition read_partition(std::string_view text, const Team& team) {
 
 void check_options(const PartitionOptions& options) {
   if (options.exchanges < 1 || options.exchanges > 1000)
-    refuse("exchanges = {}, expected 1 to 1000", options.exchanges);
+    throw_invalid("exchanges = {}, expected 1 to 1000", options.exchanges);
   if (options.messages && (options.order != ExchangeOrder::jacobi || options.exchanges != 1))
-    refuse("order = {}, exchanges = {}, expected jacobi and 1 where messages take time",
-           to_string(options.order), options.exchanges);
-  if (options.threads < 1 || options.threads > Crew::most)
-    refuse("threads = {}, expected 1 to {}", options.threads, Crew::most);
+    throw_invalid("order = {}, exchanges = {}, expected jacobi and 1 where messages take time",
+                  to_string(options.order), options.exchanges);
+  if (options.threads < 1 || options.threads > ThreadPool::most)
+    throw_invalid("threads = {}, expected 1 to {}", options.threads, ThreadPool::most);
   if (options.threads > 1 && options.order == ExchangeOrder::gauss_seidel)
-    refuse(
+    throw_invalid(
         "threads = {}, expected 1 in gauss_seidel order, where each part waits for the one before, or jacobi",
         options.threads);
 }
 
 PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& partition,
                                      const MakeSolver& make, const PartitionOptions& options)
-    : options_((check_options(options), options)), crew_(options.threads) {
+    : options_((check_options(options), options)), pool_(options.threads) {
   check(partition, whole_team);
   whole_ = make(whole_team);
   whole_planner_ = &team_planner_of(*whole_, "a team that plans in parts");
@@ -212,22 +214,22 @@ void PartitionedSolver::receive(int to, double time) noexcept {
   }
 }
 
-bool PartitionedSolver::hears(BodyId robot, BodyId other) const noexcept {
+bool PartitionedSolver::receives_from(BodyId robot, BodyId other) const noexcept {
   const int here = part_of(robot), there = part_of(other);
-  return !messages_ || here < 0 || there < 0 || here == there || messages_->hears(here, there);
+  return !messages_ || here < 0 || there < 0 || here == there || messages_->receives_from(here, there);
 }
 
-bool PartitionedSolver::is_heard(BodyId body) const noexcept {
+bool PartitionedSolver::is_received(BodyId body) const noexcept {
   const int part = part_of(body);
   if (!messages_ || part < 0) return true;
   for (int other = 0; other < static_cast<int>(members_.size()); ++other)
-    if (other != part && !messages_->hears(other, part)) return false;
+    if (other != part && !messages_->receives_from(other, part)) return false;
   return true;
 }
 
 template <class Of>
 void PartitionedSolver::for_each(Of&& of) noexcept {
-  crew_.share(static_cast<int>(members_.size()), [&](int i, int) noexcept { timed(i, of); });
+  pool_.share(static_cast<int>(members_.size()), [&](int i, int) noexcept { timed(i, of); });
 }
 
 template <class Of>
@@ -371,11 +373,11 @@ void PartitionedSolver::set_plan(int k, std::span<const double> u) noexcept {
 }
 
 void PartitionedSolver::set_applied(const AppliedInputs& applied) noexcept {
-  if (applied.before.size() != u_.size() || applied.added.size() != u_.size()) return;
+  if (applied.previous.size() != u_.size() || applied.offset.size() != u_.size()) return;
   whole_->set_applied(applied);
   for (Member& member : members_) {
-    gather(*member.subteam, applied.before, member.before);
-    gather(*member.subteam, applied.added, member.u);
+    gather(*member.subteam, applied.previous, member.before);
+    gather(*member.subteam, applied.offset, member.u);
     for (int b = 0; b < static_cast<int>(member.lean.size()) && !applied.lean.empty(); ++b)
       member.lean[at(b)] = applied.lean[at(member.subteam->in_whole(BodyId{b}))];
     const bool refers = applied.u_ref.size() == u_.size();

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 #include "sightline/solver/distributed/peers.hpp"
 #include "sightline/solver/distributed/simulated_messages.hpp"
 #include "sightline/solver/distributed/subteam.hpp"
@@ -49,14 +49,14 @@ struct PartitionOptions {
   /// Messages that take time and get lost, as between computers: then one exchange an update, in Jacobi order. None: what is sent
   /// is there at once.
   std::optional<ExchangeOptions> messages{};
-  /// That solve subteams at the same time in Jacobi order, 1..Crew::most; the plan is the same whatever their number.
+  /// That solve subteams at the same time in Jacobi order, 1..ThreadPool::most; the plan is the same whatever their number.
   int threads = 1;
 };
 
 /// @throws std::invalid_argument for an option out of its range, or options that do not go together
 void check_options(const PartitionOptions& options);
 
-class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
+class PartitionedSolver : public Solver, public TeamPlanner, public Connectivity {
  public:
   /// @param make  the solver of each subteam, and that of the whole team, which judges the plan of all
   /// @throws std::invalid_argument for an option out of its range, where a robot is not in exactly one subteam, or where
@@ -74,7 +74,7 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;
   TeamPlanner* team_planner() noexcept override { return this; }
-  const Hearing* hearing() const noexcept override { return messages_ ? this : nullptr; }
+  const Connectivity* connectivity() const noexcept override { return messages_ ? this : nullptr; }
   bool keeps_apart() const noexcept override { return whole_->keeps_apart(); }
 
   void plan(int k, std::span<double> u) const noexcept override;
@@ -85,8 +85,8 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
   /// Lets every subteam send where its plan leads from these states.
   void send_all(double time, std::span<const double> states) noexcept;
 
-  bool hears(BodyId robot, BodyId other) const noexcept override;
-  bool is_heard(BodyId body) const noexcept override;
+  bool receives_from(BodyId robot, BodyId other) const noexcept override;
+  bool is_received(BodyId body) const noexcept override;
 
   int subteams() const { return static_cast<int>(members_.size()); }
   /// Processor time of the last update's slowest subteam, all its exchanges [s]: what subteams on machines of their own would take.
@@ -131,7 +131,7 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Hearing {
   std::vector<int> part_of_;                   // of each body
   std::optional<SimulatedMessages> messages_;  // none: what is sent is there at once
   std::vector<double> x_now_, u_, raw_u_, u_stage_, x_;
-  Crew crew_;
+  ThreadPool pool_;
 };
 
 }  // namespace sightline

@@ -7,7 +7,7 @@
 
 namespace sightline {
 
-void ClockOffsetByEcho::hear(ClockTime now, ClockTime stamp, const Echo& echo) noexcept {
+void ClockOffsetByEcho::receive(ClockTime now, ClockTime stamp, const Echo& echo) noexcept {
   if (echo.stamp == 0) return;
   const ClockTime round_trip = (now - echo.stamp) - echo.held;
   if (round_trip < 0 || round_trip > kept) return;  // a clock that was set anew
@@ -60,7 +60,8 @@ bool Peers::receive(const PartMessage& message, ClockTime now) noexcept {
   peer.steers = message.steers;
   peer.phase = message.phase;
   peer.begins = message.begins;
-  if (message.echoes.size() == peers_.size()) peer.clock.hear(now, message.stamp, message.echoes[at(own_)]);
+  if (message.echoes.size() == peers_.size())
+    peer.clock.receive(now, message.stamp, message.echoes[at(own_)]);
   return true;
 }
 
@@ -73,7 +74,7 @@ PeerState Peers::state(int part, ClockTime now) const noexcept {
   if (const ClockTime age = now - (peer.stamp - *offset); age > stale_after_ || age < -offset_max)
     return PeerState::stale;
   const bool begun = peer.begins != 0 && now >= peer.begins - *offset;
-  return peer.steers || begun ? PeerState::heard : PeerState::idle;
+  return peer.steers || begun ? PeerState::received : PeerState::idle;
 }
 
 std::optional<ClockTime> Peers::offset(int part) const noexcept { return peers_[at(part)].clock.offset(); }

@@ -20,16 +20,16 @@
 namespace sightline {
 
 /// Which robots hear where others will be, in a team that plans in parts. Of the thread that flies; of the last update. Robots of one part hear each other always.
-class Hearing {
+class Connectivity {
  public:
   /// Whether what a robot plans with knows where the other will be, from a message that is young enough, and the other keeps its
   /// distance to this one as well.
-  virtual bool hears(BodyId robot, BodyId other) const noexcept = 0;
+  virtual bool receives_from(BodyId robot, BodyId other) const noexcept = 0;
   /// Whether every robot hears this one; so it is of a body that sends nothing.
-  virtual bool is_heard(BodyId body) const noexcept = 0;
+  virtual bool is_received(BodyId body) const noexcept = 0;
 
  protected:
-  ~Hearing() = default;
+  ~Connectivity() = default;
 };
 
 /// By a clock of a computer [ns].
@@ -62,7 +62,7 @@ class ClockOffsetByEcho {
   static constexpr ClockTime drift = 2'000'000;      // of two clocks in this time at most, 200 ppm [ns]
 
   /// A message came at `now` that was sent at `stamp` by the other clock, and answers ours.
-  void hear(ClockTime now, ClockTime stamp, const Echo& echo) noexcept;
+  void receive(ClockTime now, ClockTime stamp, const Echo& echo) noexcept;
   /// Theirs minus ours; none before the first answer.
   std::optional<ClockTime> offset() const noexcept;
   void forget() noexcept { *this = {}; }
@@ -80,7 +80,7 @@ class ClockOffsetByEcho {
 /// How another part is heard.
 enum class PeerState : std::uint8_t {
   silent,      ///< nothing came yet, or nothing that was answered
-  heard,       ///< its newest message is young
+  received,    ///< its newest message is young
   stale,       ///< it is older than stale_after
   other_time,  ///< its clock is too far from ours
   idle,  ///< it is heard, and does not steer its robots: it neither says so nor said that by now it would
@@ -98,7 +98,9 @@ class Peers {
   bool receive(const PartMessage& message, ClockTime now) noexcept;
   /// One that could not be read, or is of no part.
   PeerState state(int part, ClockTime now) const noexcept;
-  bool hears(int part, ClockTime now) const noexcept { return state(part, now) == PeerState::heard; }
+  bool receives_from(int part, ClockTime now) const noexcept {
+    return state(part, now) == PeerState::received;
+  }
   /// Theirs minus ours; none where it is not known.
   std::optional<ClockTime> offset(int part) const noexcept;
   std::uint8_t phase(int part) const noexcept { return peers_[static_cast<std::size_t>(part)].phase; }

@@ -82,10 +82,10 @@ void SimulatedMessages::receive(int to, double t) noexcept {
       peers.receive(*came, clock(to, arrival));
     }
     const PeerState state = peers.state(from, now);
-    link.heard = state == PeerState::heard;
-    link.news.ended = link.used && !link.heard;
-    link.used = link.heard;
-    if (came == nullptr || !link.heard) continue;
+    link.received = state == PeerState::received;
+    link.news.ended = link.used && !link.received;
+    link.used = link.received;
+    if (came == nullptr || !link.received) continue;
     link.news.message = came;
     link.news.time = t - static_cast<double>(now - (came->stamp - *peers.offset(from))) / nanoseconds;
   }

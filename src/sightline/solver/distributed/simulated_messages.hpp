@@ -76,7 +76,7 @@ class SimulatedMessages {
   void receive(int to, double t) noexcept;
   /// Of its last receive().
   ReceivedMessage news(int to, int from) const noexcept { return links_[place(to, from)].news; }
-  bool hears(int to, int from) const noexcept { return links_[place(to, from)].heard; }
+  bool receives_from(int to, int from) const noexcept { return links_[place(to, from)].received; }
 
   /// Whether anything was sent.
   bool begun() const noexcept { return numbers_.front() > 0; }
@@ -87,7 +87,7 @@ class SimulatedMessages {
  private:
   struct Link {
     std::uint64_t seen = 0;  // number of the newest message that came
-    bool heard = false, used = false;
+    bool received = false, used = false;
     ReceivedMessage news{};
   };
   std::size_t place(int to, int from) const noexcept {

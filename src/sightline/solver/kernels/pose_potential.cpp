@@ -19,7 +19,7 @@ Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std:
   for (const int v : variables) z[at(v)] = Symbol(graph, graph.input(input++));
   const auto part = [&](int from) { return std::span<const Symbol>(z).subspan(at(from), at(sight_size)); };
   Sight<Symbol> a = sight_from<Symbol>(part(0));
-  a.doubt = z[at(PosePotential::doubt_variable)];
+  a.uncertainty = z[at(PosePotential::uncertainty_variable)];
   const Symbol* const third = &z[at(PosePotential::third_variable)];
   a.third = {third[0], third[1], third[2]};
   const Sight<Symbol> b = sight_from<Symbol>(part(sight_size));

@@ -23,12 +23,12 @@ struct Ends {
 ///
 /// In the frequent case it depends on r = p_a - p_b and the heading of a alone: then its variables are
 /// (r, d_a), 5 numbers, `derivatives` gives the gradient (5) and the upper triangle of the Hessian (15), and
-/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t, doubt of a, place of the third body) that occur.
+/// the entries are empty. Otherwise the variables are those of (s_a, s_b, t, uncertainty of a, place of the third body) that occur.
 struct PosePotential {
   static constexpr int relative_size = 5;
-  /// s_a is 0 .. 9, s_b 10 .. 19; then what no input of a or b changes, the time, the doubt of a, and where the third body is.
-  static constexpr int time_variable = 2 * sight_size, doubt_variable = time_variable + 1,
-                       third_variable = doubt_variable + 1, variable_count = third_variable + 3;
+  /// s_a is 0 .. 9, s_b 10 .. 19; then what no input of a or b changes, the time, the uncertainty of a, and where the third body is.
+  static constexpr int time_variable = 2 * sight_size, uncertainty_variable = time_variable + 1,
+                       third_variable = uncertainty_variable + 1, variable_count = third_variable + 3;
 
   struct First {
     int variable, output;
@@ -40,9 +40,10 @@ struct PosePotential {
   };
 
   bool relative = false;
-  std::vector<int> variables;      ///< of (s_a, s_b, t, doubt, third), inputs of both programs in this order
-  Program value;                   ///< one output
-  Program derivatives;             ///< every entry of the lists below, once up to sign
+  std::vector<int>
+      variables;        ///< of (s_a, s_b, t, uncertainty, third), inputs of both programs in this order
+  Program value;        ///< one output
+  Program derivatives;  ///< every entry of the lists below, once up to sign
   std::vector<Program> others;     ///< of a relative one: derivatives to be added, compiled apart
   std::vector<std::string> names;  ///< of the potentials in `derivatives`, then in each of the others
   std::vector<First> gradient;     ///< of the ends that feel it

@@ -38,7 +38,7 @@ struct RiccatiStage {
   /// Eliminates du for the cost-to-go P and the costate increment e of the next stage:
   /// R + B'PB = L D L', K = L^-T D^-1 L^-1 (G + B'PA), k likewise; pivots are at least `floor`. An input with
   /// an infinite R does not move: the inverse of its pivot is zero, and with it all of its row.
-  void eliminate(const Matrix<S>& P, const std::vector<S>& e, const std::vector<S>& floor, S& doubt) {
+  void eliminate(const Matrix<S>& P, const std::vector<S>& e, const std::vector<S>& floor, S& pivot_shift) {
     Matrix<S> PB(nx, nu);
     for (int i = 0; i < nx; ++i) {
       for (int j = 0; j < nx; ++j)
@@ -56,7 +56,7 @@ struct RiccatiStage {
       for (int q = 0; q < nx; ++q) r[at(a)] += B(q, a) * e[at(q)];
     }
     for (int a = 0; a < nu; ++a) {
-      doubt = maximum(floor[at(a)] - R(a, a), doubt);
+      pivot_shift = maximum(floor[at(a)] - R(a, a), pivot_shift);
       inverse_D[at(a)] = 1.0 / maximum(R(a, a), floor[at(a)]);
       for (int b = a + 1; b < nu; ++b) L(b, a) = R(b, a) * inverse_D[at(a)];
       for (int b = a + 1; b < nu; ++b)

@@ -239,8 +239,8 @@ class StageTracer {
     Matrix<Symbol> P(nx, nx);
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < nx; ++j) P(i, j) = P_upper[at(upper_index(std::min(i, j), std::max(i, j), nx))];
-    Symbol doubt = carry[0];
-    stage.eliminate(P, e, floor, doubt);
+    Symbol pivot_shift = carry[0];
+    stage.eliminate(P, e, floor, pivot_shift);
 
     t.block("H_u");
     for (int a = 0; a < nu; ++a) t.output(first[at(nx + a)]);
@@ -254,7 +254,7 @@ class StageTracer {
     t.block("k");
     t.output(stage.k);
     t.block("carry_out");
-    t.output(doubt);
+    t.output(pivot_shift);
     if (carries_on) {
       for (int i = 0; i < nx; ++i) t.output(first[at(i)]);
       for (int i = 0; i < nx; ++i) t.output(stage.costate_increment(i, e));

@@ -48,7 +48,7 @@ struct StageSizes {
     return ns + ns * (ns + 1) / 2;
   }  ///< gradient and Hessian with respect to s
   constexpr int gain() const { return nu + nu * (nu - 1) / 2 + nu * nx + stored; }  ///< D^-1, L, K, stored
-  constexpr int carry() const { return 1 + 2 * nx + nx * (nx + 1) / 2; }            ///< doubt, lambda, e, P
+  constexpr int carry() const { return 1 + 2 * nx + nx * (nx + 1) / 2; }  ///< pivot_shift, lambda, e, P
 
   bool operator==(const StageSizes&) const = default;
 };
@@ -59,12 +59,12 @@ struct StageSizes {
 ///
 ///   step        x, u -> x + h f, s
 ///   back        x, u, x*, held, weights, coupling, carry -> H_u, gain, k, carry of the stage before
-///   back_first  the same at stage 0: the carry is `doubt` alone
+///   back_first  the same at stage 0: the carry is `pivot_shift` alone
 ///   precondition_back      p, r, gain -> p of the stage before, k       right side r in s
 ///   precondition_forward   y, gain, k -> du, y of the next stage, change of s
 ///
 /// H_u is Phi_u (times h, that is). `held` is an input's extra weight: infinity where its limit is active, 0
-/// where it is free; `doubt` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y), each
+/// where it is free; `pivot_shift` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y), each
 /// entry in a unit of its own.
 struct StagePrograms {
   StageSizes sizes;

@@ -85,7 +85,9 @@ class LaneCouplings final : public Couplings {
   }
 
   void set_time(int k, double t) noexcept override { parameters_.time[0][k] = t; }
-  void set_doubt(int body, int k, double sigma) noexcept override { parameters_.doubt[body][k] = sigma; }
+  void set_uncertainty(int body, int k, double sigma) noexcept override {
+    parameters_.uncertainty[body][k] = sigma;
+  }
   void set_weights(double t) noexcept override {
     for (std::vector<PairBatch>* batches : {&relative_, &general_}) {
       for (PairBatch& batch : *batches) batch.points.set_part(batch.pairs[0]->ramp.at(t));
@@ -102,10 +104,10 @@ class LaneCouplings final : public Couplings {
     return lone_pair_ || has_swarms() || !std::all_of(in_place_.begin(), in_place_.end(), std::identity()) ||
            !crosses_->all_in_place();
   }
-  void gather(const double* s, double* c, Crew& crew) noexcept override {
+  void gather(const double* s, double* c, ThreadPool& pool) noexcept override {
     if (lone_pair_) return derive_lone_pair(s);
     const int batches = static_cast<int>(relative_.size()), general = static_cast<int>(general_.size());
-    crew.share(batches + general, [&](int b, int) noexcept {
+    pool.share(batches + general, [&](int b, int) noexcept {
       b < batches ? gather_relative(at(b), s) : gather_general(at(b - batches), s);
     });
     if (swarms_.empty()) return;
@@ -466,19 +468,19 @@ class LaneCouplings final : public Couplings {
 
 }  // namespace
 
-void Couplings::derive(const double* s, double* c, Crew& crew) noexcept {
-  if (gathers()) gather(s, c, crew);
-  crew.share(static_cast<int>(layout_.groups.size()), [&](int g, int) noexcept { derive(g, s); });
+void Couplings::derive(const double* s, double* c, ThreadPool& pool) noexcept {
+  if (gathers()) gather(s, c, pool);
+  pool.share(static_cast<int>(layout_.groups.size()), [&](int g, int) noexcept { derive(g, s); });
 }
 
-void Couplings::evaluate(const double* s, double* c, Crew& crew) noexcept {
-  derive(s, c, crew);
-  crew.share(static_cast<int>(layout_.groups.size()),
+void Couplings::evaluate(const double* s, double* c, ThreadPool& pool) noexcept {
+  derive(s, c, pool);
+  pool.share(static_cast<int>(layout_.groups.size()),
              [&](int g, int) noexcept { take(g, c + layout_.groups[at(g)].c); });
 }
 
 void Couplings::evaluate(const double* s, double* c) noexcept {
-  Crew alone(1);
+  ThreadPool alone(1);
   evaluate(s, c, alone);
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/kernels/pose_potential.hpp"
@@ -28,7 +28,7 @@ class Couplings {
   /// Time of the update [s]: the weights have the part of it all along the horizon.
   virtual void set_weights(double t) noexcept = 0;
   /// Sight::doubt of a body at stage k [m]; 0 before it is told.
-  virtual void set_doubt(int body, int k, double sigma) noexcept = 0;
+  virtual void set_uncertainty(int body, int k, double sigma) noexcept = 0;
   virtual void set_body(int body, int k, const Sight<double>& sight) noexcept = 0;
 
   /// Takes the pairs of swarms that come near each other along s for those that count from now on.
@@ -37,10 +37,10 @@ class Couplings {
   virtual Neighbours neighbours() const noexcept = 0;
 
   /// Evaluates all potentials at s. With swarms c, of the whole team, holds what these give, else it is not touched.
-  void derive(const double* s, double* c, Crew& crew) noexcept;
+  void derive(const double* s, double* c, ThreadPool& pool) noexcept;
   /// The same in two parts: first what is evaluated at once for all groups, if anything is, ...
   virtual bool gathers() const noexcept = 0;
-  virtual void gather(const double* s, double* c, Crew& crew) noexcept = 0;
+  virtual void gather(const double* s, double* c, ThreadPool& pool) noexcept = 0;
   /// ... then group by group, from what is seen of it and of its neighbours.
   virtual void derive(int group, const double* s) noexcept = 0;
   /// Pairs of groups that potentials couple, but for those of swarms; some more than once, a group with itself too.
@@ -49,7 +49,7 @@ class Couplings {
   /// overwritten; with them, it is the group's part of what `derive` was given.
   virtual void take(int group, double* c) const noexcept = 0;
   /// Both, for all groups.
-  void evaluate(const double* s, double* c, Crew& crew) noexcept;
+  void evaluate(const double* s, double* c, ThreadPool& pool) noexcept;
   void evaluate(const double* s, double* c) noexcept;
   /// Each potential's sum along the horizon, times h, at s; one number for each entry of the list it was made of.
   /// @param wanted  of each entry whether its number is looked for, the others stay; empty: all are

@@ -62,7 +62,7 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
 
 /// Of the units of a level that are not settled: they alone have moved, and are looked at.
 void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, const double* u, double* s,
-                             Crew& crew) noexcept {
+                             ThreadPool& pool) noexcept {
   std::fill(wanted_.begin(), wanted_.end(), 0);
   std::fill(moved_.begin(), moved_.end(), 0);
   const auto each = [&](auto&& f) {
@@ -74,7 +74,7 @@ void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, co
     for (const int a : unit.agents) moved_[static_cast<std::size_t>(layout_.place(a).group)] = 1;
     for (const int p : unit.potentials) wanted_[static_cast<std::size_t>(p)] = 1;
   });
-  groups.each(crew, [&](int g, int) noexcept {
+  groups.each(pool, [&](int g, int) noexcept {
     if (moved_[static_cast<std::size_t>(g)] == 0) return;
     groups.roll_out(g, u, s);
     groups.own_costs(g, u, own_[g]);
@@ -93,14 +93,14 @@ void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, co
 }
 
 double Descent::search(Groups& groups, Couplings& couplings, const double* start, const double* d,
-                       const double* low, const double* high, double* u, double* s, Crew& crew, Searching who,
-                       const Deadline& deadline) noexcept {
+                       const double* low, const double* high, double* u, double* s, ThreadPool& pool,
+                       Searching who, const Deadline& deadline) noexcept {
   std::copy_n(start, layout_.u_length, u);
   double smallest = 1.0;
   fell_ = false;
   for (Unit& unit : units_) unit.searches = who == Searching::all || unit.alpha == 0.0;
   for (int level = 0; level < levels_; ++level) {
-    groups.roll_out(u, s, crew);
+    groups.roll_out(u, s, pool);
     const auto each = [&](auto&& f) {
       for (Unit& unit : units_) {
         if (unit.level == level && unit.searches) f(unit);
@@ -110,10 +110,10 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
       each([&](Unit& unit) {
         if (!unit.settled) move(unit, alpha, start, d, low, high, u);
       });
-      evaluate_costs(level, groups, couplings, u, s, crew);
+      evaluate_costs(level, groups, couplings, u, s, pool);
     };
     each([](Unit& unit) { unit.settled = false; });
-    evaluate_costs(level, groups, couplings, u, s, crew);
+    evaluate_costs(level, groups, couplings, u, s, pool);
     each([](Unit& unit) {
       unit.before = unit.best = unit.cost;
       unit.alpha = 0.0;

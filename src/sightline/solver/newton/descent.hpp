@@ -25,7 +25,7 @@ class Descent {
   /// length is tried: whoever rises by the first stays where it is.
   /// @return the smallest alpha of those that search; 0 where a cost rises along d from the start
   double search(Groups& groups, Couplings& couplings, const double* start, const double* d, const double* low,
-                const double* high, double* u, double* s, Crew& crew, Searching who = Searching::all,
+                const double* high, double* u, double* s, ThreadPool& pool, Searching who = Searching::all,
                 const Deadline& deadline = {}) noexcept;
   /// Whether costs are sure to lead on: one cost for all, or agents in order. Not where all search at once.
   bool sure() const { return sure_; }
@@ -44,7 +44,7 @@ class Descent {
   void move(const Unit& unit, double alpha, const double* start, const double* d, const double* low,
             const double* high, double* u) const noexcept;
   void evaluate_costs(int level, Groups& groups, Couplings& couplings, const double* u, double* s,
-                      Crew& crew) noexcept;
+                      ThreadPool& pool) noexcept;
 
   Layout layout_;
   std::vector<Unit> units_;

@@ -61,7 +61,7 @@ class Group {
   /// @return whether all pivots were sound; `doubtful` names the lanes where one was not
   virtual bool backward(const double* u, const double* held, const double* c, double* H_u,
                         double* k) noexcept = 0;
-  bool doubtful(int lane) const { return !(doubt_[0][lane] <= 0.0); }
+  bool pivots_shifted(int lane) const { return !(pivot_shift_[0][lane] <= 0.0); }
   /// du, where k of the backward sweep was, and the change of s along the horizon.
   virtual void forward(double* du, double* ds) noexcept = 0;
   /// The same for the right side r in s.
@@ -76,7 +76,7 @@ class Group {
   StageSizes sizes_;
   int stages_, width_;
   std::ptrdiff_t ref_stage_ = sizes_.nx * width_;  // from the reference of a stage to that of the next
-  Rows x_, x_ref_, weights_, Q_f_, gain_, carry_, doubt_;
+  Rows x_, x_ref_, weights_, Q_f_, gain_, carry_, pivot_shift_;
 
  private:
   /// f(rows, how many, packs in each)
@@ -88,7 +88,7 @@ class Group {
     f(Q_f_, 1, sizes_.nx);
     f(gain_, 1, stages_ * sizes_.gain());
     f(carry_, 2, sizes_.carry());
-    f(doubt_, 1, 1);
+    f(pivot_shift_, 1, 1);
   }
 };
 
@@ -165,9 +165,9 @@ class StageGroup final : public Group {
       carry.take(next);
     }
     kernel_.back_first(x_[0], u, x_ref_[0], held, weights_[0], c, carry.numbers(), H_u, gain_[0], k_rows,
-                       doubt_[0]);
+                       pivot_shift_[0]);
     bool sound = true;
-    for (int l = 0; l < W; ++l) sound &= doubt_[0][l] <= 0.0;
+    for (int l = 0; l < W; ++l) sound &= pivot_shift_[0][l] <= 0.0;
     return sound;
   }
 

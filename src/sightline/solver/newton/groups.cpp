@@ -252,7 +252,7 @@ bool Groups::solve(int g, const double* u, const double* active, const double* c
     damped = true;
     for (int lane = 0; lane < layout_.width; ++lane) {
       double& rho = group.rho(lane);
-      if (group.doubtful(lane)) rho = rho > 0 ? 10.0 * rho : first * h_;
+      if (group.pivots_shifted(lane)) rho = rho > 0 ? 10.0 * rho : first * h_;
     }
   }
   group.forward(du + part.u, ds + part.s);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/kernels/kernel_use.hpp"
@@ -52,8 +52,8 @@ class Groups {
   /// @param x_at  where each agent's states are in x
   void rest_at(const double* x, std::span<const int> x_at) noexcept;
   void roll_out(int group, const double* u, double* s) noexcept;
-  void roll_out(const double* u, double* s, Crew& crew) noexcept {
-    each(crew, [&](int g, int) noexcept { roll_out(g, u, s); });
+  void roll_out(const double* u, double* s, ThreadPool& pool) noexcept {
+    each(pool, [&](int g, int) noexcept { roll_out(g, u, s); });
   }
   void roll_out(const double* u, double* s) noexcept {
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) roll_out(g, u, s);
@@ -88,8 +88,8 @@ class Groups {
   }
   /// work(group, thread) for each, shared out.
   template <class Work>
-  void each(Crew& crew, Work&& work) const noexcept {
-    crew.share(static_cast<int>(groups_.size()), work);
+  void each(ThreadPool& pool, Work&& work) const noexcept {
+    pool.share(static_cast<int>(groups_.size()), work);
   }
   /// The agents of a group, lane by lane.
   std::span<const int> members(int group) const { return members_[static_cast<std::size_t>(group)]; }

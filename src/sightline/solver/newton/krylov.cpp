@@ -40,10 +40,11 @@ double in_order(std::span<const double> summands) {
   return std::accumulate(summands.begin(), summands.end(), 0.0);
 }
 
-constexpr int generous = 4;  // a team that is not mutual is worth more iterations
+constexpr int iteration_budget_factor = 4;  // a team that is not mutual is worth more iterations
 // A sweep leaves an error of the size of the next; an iteration of conjugate gradients leaves a far smaller one.
-constexpr double sharper = 0.005;
-constexpr double stiffest = 10.0;  // energy of what is off a guess, over that of a correction as long
+constexpr double refinement_tolerance = 0.005;
+constexpr double max_regularisation =
+    10.0;  // energy of what is off a guess, over that of a correction as long
 
 }  // namespace
 
@@ -51,13 +52,14 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, const Coupling
                int max_iterations, double stop)
     : layout_(layout),
       kind_(graph.kind),
-      wave_(static_cast<int>(layout.groups.size()), couplings.coupled_groups(), 2, threads),
+      schedule_(static_cast<int>(layout.groups.size()), couplings.coupled_groups(), 2, threads),
       of_groups_(layout.groups.size()),
       curvature_(layout.groups.size()),
       changes_(layout.groups.size() * at(layout.width)),
       max_iterations_(max_iterations),
       stop_(stop),
-      gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1, generous * std::max(max_iterations, 1)),
+      gmres_(graph.kind == Influence::cyclic ? layout.s_length : 1,
+             iteration_budget_factor * std::max(max_iterations, 1)),
       s_vectors_(5, std::max(layout.s_length, gmres_.length())),
       u_vectors_(2, layout.u_length) {
   if (kind_ == Influence::none || kind_ == Influence::mutual || couplings.has_swarms()) return;
@@ -89,10 +91,10 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, const Coupling
 }
 
 Krylov::Completion Krylov::complete(Groups& groups, const Couplings& couplings, double* du, double* ds,
-                                    Crew& crew, Likeness likeness, const Deadline& deadline,
+                                    ThreadPool& pool, WarmStart warm_start, const Deadline& deadline,
                                     bool begun) noexcept {
   if (deadline.passed()) return {};
-  const Work work{groups, couplings, du, ds, crew, likeness, deadline, begun};
+  const Work work{groups, couplings, du, ds, pool, warm_start, deadline, begun};
   switch (kind_) {
     case Influence::none:
       return {};
@@ -145,7 +147,7 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
   const bool swarms = couplings.has_swarms();
   if (swarms) couplings.product(work.ds, r);  // for the negative of the correction
   if (!work.begun) {
-    groups.each(work.crew, [&](int g, int) noexcept {
+    groups.each(work.pool, [&](int g, int) noexcept {
       if (!swarms) couplings.product(g, work.ds, r);
       direct(g, groups, r, z_u, z);
     });
@@ -174,14 +176,14 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
     if (k == 0) {
       w = r;
       if (swarms) couplings.product(z, Cp);
-      if (!work.begun) groups.each(work.crew, [&](int g, int) noexcept { image(g); });
+      if (!work.begun) groups.each(work.pool, [&](int g, int) noexcept { image(g); });
     } else if (swarms) {
-      groups.each(work.crew, [&](int g, int) noexcept { conjugate(g); });
+      groups.each(work.pool, [&](int g, int) noexcept { conjugate(g); });
       couplings.product(z, Cp);
-      groups.each(work.crew, [&](int g, int) noexcept { image(g); });
+      groups.each(work.pool, [&](int g, int) noexcept { image(g); });
     } else {
-      wave_.run(
-          work.crew, [&](int g, int) noexcept { conjugate(g); }, [&](int g, int) noexcept { image(g); });
+      schedule_.run(
+          work.pool, [&](int g, int) noexcept { conjugate(g); }, [&](int g, int) noexcept { image(g); });
     }
     const double curvature = in_order(curvature_);
     if (!(curvature > 1e-14 * rho)) break;  // along this direction the team's cost has no minimum
@@ -190,7 +192,7 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
     if (k == max_iterations_ || std::sqrt(rho) < stop_ || work.deadline.passed()) return {k, z_u, step};
     const L alpha = step;
     double* const next_r = k == 1 ? s_vectors_[1] : r;  // r lives on as w
-    groups.each(work.crew, [&](int g, int) noexcept {
+    groups.each(work.pool, [&](int g, int) noexcept {
       each_pack(layout_.u_of(g), [&](std::ptrdiff_t i) {
         fma(alpha, L::load(z_u + i), L::load(work.du + i)).store(work.du + i);
       });
@@ -209,12 +211,12 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
 /// Keeps robots' own steps. What they see of those whose turn has not come yet is the own step and a share of what the couplings
 /// added to the one before.
 void Krylov::guess(const Work& work) noexcept {
-  if (work.likeness == Likeness::none) share_ = 0.0;
-  if (work.likeness == Likeness::of_attempts) share_ = has_added_ ? 1.0 : 0.0;
+  if (work.warm_start == WarmStart::none) share_ = 0.0;
+  if (work.warm_start == WarmStart::of_attempts) share_ = has_added_ ? 1.0 : 0.0;
   double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
   const bool guesses = share_ != 0.0;
   const L part = share_;
-  work.groups.each(work.crew, [&](int g, int) noexcept {
+  work.groups.each(work.pool, [&](int g, int) noexcept {
     const Layout::Span s = layout_.s_of(g), u = layout_.u_of(g);
     std::copy_n(work.ds + s.first, s.length, ds_alone + s.first);
     if (kind_ == Influence::cyclic) std::copy_n(work.du + u.first, u.length, du_alone + u.first);
@@ -228,7 +230,7 @@ void Krylov::guess(const Work& work) noexcept {
 /// As much as came back this time is expected the next: where noise moves the steps, nothing does.
 void Krylov::remember(const Work& work) noexcept {
   const double* const ds_alone = s_vectors_[4];
-  work.groups.each(work.crew, [&](int g, int) noexcept {
+  work.groups.each(work.pool, [&](int g, int) noexcept {
     L now_then = 0.0, then_then = 0.0;
     each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
       const L now = L::load(work.ds + i) - L::load(ds_alone + i), then = L::load(added_[0] + i);
@@ -249,7 +251,7 @@ void Krylov::remember(const Work& work) noexcept {
 /// Each turn sees what those before it came to. Who changed by little wakes nobody, so a cascade is exact to that, and the
 /// parts of a team with cycles go on alone.
 int Krylov::substitute(const Work& work) noexcept {
-  const int most = generous * max_iterations_;
+  const int most = iteration_budget_factor * max_iterations_;
   const bool may_fail = kind_ == Influence::cyclic;
   double *const ds_alone = s_vectors_[4], *const du_alone = u_vectors_[1];
   std::fill(visited_.begin(), visited_.end(), 0);
@@ -284,7 +286,7 @@ int Krylov::substitute(const Work& work) noexcept {
 /// @return the greatest change of a robot's own cost
 double Krylov::take_turn(int turn, const Work& work) noexcept {
   const Turn& its = turns_[at(turn)];
-  const double stop = square(sharper * stop_);
+  const double stop = square(refinement_tolerance * stop_);
   double *const r = s_vectors_[0], *const before = s_vectors_[1], *const z = s_vectors_[2];
   double* const z_u = u_vectors_[0];
   const int groups = static_cast<int>(its.groups.size());
@@ -292,7 +294,7 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
   const double* const from = first_visit ? s_vectors_[4] : work.ds;
   visited_[at(turn)] = 1;
   // Groups of one turn see each other as they were before it.
-  work.crew.share(groups, [&](int i, int) noexcept {
+  work.pool.share(groups, [&](int i, int) noexcept {
     const int g = its.groups[at(i)];
     work.couplings.product(g, work.ds, r);
     each_pack(layout_.s_of(g), [&](std::ptrdiff_t k) {
@@ -319,7 +321,7 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
       double of_robot = 0.0, long_2 = 0.0, moved_2 = 0.0;
       for (int k = lane; k < L::width; k += layout_.width)
         of_robot += energy[k], long_2 += length[k], moved_2 += moved[k];
-      if (guessed) of_robot = long_2 > 0.0 ? stiffest * of_robot * (moved_2 / long_2) : moved_2;
+      if (guessed) of_robot = long_2 > 0.0 ? max_regularisation * of_robot * (moved_2 / long_2) : moved_2;
       changes_[at(g * layout_.width + lane)] = of_robot;
     }
   });
@@ -345,7 +347,7 @@ int Krylov::general(const Work& work) noexcept {
   const bool swarms = work.couplings.has_swarms();
   const auto coupled = [&](const double* v, auto&& use) {
     if (swarms) work.couplings.product(v, image);
-    work.groups.each(work.crew, [&](int g, int) noexcept {
+    work.groups.each(work.pool, [&](int g, int) noexcept {
       if (!swarms) work.couplings.product(g, v, image);
       use(g);
     });

@@ -15,7 +15,7 @@
 #include "sightline/solver/newton/coupling.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "sightline/solver/newton/influence.hpp"
-#include "sightline/solver/newton/wave.hpp"
+#include "sightline/solver/newton/phase_schedule.hpp"
 
 namespace sightline {
 
@@ -27,7 +27,7 @@ struct Deadline {
 };
 
 /// What a step has in common with the one before it.
-enum class Likeness {
+enum class WarmStart {
   none,
   of_updates,   ///< what the couplings add changes from update to update, as far as it did last time
   of_attempts,  ///< the same step, with other limits active
@@ -49,8 +49,8 @@ class Krylov {
   /// Completes a step of all agents by themselves, du and ds, to the team's.
   /// @param likeness  substitution begins with what the couplings added to a step that was like this one
   /// @param begun  all groups have begun their first iteration for this step
-  Completion complete(Groups& groups, const Couplings& couplings, double* du, double* ds, Crew& crew,
-                      Likeness likeness = Likeness::none, const Deadline& deadline = {},
+  Completion complete(Groups& groups, const Couplings& couplings, double* du, double* ds, ThreadPool& pool,
+                      WarmStart warm_start = WarmStart::none, const Deadline& deadline = {},
                       bool begun = false) noexcept;
 
   /// Whether a team's first iteration can be taken group by group before complete() is called: first the direction, once the group
@@ -70,8 +70,8 @@ class Krylov {
     Groups& groups;
     const Couplings& couplings;
     double *du, *ds;
-    Crew& crew;
-    Likeness likeness;
+    ThreadPool& pool;
+    WarmStart warm_start;
     Deadline deadline;
     bool begun;
   };
@@ -95,7 +95,7 @@ class Krylov {
 
   Layout layout_;
   Influence kind_;
-  Wave wave_;  // a direction, and its image
+  PhaseSchedule schedule_;  // a direction, and its image
   std::vector<Turn> turns_;
   bool goes_on_ = false;  // what a robot feels is felt by others: else one visit to each turn is all
   std::vector<char> due_, visited_;

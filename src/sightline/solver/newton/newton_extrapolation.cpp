@@ -21,13 +21,13 @@ using L = NativeLane;
 }  // namespace
 
 /// Whether the update begins where the plan would go, and how far; group by group it goes there as it is rolled out.
-void NewtonUpdate::foresee() noexcept {
+void NewtonUpdate::extrapolate_plan() noexcept {
   const double passed = time_ - plan_time_, before = plan_time_ - plan_before_time_;
-  if (!(passed > 0)) return leave_plan();
+  if (!(passed > 0)) return detach_plan();
   std::swap(H_u_, H_before_);
   constexpr double farthest = 2.0;  // of the period before
   foreseen_ = taken_ >= 2 && passed <= farthest * before && is_foreseeable();
-  if (!foreseen_) return leave_plan();
+  if (!foreseen_) return detach_plan();
   foresight_ = {u_, passed / before};
   if (u_ == plan_) u_ = spare_;
 }
@@ -49,7 +49,7 @@ bool NewtonUpdate::is_foreseeable() noexcept {
 
 /// Inputs of a group go on from where they are by `ratio` of their last change. Where they come to a limit it is active; where the
 /// multiplier of an active one goes through zero it is not.
-void NewtonUpdate::foresee(int group) noexcept {
+void NewtonUpdate::extrapolate_plan(int group) noexcept {
   const auto& [from, ratio] = foresight_;
   const Layout::Span its = groups_.layout().u_of(group);
   const L on(infinity), off(0.0);
@@ -89,7 +89,7 @@ void NewtonUpdate::remember(const Step& step) noexcept {
 }
 
 /// u is to change, and the plan to stay.
-void NewtonUpdate::leave_plan() noexcept {
+void NewtonUpdate::detach_plan() noexcept {
   if (u_ != plan_) return;
   u_ = spare_;
   std::copy_n(plan_, groups_.layout().u_length, u_);

@@ -33,7 +33,7 @@ void NewtonUpdate::plan(int k, std::span<double> u) const noexcept {
 
 void NewtonUpdate::set_plan(int k, std::span<const double> u) noexcept {
   if (!is_stage(k, u)) return;
-  leave_plan();
+  detach_plan();
   has_plan_ = true;
   started_ = false;
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
@@ -54,20 +54,20 @@ void NewtonUpdate::set_prediction(const Prediction& prediction) noexcept {
   to.sights.assign(prediction.sights.begin(), prediction.sights.end());
 }
 
-void NewtonUpdate::set_doubts(std::span<const ViewDoubt> of_bodies) noexcept {
+void NewtonUpdate::set_view_uncertainty(std::span<const ViewUncertainty> of_bodies) noexcept {
   if (of_bodies.size() != predictions_.size()) return;
   const Horizon& horizon = ocp_.horizon();
   for (std::size_t b = 0; b < of_bodies.size(); ++b) {
     for (int k = 0; k < horizon.N; ++k)
-      couplings_->set_doubt(static_cast<int>(b), k, of_bodies[b].after(k * horizon.h()));
+      couplings_->set_uncertainty(static_cast<int>(b), k, of_bodies[b].after(k * horizon.h()));
   }
 }
 
 void NewtonUpdate::set_applied(const AppliedInputs& applied) noexcept {
-  if (applied.before.size() != u_out_.size() || applied.added.size() != u_out_.size()) return;
+  if (applied.previous.size() != u_out_.size() || applied.offset.size() != u_out_.size()) return;
   limits_move_ = true;
-  before_.assign(applied.before.begin(), applied.before.end());
-  added_.assign(applied.added.begin(), applied.added.end());
+  before_.assign(applied.previous.begin(), applied.previous.end());
+  added_.assign(applied.offset.begin(), applied.offset.end());
   for (int a = 0; a < static_cast<int>(x_at_.size()); ++a) {
     const BodyId robot = ocp_.agent_bodies()[at(a)];
     if (applied.lean.size() == predictions_.size()) groups_.set_lean(a, applied.lean[at(robot)]);

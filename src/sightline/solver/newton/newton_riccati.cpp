@@ -27,8 +27,8 @@ KernelUse NewtonRiccati::kernels() const { return update_->kernels(); }
 void NewtonRiccati::restart() noexcept { update_->restart(); }
 
 void NewtonRiccati::set_applied(const AppliedInputs& applied) noexcept { update_->set_applied(applied); }
-void NewtonRiccati::set_doubts(std::span<const ViewDoubt> of_bodies) noexcept {
-  update_->set_doubts(of_bodies);
+void NewtonRiccati::set_view_uncertainty(std::span<const ViewUncertainty> of_bodies) noexcept {
+  update_->set_view_uncertainty(of_bodies);
 }
 
 void NewtonRiccati::plan(int k, std::span<double> u) const noexcept { update_->plan(k, u); }

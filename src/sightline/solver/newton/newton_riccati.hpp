@@ -13,7 +13,7 @@
 
 namespace sightline {
 
-class Crew;
+class ThreadPool;
 enum class KernelChoice;
 
 struct NewtonRiccatiOptions {
@@ -28,7 +28,7 @@ struct NewtonRiccatiOptions {
   int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
   KernelChoice kernels{};  ///< compiled where they are there; kernels/kernel_table.hpp
   /// Threads that teams of at least `shared_from` robots are shared over; none: that of the caller alone. The result is the same.
-  std::shared_ptr<Crew> crew{};
+  std::shared_ptr<ThreadPool> pool{};
   static constexpr int shared_from = 128;
 };
 
@@ -48,8 +48,8 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   const Ocp& ocp() const override;
   Solution solve(double time, std::span<const double> states) noexcept override;
   void set_applied(const AppliedInputs& applied) noexcept override;
-  void set_doubts(std::span<const ViewDoubt> of_bodies) noexcept override;
-  bool plans_with_doubt() const noexcept override { return true; }
+  void set_view_uncertainty(std::span<const ViewUncertainty> of_bodies) noexcept override;
+  bool uses_uncertainty() const noexcept override { return true; }
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;

@@ -26,16 +26,16 @@ double* NewtonUpdate::felt(int group, int thread) noexcept {
 bool NewtonUpdate::solve_alone(bool again, bool begins) noexcept {
   const bool gathers = couplings_->gathers(), foresees = foresight_.from != nullptr;
   const auto roll_out = [&](int g) {
-    if (foresees) foresee(g);
+    if (foresees) extrapolate_plan(g);
     groups_.roll_out(g, u_, s_);
   };
   if (gathers) {
-    groups_.each(*crew_, [&](int g, int) noexcept { roll_out(g); });
+    groups_.each(*pool_, [&](int g, int) noexcept { roll_out(g); });
     if (!again) couplings_->find_neighbours(s_);
-    couplings_->gather(s_, c_[0], *crew_);
+    couplings_->gather(s_, c_[0], *pool_);
   }
-  wave_.run(
-      *crew_,
+  schedule_.run(
+      *pool_,
       [&](int g, int) noexcept {
         if (!gathers) roll_out(g);
       },
@@ -64,7 +64,7 @@ std::ptrdiff_t NewtonUpdate::first_stage_end(int g) const noexcept {
 
 /// Of u and du, to which is added what completes it.
 NewtonUpdate::Proposal NewtonUpdate::examine(const Krylov::Completion& completion) noexcept {
-  groups_.each(*crew_, [&](int g, int) noexcept { proposals_[at(g)] = examine(g, completion); });
+  groups_.each(*pool_, [&](int g, int) noexcept { proposals_[at(g)] = examine(g, completion); });
   Proposal all;
   for (const Proposal& p : proposals_) {
     all.largest = std::max(all.largest, p.largest);
@@ -153,10 +153,10 @@ void NewtonUpdate::hold_near_limits(int g) noexcept {
 /// others by a step of their own. Whoever finds no way goes down the gradient. Without one cost for all, what lowers one
 /// robot's may raise another's: where the residual stood, it is searched for itself.
 NewtonUpdate::Step NewtonUpdate::project() noexcept {
-  constexpr double stood = 0.9;  // of the residual before, that costs alone have not led on
+  constexpr double min_decrease = 0.9;  // of the residual before, that costs alone have not led on
   const int n = groups_.layout().u_length;
   std::copy_n(u_, n, u_start_);
-  groups_.roll_out(u_, s_, *crew_);
+  groups_.roll_out(u_, s_, *pool_);
   couplings_->find_neighbours(s_);
   linearise([&](int g, const double* c) {
     groups_.differentiate(g, u_, active_, c, H_u_, du_);
@@ -166,7 +166,7 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   const bool damped = is_damped();
   Step result;
   const Krylov::Completion completion =
-      krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, Likeness::none, deadline());
+      krylov_.complete(groups_, *couplings_, du_, ds_, *pool_, WarmStart::none, deadline());
   result.iterations = completion.iterations;
   result.residual = examine(completion).residual;
   result.finite = slope_is_finite();
@@ -174,7 +174,7 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
   for (int i = 0; i < n; ++i) {
     if (active_[i] != 0.0) du_[i] = (H_u_[i] > 0 ? low_[i] : high_[i]) - u_[i];
   }
-  const bool stuck = !descent_.sure() && result.residual > stood * watched_;
+  const bool stuck = !descent_.sure() && result.residual > min_decrease * watched_;
   watched_ = result.residual;
   if (stuck && search_residual()) return result;
   const double alpha = search();
@@ -189,7 +189,7 @@ NewtonUpdate::Step NewtonUpdate::project() noexcept {
 
 /// From u_start along du, the team's way of it. @return the shortest way of a robot, in steps
 double NewtonUpdate::search(Searching who) noexcept {
-  return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *crew_, who, deadline());
+  return descent_.search(groups_, *couplings_, u_start_, du_, low_, high_, u_, s_, *pool_, who, deadline());
 }
 
 /// From u_start along du as far as the conditions of optimality, all robots' together, are missed by less.
@@ -201,13 +201,13 @@ bool NewtonUpdate::search_residual() noexcept {
   bool found = false;
   for (double alpha = 1.0; !found && alpha > shortest && !late(); alpha *= 0.5) {
     for (int i = 0; i < n; ++i) u_[i] = clamp(u_start_[i] + alpha * du_[i], low_[i], high_[i]);
-    groups_.roll_out(u_, s_, *crew_);
+    groups_.roll_out(u_, s_, *pool_);
     differentiate();
     found = missed() < (1.0 - enough * alpha) * before;
   }
   if (found) return true;
   std::copy_n(u_start_, n, u_);
-  groups_.roll_out(u_, s_, *crew_);
+  groups_.roll_out(u_, s_, *pool_);
   differentiate();
   return false;
 }
@@ -274,11 +274,11 @@ NewtonUpdate::Step NewtonUpdate::newton_step() noexcept {
   };
   for (int attempt = 0; attempt < attempts; ++attempt) {
     damped = solve_alone(attempt > 0, begins);
-    const Likeness likeness = attempt > 0 ? Likeness::of_attempts
-                              : damped    ? Likeness::none
-                                          : Likeness::of_updates;
+    const WarmStart warm_start = attempt > 0 ? WarmStart::of_attempts
+                                 : damped    ? WarmStart::none
+                                             : WarmStart::of_updates;
     const Krylov::Completion completion =
-        krylov_.complete(groups_, *couplings_, du_, ds_, *crew_, likeness, deadline(), begins);
+        krylov_.complete(groups_, *couplings_, du_, ds_, *pool_, warm_start, deadline(), begins);
     result.iterations += completion.iterations;
     proposal = examine(completion);
     result.residual = proposal.residual;

@@ -31,18 +31,18 @@ NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
 }
 
 /// Threads pay from some size on; below it all is done by the caller's.
-std::shared_ptr<Crew> crew_for(const Ocp& ocp, const NewtonRiccatiOptions& options) {
+std::shared_ptr<ThreadPool> pool_for(const Ocp& ocp, const NewtonRiccatiOptions& options) {
   const bool pays = static_cast<int>(ocp.agent_bodies().size()) >= NewtonRiccatiOptions::shared_from;
-  return crew_where(pays, options.crew);
+  return thread_pool_if(pays, options.pool);
 }
 
 /// Numbers of c that are needed at a time.
-Rows room_for_c(const Layout& layout, const Crew& crew, bool has_swarms) {
+Rows room_for_c(const Layout& layout, const ThreadPool& pool, bool has_swarms) {
   if (has_swarms) return {1, layout.c_length};
   int longest = 0;
   for (const Layout::Part& part : layout.groups)
     longest = std::max(longest, padded(layout.stages * part.nc() * layout.width));
-  return {crew.threads(), longest};
+  return {pool.threads(), longest};
 }
 
 }  // namespace
@@ -72,15 +72,15 @@ NewtonUpdate::NewtonUpdate(Ocp ocp, const NewtonRiccatiOptions& options)
       groups_(ocp_, potentials_, options_.kernels, influence_.order),
       couplings_(
           make_couplings(potentials_, groups_.layout(), ocp_.team().bodies(), options_.kernels, swarms_)),
-      crew_(crew_for(ocp_, options_)),
-      wave_(static_cast<int>(groups_.layout().groups.size()), couplings_->coupled_groups(), 5,
-            crew_->threads()),
-      krylov_(groups_.layout(), influence_, *couplings_, crew_->threads(), options_.max_krylov,
+      pool_(pool_for(ocp_, options_)),
+      schedule_(static_cast<int>(groups_.layout().groups.size()), couplings_->coupled_groups(), 5,
+                pool_->threads()),
+      krylov_(groups_.layout(), influence_, *couplings_, pool_->threads(), options_.max_krylov,
               options_.krylov_stop),
       descent_(potentials_, groups_.layout(), influence_),
       u_vectors_(13, groups_.layout().u_length),
       s_vectors_(2, groups_.layout().s_length),
-      c_(room_for_c(groups_.layout(), *crew_, !swarms_.empty())),
+      c_(room_for_c(groups_.layout(), *pool_, !swarms_.empty())),
       u_(u_vectors_[0]),
       du_(u_vectors_[1]),
       active_(u_vectors_[2]),
@@ -166,7 +166,7 @@ void NewtonUpdate::set_time(double time) noexcept {
   const Team& team = ocp_.team();
   const int N = ocp_.horizon().N;
   const double h = ocp_.horizon().h();
-  groups_.each(*crew_, [&](int g, int) noexcept { refer(g, time); });
+  groups_.each(*pool_, [&](int g, int) noexcept { write_reference_inputs(g, time); });
   for (int a = 0; a < static_cast<int>(ocp_.agent_bodies().size()); ++a) {
     if (started_ && !limits_move_) break;
     const Agent& agent = team.agents()[at(a)];
@@ -197,7 +197,7 @@ void NewtonUpdate::set_time(double time) noexcept {
     }
   }
   if (!limits_move_ || !started_) return;
-  leave_plan();
+  detach_plan();
   // A limit that moved takes its inputs along, or lets them go.
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(u_[i], low_[i], high_[i]);
@@ -206,7 +206,7 @@ void NewtonUpdate::set_time(double time) noexcept {
 }
 
 /// What the robots of a group are to follow, from the headings that they have.
-void NewtonUpdate::refer(int g, double time) noexcept {
+void NewtonUpdate::write_reference_inputs(int g, double time) noexcept {
   const std::ptrdiff_t lanes = groups_.layout().width;
   const int stages = ocp_.horizon().N + 1;
   bool constant = true;
@@ -246,7 +246,7 @@ void NewtonUpdate::find_limits(const Agent& agent, std::size_t input, double tim
 }
 
 void NewtonUpdate::start() noexcept {
-  leave_plan();
+  detach_plan();
   for (int i = 0; i < groups_.layout().u_length; ++i) {
     u_[i] = clamp(has_plan_ ? u_[i] : 0.0, low_[i], high_[i]);
     active_[i] = 0.0;
@@ -262,7 +262,7 @@ void NewtonUpdate::start() noexcept {
 
 void NewtonUpdate::restart() noexcept {
   started_ = has_plan_ = false;
-  leave_plan();
+  detach_plan();
   std::fill_n(plan_, groups_.layout().u_length, 0.0);
   states_ = States::none;
   for (Prediction& prediction : predictions_) prediction.sights.clear();
@@ -291,7 +291,7 @@ std::span<const double> NewtonUpdate::predicted_states() noexcept {
 void NewtonUpdate::write_states() noexcept {
   const Team& team = ocp_.team();
   const int N = ocp_.horizon().N;
-  groups_.each(*crew_, [&](int g, int) noexcept { groups_.copy_states(g, x_out_[0], ocp_.nx(), x_at_); });
+  groups_.each(*pool_, [&](int g, int) noexcept { groups_.copy_states(g, x_out_[0], ocp_.nx(), x_at_); });
   for (int b = 0; b < team.bodies(); ++b) {
     if (team.is_agent(BodyId{b})) continue;
     const std::size_t from = at(team.state_offset(BodyId{b}));
@@ -341,7 +341,7 @@ Solution NewtonUpdate::solve(double time, std::span<const double> states) noexce
       anew ? std::max(options_.max_newton_steps, options_.start_steps) : options_.max_newton_steps;
   if (!started_) start();
   started_ = true;
-  foresee();
+  extrapolate_plan();
 
   Step step;
   int iterations = 0;
@@ -378,7 +378,7 @@ double NewtonUpdate::kkt(double time, std::span<const double> states) noexcept {
     start();
     has_plan_ = planned;
   }
-  groups_.roll_out(u_, s_, *crew_);
+  groups_.roll_out(u_, s_, *pool_);
   couplings_->find_neighbours(s_);
   std::swap(H_u_, u_start_);  // the next update goes on from the one of the last
   differentiate();

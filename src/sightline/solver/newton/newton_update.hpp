@@ -11,7 +11,7 @@
 #include "sightline/potential/heading_error_limit.hpp"
 #include "sightline/solver/newton/descent.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/solver/newton/wave.hpp"
+#include "sightline/solver/newton/phase_schedule.hpp"
 
 namespace sightline {
 
@@ -27,7 +27,7 @@ class NewtonUpdate final : public PredictedStates::Writer {
 
   Solution solve(double time, std::span<const double> states) noexcept;
   void set_applied(const AppliedInputs& applied) noexcept;
-  void set_doubts(std::span<const ViewDoubt> of_bodies) noexcept;
+  void set_view_uncertainty(std::span<const ViewUncertainty> of_bodies) noexcept;
   double kkt(double time, std::span<const double> states) noexcept;
   void planned(double time, std::span<double> u) const noexcept;
   void restart() noexcept;
@@ -61,14 +61,14 @@ class NewtonUpdate final : public PredictedStates::Writer {
 
   bool accept(std::span<const double> states) noexcept;
   void set_time(double time) noexcept;
-  void refer(int group, double time) noexcept;
+  void write_reference_inputs(int group, double time) noexcept;
   void find_limits(const Agent& agent, std::size_t input, double time, double ahead) noexcept;
   void start() noexcept;
-  void foresee() noexcept;
+  void extrapolate_plan() noexcept;
   bool is_foreseeable() noexcept;
-  void foresee(int group) noexcept;
+  void extrapolate_plan(int group) noexcept;
   void remember(const Step& step) noexcept;
-  void leave_plan() noexcept;
+  void detach_plan() noexcept;
   Step newton_step() noexcept;
   double* felt(int group, int thread) noexcept;
   template <class PerGroup>
@@ -106,8 +106,8 @@ class NewtonUpdate final : public PredictedStates::Writer {
   InfluenceGraph influence_;
   Groups groups_;
   std::unique_ptr<Couplings> couplings_;
-  std::shared_ptr<Crew> crew_;
-  Wave wave_;
+  std::shared_ptr<ThreadPool> pool_;
+  PhaseSchedule schedule_;
   Krylov krylov_;
   Descent descent_;
 
@@ -152,8 +152,8 @@ class NewtonUpdate final : public PredictedStates::Writer {
 /// The potentials along s; then per_group(group, what it feels) while that is near in the cache.
 template <class PerGroup>
 void NewtonUpdate::linearise(PerGroup&& per_group) noexcept {
-  couplings_->derive(s_, c_[0], *crew_);
-  groups_.each(*crew_, [&](int g, int thread) noexcept { per_group(g, felt(g, thread)); });
+  couplings_->derive(s_, c_[0], *pool_);
+  groups_.each(*pool_, [&](int g, int thread) noexcept { per_group(g, felt(g, thread)); });
 }
 
 }  // namespace sightline

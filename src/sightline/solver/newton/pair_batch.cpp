@@ -67,8 +67,8 @@ void PairBatch::gather(const BodyPotential& pair, int point, const Layout& layou
     std::ptrdiff_t stride = 1;
     if (v == PosePotential::time_variable) {
       from = parameters.time[0];
-    } else if (v == PosePotential::doubt_variable) {
-      from = parameters.doubt[pair.body_a];
+    } else if (v == PosePotential::uncertainty_variable) {
+      from = parameters.uncertainty[pair.body_a];
     } else if (agent >= 0) {
       const Layout::View view = of_third ? layout.s(agent) : of_b ? b : a;
       from = s + view(0, component), stride = view.stage;

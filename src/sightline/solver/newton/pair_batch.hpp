@@ -11,9 +11,9 @@ namespace sightline {
 
 /// What potentials see beside the agents, stage by stage.
 struct StageParameters {
-  Rows bodies;  ///< Sights of bodies that are not controlled  (10 bodies x N)
-  Rows time;    ///< [s]  (1 x N)
-  Rows doubt;   ///< Sight::doubt [m]  (bodies x N)
+  Rows bodies;       ///< Sights of bodies that are not controlled  (10 bodies x N)
+  Rows time;         ///< [s]  (1 x N)
+  Rows uncertainty;  ///< Sight::uncertainty [m]  (bodies x N)
 };
 
 /// Arrays s, c, z, y are those of the layout.

@@ -1,4 +1,4 @@
-#include "sightline/solver/newton/wave.hpp"
+#include "sightline/solver/newton/phase_schedule.hpp"
 
 #include <algorithm>
 #include <set>
@@ -8,7 +8,7 @@
 namespace sightline {
 namespace {
 
-using Task = Wave::Task;
+using Task = PhaseSchedule::Task;
 using Near = std::vector<std::set<int>>;  // each group and its neighbours
 
 constexpr int few = 8;  // groups that stay in the cache from phase to phase
@@ -53,7 +53,8 @@ std::vector<Task> order_of(const Near& near, int phases) {
 
 }  // namespace
 
-Wave::Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads) {
+PhaseSchedule::PhaseSchedule(int groups, std::span<const std::pair<int, int>> neighbours, int phases,
+                             int threads) {
   constexpr int for_each = 4;  // parts for a thread: who is late leaves some to others
   const Near near = near_of(groups, neighbours);
   std::vector<Task> left = order_of(near, phases);

@@ -5,23 +5,23 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/math/crew.hpp"
+#include "sightline/math/thread_pool.hpp"
 
 namespace sightline {
 
 /// Each phase of a group goes on from what the phase before came to in the group and in its neighbours. So a group's next phase is taken as
 /// soon as these have theirs behind them. Several threads take stretches of groups as far as each goes by itself; then, in the next
 /// round, stretches across the ends of those, until all is done.
-class Wave {
+class PhaseSchedule {
  public:
   /// @param neighbours  groups next to each other; a pair may be there more than once, or be a group with itself
-  Wave(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads);
+  PhaseSchedule(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads);
 
   /// phase(group, thread) for each group, of as many phases as it was made for; the result does not depend on the threads.
   template <class... Phase>
-  void run(Crew& crew, Phase&&... phases) const noexcept {
+  void run(ThreadPool& pool, Phase&&... phases) const noexcept {
     for (const Round& round : rounds_) {
-      crew.share(static_cast<int>(round.size()), [&](int part, int thread) noexcept {
+      pool.share(static_cast<int>(round.size()), [&](int part, int thread) noexcept {
         for (const Task& task : round[static_cast<std::size_t>(part)]) {
           int phase = 0;
           ((task.phase == phase++ ? phases(task.group, thread) : void()), ...);

@@ -1,8 +1,8 @@
 /// The world of vehicles with the rigid bodies and contacts of MuJoCo. Link sightline::mujoco.
 ///
-///   Parts parts;
-///   add_mujoco(parts);                              // [world] kind = "mujoco"
-///   return command_line(argc, argv, parts);
+///   Registry registry;
+///   add_mujoco(registry);                              // [world] kind = "mujoco"
+///   return command_line(argc, argv, registry);
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/parts.hpp"
+#include "sightline/scenario/registry.hpp"
 #include "sightline/world/vehicle_world.hpp"
 
 namespace sightline {
@@ -33,7 +33,7 @@ class MujocoWorld final : public VehicleWorld {
               const PlantOptions& plant = {}, const SensorOptions& sensor = {},
               const std::optional<ModelFile>& surroundings = {});
 
-  bool apply(double t, std::span<const double> believed, const Command& u, double period,
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override;
   /// A touch, or why MuJoCo could not go on.
   std::string ended() const override;
@@ -54,6 +54,6 @@ Vehicle vehicle_of_mjcf(const Vehicle& vehicle, const ModelBody& model);
 
 /// Adds [world] kind = "mujoco".
 /// @throws std::invalid_argument where another world has that name
-void add_mujoco(Parts& parts);
+void add_mujoco(Registry& registry);
 
 }  // namespace sightline
