@@ -17,14 +17,14 @@
 #include "cli/progress.hpp"
 #include "cli/slurm.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/text_file.hpp"
+#include "sightline/campaign/evasion_page.hpp"
 #include "sightline/campaign/merge.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/result_file.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/record/text_file.hpp"
 #include "sightline/scenario/renamed.hpp"
-#include "sightline/studies/evasion_page.hpp"
 
 namespace sightline::cli {
 namespace {

@@ -8,9 +8,9 @@
 #include "cli/output.hpp"
 #include "sightline/analysis/identification/identification_text.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/replay.hpp"
-#include "sightline/record/text_file.hpp"
 #include "sightline/scenario/file_kind.hpp"
 #include "sightline/scenario/scenario.hpp"
 

@@ -6,8 +6,8 @@
 #include "cli/output.hpp"
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/record/folder_lock.hpp"
-#include "sightline/record/text_file.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "cli/output.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/campaign/page.hpp"
-#include "sightline/record/text_file.hpp"
 
 namespace sightline::cli {
 namespace {

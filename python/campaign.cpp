@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "python/waited.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/table.hpp"
 #include "sightline/record/folder_lock.hpp"
-#include "sightline/record/text_file.hpp"
 
 namespace sightline::python {
 namespace {

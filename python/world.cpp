@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "python/bindings.hpp"
-#include "sightline/math/matrix.hpp"
+#include "sightline/base/matrix.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline::python {

@@ -14,8 +14,8 @@ product = ("src", "worlds", "bridges", "cli", "python", "examples", "bench")
 everything = product + ("tests",)
 
 # Rooms of src/sightline from the lowest; a file includes its own room or a lower one.
-floors = ("base", "math plot", "formula", "model", "potential", "ocp", "solver safety estimate", "world", "run", "scenario",
-          "record", "report", "campaign analysis", "studies server")
+floors = ("base", "formula", "model", "potential", "ocp", "solver safety estimate", "world", "run", "scenario", "judge",
+          "record", "report", "campaign analysis", "server")
 height = {room: i for i, floor in enumerate(floors) for room in floor.split()}
 
 # Functions of <cmath> that round, and gave the same bits on x86-64 and AArch64 in all arguments that scripts/arm64.sh tries.
@@ -87,7 +87,7 @@ def bits(source):
     if source.under("src", "cli", "worlds"):
         for call in rounds.finditer(source.bare):
             if call[1] not in same_bits:
-                yield source.at(call), f"calls {call[1]} of the C library, expected one of ours (math/elementary.hpp, norm of math/fixed.hpp)"
+                yield source.at(call), f"calls {call[1]} of the C library, expected one of ours (base/elementary.hpp, norm of base/fixed.hpp)"
 
 
 def thread(source):
@@ -151,7 +151,7 @@ def faults(sources):
 def self_test():
     """Each rule finds what it forbids and nothing else."""
     bad = {
-        "layer": [("src/sightline/math/a.hpp", '#include "sightline/record/log.hpp"'),
+        "layer": [("src/sightline/base/a.hpp", '#include "sightline/record/log.hpp"'),
                   ("src/sightline/safety/a.hpp", '#include "sightline/solver/solver.hpp"'),
                   ("src/sightline/world/a.hpp", '#include "sightline/attic/old.hpp"'),
                   ("src/sightline/world/a.hpp", '#include "world.hpp"'),

@@ -69,11 +69,11 @@ barrier() {
 }
 
 verdicts() {
-  folder=record
-  sources=(record/{safety_summary,sampled_motion,input_record,tracking_error,present_team,drift,summary,plan_summary,logged_flight} campaign/judge)
-  tests=(record/{safety_summary,input_record,tracking_error,summary,plan_summary} run/plan_gap campaign/judge
-    record/{sampled_motion,drift,logged_flight} campaign/judged_flight)
-  filter='SafetySummary.*:SampledMotion.*:InputRecord.*:TrackingError.*:Drift.*:Summary.*:PlanSummary.*:PlanGap*:LoggedFlight.*:Judge*'
+  folder=judge
+  sources=(judge/{safety_summary,sampled_motion,input_record,tracking_error,present_team,drift,summary,plan_summary,run_evaluator} record/logged_flight)
+  tests=(judge/{safety_summary,input_record,tracking_error,summary,plan_summary} run/plan_gap judge/run_evaluator
+    judge/{sampled_motion,drift} record/logged_flight campaign/judged_flight)
+  filter='SafetySummary.*:SampledMotion.*:InputRecord.*:TrackingError.*:Drift.*:Summary.*:PlanSummary.*:PlanGap*:LoggedFlight.*:RunEvaluator*'
   objects=()
   libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
   mutants=(
@@ -114,11 +114,11 @@ verdicts() {
     'last period of a gap left out|run/plan_gap.hpp|open.longest = time + period - open.from;|open.longest = time - open.from;'
     'updates that were not asked for are failures|run/plan_gap.hpp|open_failed_, record.answered \&\& !planned|open_failed_, !planned'
     'no plan for twice as long|plan_summary.cpp|gap.longest <= hold_after_ + same_time|gap.longest <= 2 * hold_after_ + same_time'
-    'views make no flight fail|logged_flight.cpp|std::vector<std::string> faults = log.summary().out_of_view();|std::vector<std::string> faults;'
-    'lack of plans makes no flight fail|logged_flight.cpp|for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));|;'
-    'broken distances make no flight fail|logged_flight.cpp|for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));|;'
-    'what is no number makes no flight fail|logged_flight.cpp|faults.emplace_back("a state or an input was not finite");|;'
-    'inputs beyond limits make no flight fail|logged_flight.cpp|beyond = log.summary().applied_violations(); beyond > 0|beyond = 0; beyond > 0'
+    'views make no flight fail|record/logged_flight.cpp|std::vector<std::string> faults = log.summary().out_of_view();|std::vector<std::string> faults;'
+    'lack of plans makes no flight fail|record/logged_flight.cpp|for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));|;'
+    'broken distances make no flight fail|record/logged_flight.cpp|for (std::string& sentence : log.summary().safety().broken()) faults.push_back(std::move(sentence));|;'
+    'what is no number makes no flight fail|record/logged_flight.cpp|faults.emplace_back("a state or an input was not finite");|;'
+    'inputs beyond limits make no flight fail|record/logged_flight.cpp|beyond = log.summary().applied_violations(); beyond > 0|beyond = 0; beyond > 0'
     'last excess beyond told as the worst|safety_summary.cpp|if (most.value > worst_.value) worst_ = most;|worst_ = most;'
     'a start outside forgiven without the key|safety_summary.cpp|excused_ = excused \&\& excess > tolerance_;|excused_ = excess > tolerance_;'
     'a start outside that is meant breaks|safety_summary.cpp|excused_ = excused \&\& excess > tolerance_;|excused_ = false;'
@@ -173,16 +173,16 @@ verdicts() {
     'inputs that come fly what was|sampled_motion.cpp|  if (known) divide();|  delay_.give(time_, sample.u); if (known) divide();'
     'what comes into force between two samples left out|sampled_motion.cpp|row + 1 < rows_most \&\& next < end - 2 \* jump|false'
     'a distance that commands lead to late not reckoned with|sampled_motion.cpp|if (delays_) {|if (false) {'
-    'input limits of a campaign not judged|campaign/judge.cpp|good = finite \&\& inputs_.within();|good = finite;'
-    'numbers of a campaign not judged|campaign/judge.cpp|good = finite \&\& inputs_.within();|good = inputs_.within();'
-    'states after the last command may be no numbers|campaign/judge.cpp|if (!finite) blame(Fault::not_finite);|;'
-    'events of a campaign not followed|campaign/judge.cpp|changed = present_.follow(sample_);|changed = false;'
-    'drift of a team that is another one goes on|campaign/judge.cpp|if (changed) drift_.restart(couplings);|;'
-    'no plan in a campaign not judged|campaign/judge.cpp|if (gaps_\[c\].failed().longest > hold_after_ + same_time)|if (false)'
-    'walls of a campaign not judged|campaign/judge.cpp|if (!walls.empty()) return walls.front();|;'
-    'too close is recovered|campaign/judge.cpp|safety_.too_close()  ? Outcome::too_close|false ? Outcome::too_close'
-    'a target out of view at the end is recovered|campaign/judge.cpp|at_end = at_end \&\& (view.seen .. !view.requested);|;'
-    'a view that came late is in time|campaign/judge.cpp|first <= plan_.view_within|first <= 10 * plan_.view_within'
+    'input limits of a campaign not judged|run_evaluator.cpp|good = finite \&\& inputs_.within();|good = finite;'
+    'numbers of a campaign not judged|run_evaluator.cpp|good = finite \&\& inputs_.within();|good = inputs_.within();'
+    'states after the last command may be no numbers|run_evaluator.cpp|if (!finite) blame(Fault::not_finite);|;'
+    'events of a campaign not followed|run_evaluator.cpp|changed = present_.follow(sample_);|changed = false;'
+    'drift of a team that is another one goes on|run_evaluator.cpp|if (changed) drift_.restart(couplings);|;'
+    'no plan in a campaign not judged|run_evaluator.cpp|if (gaps_\[c\].failed().longest > hold_after_ + same_time)|if (false)'
+    'walls of a campaign not judged|run_evaluator.cpp|if (!walls.empty()) return walls.front();|;'
+    'too close is recovered|run_evaluator.cpp|safety_.too_close()  ? Outcome::too_close|false ? Outcome::too_close'
+    'a target out of view at the end is recovered|run_evaluator.cpp|at_end = at_end \&\& (view.seen .. !view.requested);|;'
+    'a view that came late is in time|run_evaluator.cpp|first <= plan_.view_within|first <= 10 * plan_.view_within'
   )
 }
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 #include "sightline/model/frames.hpp"
 #include "sightline/scenario/link.hpp"
 #include "sightline/world/rigid_body.hpp"

@@ -20,8 +20,8 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/base/service_thread.hpp"
+#include "sightline/judge/event_description.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/event_description.hpp"
 #include "sightline/run/spsc_queue.hpp"
 #include "sightline/server/scene.hpp"
 

@@ -105,9 +105,9 @@ package() {
   node tests/npm/same_mcap.mjs "$work"/{static,flight}/run.mcap || return 1
   # The compiler of Ubuntu 22.04.
   cmake -S . -B "$work/old" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=g++-11 -DCMAKE_C_COMPILER=gcc-11 >/dev/null &&
-    cmake --build "$work/old" --target sightline_cli math_test formula_test solver_test &&
+    cmake --build "$work/old" --target sightline_cli base_test formula_test solver_test &&
     "$work/old/bin/sightline" --version &&
-    for name in math formula solver; do "$work/old/tests/${name}_test" --gtest_brief=1 || return 1; done
+    for name in base formula solver; do "$work/old/tests/${name}_test" --gtest_brief=1 || return 1; done
   rm -rf "$work"
 }
 

@@ -136,7 +136,7 @@ releases() { tests dds_test 'DdsWorld.AFleetOfAllReleases*:DdsWorld.EachWrongPai
 # What becomes of a flight when something fails.
 faults() {
   if whole; then
-    tests dds_test 'DdsWorld.*:Faults.*:StandIn.*' && tests dds_campaign_test 'FaultMatrix.*:DdsFlights.*:FlyInterrupted.*:Fly.*'
+    tests dds_test 'DdsWorld.*:Faults.*:VehicleSimulator.*' && tests dds_campaign_test 'FaultMatrix.*:DdsFlights.*:FlyInterrupted.*:Fly.*'
   else
     tests dds_campaign_test 'FaultMatrix.ALowBattery*:FaultMatrix.AJumpThatTheEstimator*'
   fi

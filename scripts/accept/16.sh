@@ -88,7 +88,7 @@ threads() {
     echo "chain_$n: $one us by one thread, $two us by two"
     asked "chain_$n, time of two threads over one" "$(awk -v a="$two" -v b="$one" 'BEGIN { printf "%.3f", a / b }')" 0.588 || bad=1
   done
-  tests solver_test 'Crews.*' || bad=1
+  tests solver_test 'ThreadPools.*' || bad=1
   return $bad
 }
 

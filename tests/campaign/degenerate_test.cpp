@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/campaign/judge.hpp"
+#include "sightline/judge/run_evaluator.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {

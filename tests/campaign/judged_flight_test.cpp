@@ -6,12 +6,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sightline/campaign/judge.hpp"
+#include "sightline/judge/run_evaluator.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/record/recording.hpp"
 #include "sightline/record/replay.hpp"
-#include "sightline/record/summary.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

@@ -8,9 +8,9 @@
 
 #include "cli/allocations.hpp"
 #include "cli/partition.hpp"
-#include "sightline/record/event_description.hpp"
-#include "sightline/record/present_team.hpp"
-#include "sightline/record/summary.hpp"
+#include "sightline/judge/event_description.hpp"
+#include "sightline/judge/present_team.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "sightline/record/summary.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "tests/support/campaign.hpp"

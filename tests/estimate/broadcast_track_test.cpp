@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sightline/math/rotation.hpp"
+#include "sightline/base/rotation.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

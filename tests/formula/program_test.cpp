@@ -7,9 +7,9 @@
 #include <optional>
 #include <set>
 
+#include "sightline/base/elementary.hpp"
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/trace.hpp"
-#include "sightline/math/elementary.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"
 #include "tests/support/wide.hpp"

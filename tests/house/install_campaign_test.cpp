@@ -7,7 +7,7 @@
 #include <regex>
 #include <vector>
 
-#include "sightline/math/lane.hpp"
+#include "sightline/base/lane.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/command.hpp"
 

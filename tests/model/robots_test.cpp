@@ -6,7 +6,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "sightline/math/integrate.hpp"
+#include "sightline/base/integrate.hpp"
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/model.hpp"

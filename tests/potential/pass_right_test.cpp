@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/math/tangent.hpp"
+#include "sightline/base/tangent.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
+#include "sightline/base/tangent.hpp"
 #include "sightline/formula/derive.hpp"
 #include "sightline/formula/interpret.hpp"
-#include "sightline/math/tangent.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/bounds.hpp"
 #include "sightline/potential/distance.hpp"

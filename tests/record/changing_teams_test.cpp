@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sightline/record/event_description.hpp"
-#include "sightline/record/summary.hpp"
+#include "sightline/judge/event_description.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 
 #include <queue>
 
-#include "sightline/record/present_team.hpp"
+#include "sightline/judge/present_team.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/scenario_flight.hpp"
 

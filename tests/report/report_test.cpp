@@ -10,7 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "sightline/record/summary.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/math/integrate.hpp"
+#include "sightline/base/integrate.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "tests/support/adversary.hpp"

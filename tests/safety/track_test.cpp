@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "sightline/math/integrate.hpp"
+#include "sightline/base/integrate.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "tests/support/period.hpp"

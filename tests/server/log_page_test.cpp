@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "sightline/judge/planned_view.hpp"
 #include "sightline/record/folder_lock.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/record/planned_view.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/plant.hpp"
 #include "tests/support/random_graph.hpp"

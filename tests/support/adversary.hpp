@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/math/integrate.hpp"
+#include "sightline/base/integrate.hpp"
 #include "sightline/model/robots.hpp"
 #include "sightline/safety/barrier.hpp"
 #include "tests/support/period.hpp"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/math/integrate.hpp"
+#include "sightline/base/integrate.hpp"
 #include "sightline/solver/solver.hpp"
 
 namespace sightline {

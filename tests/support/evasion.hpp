@@ -7,8 +7,8 @@
 #include <numbers>
 #include <variant>
 
+#include "sightline/campaign/evasion.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/studies/evasion.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

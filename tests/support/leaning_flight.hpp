@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/record/planned_view.hpp"
-#include "sightline/record/summary.hpp"
+#include "sightline/judge/planned_view.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/scenario.hpp"
 

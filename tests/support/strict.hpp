@@ -3,7 +3,7 @@
 
 #include <concepts>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 
 namespace sightline {
 

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <vector>
 
+#include "sightline/base/rotation.hpp"
 #include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/place.hpp"
 #include "sightline/estimate/pose_filter.hpp"
-#include "sightline/math/rotation.hpp"
 #include "sightline/world/disturbance.hpp"
 
 namespace sightline::test {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "sightline/base/index.hpp"
-#include "sightline/plot/page.hpp"
+#include "sightline/report/page.hpp"
 #include "sightline/world/rigid_body.hpp"
 #include "sightline/world/rotorcraft.hpp"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 
 namespace sightline {
 namespace {

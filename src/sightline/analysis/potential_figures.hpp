@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sightline/analysis/verdict.hpp"
-#include "sightline/plot/figures.hpp"
+#include "sightline/report/figures.hpp"
 
 namespace sightline {
 

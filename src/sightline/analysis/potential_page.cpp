@@ -9,7 +9,7 @@
 #include "sightline/analysis/potential_figures.hpp"
 #include "sightline/analysis/verdict_text.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/plot/page.hpp"
+#include "sightline/report/page.hpp"
 
 namespace sightline {
 namespace {

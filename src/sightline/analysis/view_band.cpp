@@ -8,7 +8,7 @@
 
 #include "sightline/analysis/influence.hpp"
 #include "sightline/base/index.hpp"
-#include "sightline/math/rotation.hpp"
+#include "sightline/base/rotation.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/world/motion.hpp"
 

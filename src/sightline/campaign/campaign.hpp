@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/variant.hpp"
+#include "sightline/judge/run_evaluator.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {

@@ -16,11 +16,11 @@
 #include <variant>
 
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/base/throw_invalid.hpp"
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/record/text_file.hpp"
 
 namespace sightline {
 namespace {

@@ -11,12 +11,12 @@
 
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/database.hpp"
-#include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/success_map.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/plot/page.hpp"
+#include "sightline/judge/run_evaluator.hpp"
+#include "sightline/report/page.hpp"
 
 namespace sightline {
 namespace {

@@ -11,13 +11,13 @@
 #include <variant>
 
 #include "sightline/base/json_text.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/base/throw_invalid.hpp"
 #include "sightline/campaign/confidence.hpp"
-#include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/record/text_file.hpp"
+#include "sightline/judge/run_evaluator.hpp"
 
 namespace sightline {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sightline/campaign/database.hpp"
-#include "sightline/campaign/judge.hpp"
 #include "sightline/campaign/success_map.hpp"
+#include "sightline/judge/run_evaluator.hpp"
 
 namespace sightline {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/plot/page.hpp"
+#include "sightline/report/page.hpp"
 
 namespace sightline {
 namespace {

@@ -10,9 +10,9 @@
 #include <stdexcept>
 
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/base/throw_invalid.hpp"
 #include "sightline/base/version.hpp"
-#include "sightline/record/text_file.hpp"
 
 namespace sightline {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/math/rotation.hpp"
+#include "sightline/base/rotation.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "sightline/math/matrix.hpp"
+#include "sightline/base/matrix.hpp"
 
 namespace sightline {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "sightline/math/matrix.hpp"
+#include "sightline/base/matrix.hpp"
 
 namespace sightline {
 

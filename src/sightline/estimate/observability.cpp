@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/elementary.hpp"
 #include "sightline/base/index.hpp"
 #include "sightline/base/throw_invalid.hpp"
-#include "sightline/math/elementary.hpp"
 
 namespace sightline {
 namespace {

@@ -1,8 +1,8 @@
 /// Where a robot is if one measurement is right.
 #pragma once
 
+#include "sightline/base/rotation.hpp"
 #include "sightline/estimate/measurement.hpp"
-#include "sightline/math/rotation.hpp"
 #include "sightline/model/frames.hpp"
 
 namespace sightline {

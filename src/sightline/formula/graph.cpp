@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 
 namespace sightline {
 namespace {

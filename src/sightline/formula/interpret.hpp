@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "sightline/base/lane.hpp"
 #include "sightline/formula/program.hpp"
-#include "sightline/math/lane.hpp"
 
 namespace sightline {
 

@@ -2,8 +2,8 @@
 /// say the same in words (emit.cpp).
 #pragma once
 
+#include "sightline/base/elementary.hpp"
 #include "sightline/formula/program.hpp"
-#include "sightline/math/elementary.hpp"
 
 namespace sightline {
 

@@ -7,8 +7,8 @@
 
 #include <vector>
 
+#include "sightline/base/elementary.hpp"
 #include "sightline/formula/graph.hpp"
-#include "sightline/math/elementary.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include <concepts>
 #include <string_view>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 
 namespace sightline {
 

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/integrate.hpp"
+#include "sightline/base/or_nan.hpp"
 #include "sightline/base/parameter.hpp"
+#include "sightline/base/tangent.hpp"
 #include "sightline/formula/trace.hpp"
-#include "sightline/math/integrate.hpp"
-#include "sightline/math/or_nan.hpp"
-#include "sightline/math/tangent.hpp"
 #include "sightline/model/frames.hpp"
 
 namespace sightline {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 #include "sightline/model/frames.hpp"
 #include "sightline/model/model.hpp"
 #include "sightline/model/state_roles.hpp"

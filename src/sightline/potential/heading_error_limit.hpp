@@ -19,7 +19,7 @@
 #include <cstddef>
 #include <span>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 
 namespace sightline {
 

@@ -29,9 +29,9 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/or_nan.hpp"
 #include "sightline/base/parameter.hpp"
 #include "sightline/formula/trace.hpp"
-#include "sightline/math/or_nan.hpp"
 #include "sightline/model/frames.hpp"
 #include "sightline/potential/step.hpp"
 

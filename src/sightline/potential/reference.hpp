@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/math/or_nan.hpp"
+#include "sightline/base/or_nan.hpp"
 #include "sightline/model/model.hpp"
 #include "sightline/potential/ramp.hpp"
 

@@ -2,7 +2,7 @@
 /// docs/equations.md, 13.
 #pragma once
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 #include "sightline/model/frames.hpp"
 #include "sightline/potential/potential.hpp"
 

@@ -4,7 +4,7 @@
 /// tests; SigmoidStep its smooth form, (35), which is what a solver sees.
 #pragma once
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 
 namespace sightline {
 

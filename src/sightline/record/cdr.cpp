@@ -5,7 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "sightline/base/reason.hpp"
-#include "sightline/record/text_file.hpp"
+#include "sightline/base/text_file.hpp"
 
 namespace sightline {
 namespace {

@@ -13,10 +13,10 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/base/text_file.hpp"
 #include "sightline/base/version.hpp"
 #include "sightline/record/log_topics.hpp"
 #include "sightline/record/team_json.hpp"
-#include "sightline/record/text_file.hpp"
 #include "sightline/record/tuned_log.hpp"
 
 namespace sightline {

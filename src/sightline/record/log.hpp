@@ -7,8 +7,8 @@
 #include <string>
 
 #include "sightline/base/service_thread.hpp"
+#include "sightline/judge/summary.hpp"
 #include "sightline/record/mcap.hpp"
-#include "sightline/record/summary.hpp"
 #include "sightline/run/loop.hpp"
 
 namespace sightline {

@@ -11,7 +11,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/same_time.hpp"
-#include "sightline/record/tracking_error.hpp"
+#include "sightline/judge/tracking_error.hpp"
 
 namespace sightline {
 namespace {

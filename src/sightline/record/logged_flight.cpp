@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "sightline/judge/planned_view.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/record/planned_view.hpp"
 
 namespace sightline {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "sightline/base/json_text.hpp"
-#include "sightline/record/present_team.hpp"
+#include "sightline/judge/present_team.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "sightline/plot/page.hpp"
+#include "sightline/report/page.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 
 namespace sightline {

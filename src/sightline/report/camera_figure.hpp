@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sightline/plot/figures.hpp"
 #include "sightline/record/recording.hpp"
+#include "sightline/report/figures.hpp"
 
 namespace sightline {
 

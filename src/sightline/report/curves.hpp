@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/plot/figures.hpp"
 #include "sightline/record/recording.hpp"
+#include "sightline/report/figures.hpp"
 
 namespace sightline {
 

@@ -7,9 +7,9 @@
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/base/same_time.hpp"
-#include "sightline/plot/page.hpp"
-#include "sightline/record/planned_view.hpp"
-#include "sightline/record/summary.hpp"
+#include "sightline/judge/planned_view.hpp"
+#include "sightline/judge/summary.hpp"
+#include "sightline/report/page.hpp"
 
 namespace sightline {
 namespace {

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/plot/figures.hpp"
 #include "sightline/record/recording.hpp"
 #include "sightline/report/curves.hpp"
+#include "sightline/report/figures.hpp"
 
 namespace sightline {
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <set>
 
-#include "sightline/math/fixed.hpp"
-#include "sightline/plot/graph_layout.hpp"
-#include "sightline/plot/page.hpp"
+#include "sightline/base/fixed.hpp"
+#include "sightline/report/graph_layout.hpp"
+#include "sightline/report/page.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 #include "sightline/solver/newton/influence.hpp"
 

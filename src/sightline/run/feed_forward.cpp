@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "sightline/base/index.hpp"
-#include "sightline/math/symmetric.hpp"
+#include "sightline/base/symmetric.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/potential/heading_error_limit.hpp"
 #include "sightline/run/steady_state.hpp"

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/run/valid_states.hpp"
 #include "sightline/safety/barrier.hpp"

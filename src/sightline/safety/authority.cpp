@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "sightline/base/integrate.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/math/integrate.hpp"
 #include "sightline/safety/projection.hpp"
 
 namespace sightline {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/math/bounded.hpp"
+#include "sightline/base/bounded.hpp"
 #include "sightline/safety/barrier.hpp"
 #include "sightline/safety/projection.hpp"
 

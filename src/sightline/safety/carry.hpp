@@ -5,8 +5,8 @@
 #include <cmath>
 #include <span>
 
-#include "sightline/math/fixed.hpp"
-#include "sightline/math/integrate.hpp"
+#include "sightline/base/fixed.hpp"
+#include "sightline/base/integrate.hpp"
 #include "sightline/model/model.hpp"
 #include "sightline/safety/input_history.hpp"
 

@@ -20,7 +20,7 @@
 #include <array>
 #include <span>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 
 namespace sightline {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/math/elementary.hpp"
+#include "sightline/base/elementary.hpp"
 
 namespace sightline {
 namespace {

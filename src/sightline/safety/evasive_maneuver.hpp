@@ -13,8 +13,8 @@
 #include <limits>
 #include <span>
 
-#include "sightline/math/fixed.hpp"
-#include "sightline/math/lane.hpp"
+#include "sightline/base/fixed.hpp"
+#include "sightline/base/lane.hpp"
 #include "sightline/safety/authority.hpp"
 
 namespace sightline {

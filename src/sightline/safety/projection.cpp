@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "sightline/base/lane.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/math/lane.hpp"
 
 namespace sightline {
 namespace {

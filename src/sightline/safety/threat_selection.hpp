@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 #include "sightline/safety/carry.hpp"
 
 namespace sightline {

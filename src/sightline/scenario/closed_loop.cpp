@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/base/throw_invalid.hpp"
-#include "sightline/math/thread_pool.hpp"
 #include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"

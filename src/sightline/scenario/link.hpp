@@ -11,8 +11,8 @@
 #include <variant>
 #include <vector>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
-#include "sightline/math/fixed.hpp"
 #include "sightline/ocp/active_team.hpp"
 #include "sightline/scenario/link_fault.hpp"
 

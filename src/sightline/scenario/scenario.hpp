@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/ocp/active_team.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/ocp/team.hpp"

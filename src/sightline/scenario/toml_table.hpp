@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/nearest.hpp"
 #include "sightline/base/range.hpp"
-#include "sightline/math/fixed.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 
 namespace sightline {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "sightline/base/index.hpp"
-#include "sightline/plot/palette.hpp"
+#include "sightline/report/palette.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/record/present_team.hpp"
+#include "sightline/judge/present_team.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/world/rigid_body.hpp"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sightline/estimate/pose_filter.hpp"
-#include "sightline/record/event_description.hpp"
-#include "sightline/record/present_team.hpp"
+#include "sightline/judge/event_description.hpp"
+#include "sightline/judge/present_team.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {

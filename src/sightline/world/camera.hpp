@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
-#include "sightline/math/fixed.hpp"
 #include "sightline/model/frames.hpp"
 #include "sightline/ocp/active_team.hpp"
 #include "sightline/world/rigid_body.hpp"

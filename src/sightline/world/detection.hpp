@@ -5,9 +5,9 @@
 #include <array>
 #include <cstddef>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/index.hpp"
-#include "sightline/math/fixed.hpp"
-#include "sightline/math/matrix.hpp"
+#include "sightline/base/matrix.hpp"
 #include "sightline/ocp/active_team.hpp"
 #include "sightline/world/rigid_body.hpp"
 

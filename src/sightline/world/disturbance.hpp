@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
-#include "sightline/math/fixed.hpp"
 
 namespace sightline {
 

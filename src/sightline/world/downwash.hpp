@@ -3,8 +3,8 @@
 
 #include <string_view>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
-#include "sightline/math/fixed.hpp"
 
 namespace sightline {
 

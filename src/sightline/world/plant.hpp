@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/integrate.hpp"
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/integrate.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/ocp/active_team.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "sightline/world/downwash.hpp"

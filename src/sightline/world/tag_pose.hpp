@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "sightline/math/matrix.hpp"
+#include "sightline/base/matrix.hpp"
 #include "sightline/world/camera.hpp"
 
 namespace sightline {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
-#include "sightline/math/fixed.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/world/imu.hpp"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 #include "sightline/world/disturbance.hpp"
 
 namespace sightline::mujoco {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/base/json_text.hpp"
-#include "sightline/plot/page.hpp"
+#include "sightline/report/page.hpp"
 
 namespace sightline {
 namespace {

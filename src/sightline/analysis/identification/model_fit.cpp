@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/math/symmetric.hpp"
+#include "sightline/base/symmetric.hpp"
 
 namespace sightline {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/potential/ramp.hpp"
 

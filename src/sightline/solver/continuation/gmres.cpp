@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/math/fixed.hpp"
+#include "sightline/base/fixed.hpp"
 
 namespace sightline {
 namespace {

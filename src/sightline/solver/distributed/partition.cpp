@@ -10,8 +10,8 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/nearest.hpp"
+#include "sightline/base/subnormals.hpp"
 #include "sightline/base/throw_invalid.hpp"
-#include "sightline/math/subnormals.hpp"
 
 namespace sightline {
 namespace {

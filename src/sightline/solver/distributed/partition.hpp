@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/solver/distributed/peers.hpp"
 #include "sightline/solver/distributed/simulated_messages.hpp"
 #include "sightline/solver/distributed/subteam.hpp"

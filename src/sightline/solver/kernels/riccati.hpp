@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "sightline/base/elementary.hpp"
 #include "sightline/base/index.hpp"
-#include "sightline/math/elementary.hpp"
 
 namespace sightline {
 

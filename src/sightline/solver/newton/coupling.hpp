@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/kernels/pose_potential.hpp"

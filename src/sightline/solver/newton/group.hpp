@@ -8,8 +8,8 @@
 #include <array>
 #include <memory>
 
+#include "sightline/base/transpose.hpp"
 #include "sightline/formula/derive.hpp"
-#include "sightline/math/transpose.hpp"
 #include "sightline/solver/kernels/kernel.hpp"
 
 namespace sightline {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 #include "sightline/ocp/ocp.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
 #include "sightline/solver/kernels/kernel_use.hpp"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sightline/math/lane.hpp"
+#include "sightline/base/lane.hpp"
 
 namespace sightline {
 

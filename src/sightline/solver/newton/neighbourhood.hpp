@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/math/grid.hpp"
+#include "sightline/base/grid.hpp"
 #include "sightline/solver/kernels/pose_potential.hpp"
 #include "sightline/solver/newton/layout.hpp"
 #include "sightline/solver/newton/points.hpp"

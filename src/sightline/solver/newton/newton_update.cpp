@@ -8,7 +8,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/no_value.hpp"
-#include "sightline/math/subnormals.hpp"
+#include "sightline/base/subnormals.hpp"
 
 namespace sightline {
 namespace {

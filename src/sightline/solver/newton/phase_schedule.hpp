@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/math/thread_pool.hpp"
+#include "sightline/base/thread_pool.hpp"
 
 namespace sightline {
 

@@ -1,0 +1,75 @@
+/// How a robot evades an obstacle while it observes a target: Table 1 and Figs 26 to 32 of the paper.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/report/figures.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
+#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario/scenario.hpp"
+
+namespace sightline {
+
+/// One column of Table 1.
+struct EvasionRow {
+  double min_obstacle;  ///< least distance of robot and obstacle, from its entry on [m]
+  double min_target;    ///< least and
+  double max_target;    ///< greatest distance of robot and target [m]
+  double max_angle;     ///< greatest angle of the target off the sensor axis, from the entry on [rad], (71)
+  double first_view;    ///< when the target came into view [s]; infinity if never
+  double lost;          ///< out of view after that, in all [s]
+};
+
+/// One run over time, a row every 0.1 s.
+struct EvasionSeries {
+  std::vector<double> time, heading;                  // [s], [rad]
+  std::vector<Vec3<double>> p, obstacle, target;      // [m]
+  std::vector<double> to_obstacle, to_target, angle;  // [m], [m], [rad]
+  std::vector<std::string> inputs;                    // their names
+  std::vector<std::vector<double>> u;                 // [input][row]
+};
+
+/// Takes a loop's samples and keeps of them what the table and the figures need.
+class EvasionTrace final : public Sink<Sample> {
+ public:
+  /// @param sample  of sized_sample()
+  /// @throws std::invalid_argument where the plan's names are not the scenario's, or the robot's sensor does not
+  /// look at the target
+  EvasionTrace(const Scenario& scenario, const EvasionPlan& plan, Sample sample);
+
+  Sample* claim() noexcept override { return &sample_; }
+  void publish() noexcept override;
+  void close() noexcept override {}
+
+  const EvasionRow& row() const { return row_; }
+  const EvasionSeries& series() const { return series_; }
+
+ private:
+  const Team& team_;
+  EvasionPlan plan_;
+  BodyId agent_, target_, obstacle_;
+  SensorMount mount_;
+  double period_;
+  std::int64_t every_, samples_ = 0;  // samples to a row
+  Sample sample_;
+  EvasionRow row_;
+  EvasionSeries series_;
+};
+
+/// The runs of one scenario.
+struct EvasionRuns {
+  std::string name;
+  std::vector<EvasionTrace> runs;
+};
+
+/// Table 1: a line for each quantity and each of its sources, what was published first; a column for each run.
+std::vector<std::vector<std::string>> evasion_table(const EvasionPlan& plan,
+                                                    std::span<const EvasionRuns> flown);
+
+/// Figs 26 to 32 of one scenario's runs.
+std::vector<Drawing> evasion_drawings(const EvasionPlan& plan, const EvasionRuns& flown);
+
+}  // namespace sightline

@@ -1,0 +1,56 @@
+#include "sightline/judge/event_description.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "sightline/run/sample.hpp"
+
+namespace sightline {
+namespace {
+
+std::string describe(EventKind kind, double value) {
+  return event_words(to_string(kind), value,
+                     {.of_body = [](int body) { return fmt::format("uav{}", body); },
+                      .of_event = [](int event) { return fmt::format("e{}", event); }});
+}
+
+TEST(EventWords, WhatHappensToABodyNamesIt) {
+  EXPECT_EQ(describe(EventKind::hold, 0), "uav0: hold");
+  EXPECT_EQ(describe(EventKind::grounded, 12), "uav12: grounded");
+  EXPECT_EQ(describe(EventKind::measurement_not_finite, 1), "uav1: measurement refused, not_finite");
+  EXPECT_EQ(describe(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
+  EXPECT_EQ(describe(EventKind::search, 1), "uav1: searches for what it observes");
+  EXPECT_EQ(describe(EventKind::found, 1), "uav1: has found it");
+  EXPECT_EQ(describe(EventKind::stale, 1), "uav1: its part is not heard");
+  EXPECT_EQ(describe(EventKind::received, 1), "uav1: its part is heard again");
+  EXPECT_EQ(describe(EventKind::input_refused, 3), "input_refused uav3");
+}
+
+TEST(EventWords, WhatTheScriptDoesNamesTheEvent) {
+  EXPECT_EQ(describe(EventKind::event_occurred, 0), "event \"e0\" happens");
+  EXPECT_EQ(describe(EventKind::event_in_force, 3), "event \"e3\" in force");
+  EXPECT_EQ(describe(EventKind::event_ignored, 1), "event \"e1\" ignored: it cannot be");
+}
+
+TEST(EventWords, WhatHappensToNoBodyHasItsNumber) {
+  EXPECT_EQ(describe(EventKind::missed_period, 3), "missed_period 3");
+  EXPECT_EQ(describe(EventKind::samples_dropped, 7), "samples_dropped 7");
+  EXPECT_EQ(describe(EventKind::pairs_left_out, 4), "4 near pairs more than there is room for");
+}
+
+TEST(EventWords, ANumberThatIsNoBodyIsToldAsItIs) {
+  EXPECT_EQ(describe(EventKind::hold, -1), "hold -1");
+  EXPECT_EQ(describe(EventKind::hold, std::nan("")), "hold nan");
+}
+
+TEST(EventWords, NoTwoKindsReadTheSame) {
+  std::set<std::string> all;
+  for (int i = 0; i < event_kinds; ++i)
+    EXPECT_TRUE(all.insert(describe(static_cast<EventKind>(i), 1)).second) << i;
+}
+
+}  // namespace
+}  // namespace sightline

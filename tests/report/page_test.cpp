@@ -1,0 +1,25 @@
+#include "sightline/report/page.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Page, ShowsAnyTextAsItIs) {
+  EXPECT_EQ(escaped("a < b & \"c\" > d\n\te \x01"), "a &lt; b &amp; &quot;c&quot; &gt; d\n\te  ");
+  EXPECT_THAT(page_head("<script>"), Not(HasSubstr("<script>")));
+  EXPECT_THAT(page_figure({"<b>", "<i>", "<svg></svg>"}), Not(HasSubstr("<b>")));
+  EXPECT_THAT(page_figure({"<b>", "<i>", "<svg></svg>"}), HasSubstr("<svg></svg>"));
+}
+
+TEST(Page, ReadsOnLightAndOnDark) {
+  EXPECT_THAT(page_head("title"), HasSubstr("color-scheme: light dark"));
+  EXPECT_THAT(page_head("title"), HasSubstr("<title>title</title>"));
+}
+
+}  // namespace
+}  // namespace sightline
