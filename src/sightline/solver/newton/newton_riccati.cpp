@@ -1,44 +1,50 @@
 #include "sightline/solver/newton/newton_riccati.hpp"
 
-#include "sightline/solver/newton/newton_update.hpp"
+#include "sightline/solver/newton/update.hpp"
 
 namespace sightline {
 
 NewtonRiccati::NewtonRiccati(Ocp ocp, const NewtonRiccatiOptions& options)
-    : update_(std::make_unique<NewtonUpdate>(std::move(ocp), options)) {}
+    : workspace_(std::make_unique<newton::Workspace>(std::move(ocp), options)) {}
 NewtonRiccati::NewtonRiccati(NewtonRiccati&& other) noexcept = default;
 NewtonRiccati& NewtonRiccati::operator=(NewtonRiccati&& other) noexcept = default;
 NewtonRiccati::~NewtonRiccati() = default;
 
-const Ocp& NewtonRiccati::ocp() const { return update_->ocp(); }
+const Ocp& NewtonRiccati::ocp() const { return workspace_->ocp; }
 
 Solution NewtonRiccati::solve(double time, std::span<const double> states) noexcept {
-  return update_->solve(time, states);
+  return newton::update(*workspace_, time, states);
 }
 
 double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept {
-  return update_->kkt(time, states);
+  return newton::kkt(*workspace_, time, states);
 }
 
-void NewtonRiccati::planned(double time, std::span<double> u) const noexcept { update_->planned(time, u); }
+void NewtonRiccati::planned(double time, std::span<double> u) const noexcept {
+  newton::planned(*workspace_, time, u);
+}
 
-KernelUse NewtonRiccati::kernels() const { return update_->kernels(); }
+KernelUse NewtonRiccati::kernels() const { return newton::kernels(*workspace_); }
 
-void NewtonRiccati::restart() noexcept { update_->restart(); }
+void NewtonRiccati::restart() noexcept { newton::restart(*workspace_); }
 
-void NewtonRiccati::set_applied(const AppliedInputs& applied) noexcept { update_->set_applied(applied); }
+void NewtonRiccati::set_applied(const AppliedInputs& applied) noexcept {
+  newton::set_applied(*workspace_, applied);
+}
 void NewtonRiccati::set_view_uncertainty(std::span<const ViewUncertainty> of_bodies) noexcept {
-  update_->set_view_uncertainty(of_bodies);
+  newton::set_view_uncertainty(*workspace_, of_bodies);
 }
 
-void NewtonRiccati::plan(int k, std::span<double> u) const noexcept { update_->plan(k, u); }
+void NewtonRiccati::plan(int k, std::span<double> u) const noexcept { newton::plan(*workspace_, k, u); }
 
-void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept { update_->set_plan(k, u); }
+void NewtonRiccati::set_plan(int k, std::span<const double> u) noexcept {
+  newton::set_plan(*workspace_, k, u);
+}
 
 void NewtonRiccati::set_prediction(const Prediction& prediction) noexcept {
-  update_->set_prediction(prediction);
+  newton::set_prediction(*workspace_, prediction);
 }
 
-double NewtonRiccati::tolerance() const noexcept { return update_->tolerance(); }
+double NewtonRiccati::tolerance() const noexcept { return workspace_->options.tolerance; }
 
 }  // namespace sightline

@@ -32,7 +32,9 @@ struct NewtonRiccatiOptions {
   static constexpr int shared_from = 128;
 };
 
-class NewtonUpdate;
+namespace newton {
+struct Workspace;
+}
 
 class NewtonRiccati final : public Solver, public TeamPlanner {
  public:
@@ -63,7 +65,7 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   double tolerance() const noexcept override;
 
  private:
-  std::unique_ptr<NewtonUpdate> update_;  // the iterate and its workspace
+  std::unique_ptr<newton::Workspace> workspace_;
 };
 
 }  // namespace sightline

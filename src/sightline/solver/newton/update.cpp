@@ -1,0 +1,165 @@
+// The Newton update on one page: extrapolate, linearise, backward pass per group, couple, project, line search, accept.
+#include "sightline/solver/newton/update.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sightline/base/no_value.hpp"
+#include "sightline/base/subnormals.hpp"
+#include "sightline/solver/newton/stages.hpp"
+
+namespace sightline::newton {
+namespace {
+
+constexpr double trusted_from = 0.02;  // residual from which on steps need no line search
+
+/// The direction of the team's step.
+struct Direction {
+  Proposal proposal;
+  int iterations = 0;      // of the Krylov method
+  bool damped = false;     // a robot's factorisation was damped (Levenberg)
+  bool settled = false;    // the step has the active set that it was computed with
+  bool has_start = false;  // u_start is where it begins
+};
+
+void keep_start(Workspace& w, Direction& d) noexcept {
+  if (!d.has_start) std::copy_n(w.u, w.groups.layout().u_length, w.u_start);
+  d.has_start = true;
+}
+
+/// From steps of single robots to a step of the team.
+Krylov::Completion couple(Workspace& w, bool again, bool damped, bool begun) noexcept {
+  const WarmStart warm_start = again    ? WarmStart::of_attempts
+                               : damped ? WarmStart::none
+                                        : WarmStart::of_updates;
+  return w.krylov.complete(w.groups, *w.couplings, w.du, w.ds, *w.pool, warm_start, deadline(w), begun);
+}
+
+/// Until the active set stays, three times at most.
+Direction find_direction(Workspace& w) noexcept {
+  constexpr int attempts = 3;
+  Direction d;
+  // With a deadline the time is checked between the two passes.
+  const bool begins = w.krylov.can_begin(*w.couplings) && w.options.deadline == 0.0;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    d.damped = solve_groups(w, attempt > 0, begins);                              // linearise, backward pass
+    const Krylov::Completion coupled = couple(w, attempt > 0, d.damped, begins);  // couple
+    d.iterations += coupled.iterations;
+    d.proposal = evaluate_step(w, coupled);
+    if (!d.proposal.finite) break;
+    d.settled = d.proposal.within_limits && w.all_free;
+    if (d.settled) break;
+    keep_start(w, d);
+    d.settled = !update_active_set(w);  // project
+    if (d.settled || late(w)) break;
+  }
+  return d;
+}
+
+/// The step as it is.
+Step whole_step(Workspace& w, const Direction& d) noexcept {
+  std::swap(w.u, w.u_next);
+  w.watched = infinity;
+  w.votes = d.proposal.votes;
+  return {.correction = d.proposal.largest, .whole = d.settled, .taken = true};
+}
+
+/// The step as far as costs fall along it.
+Step searched_step(Workspace& w, Direction& d) noexcept {
+  keep_start(w, d);
+  Step step;
+  descend(w, d.settled, step);
+  release(w);
+  w.globalising = w.descent.sure() && d.proposal.residual > trusted_from && !step.whole;
+  step.whole &= !d.damped && d.proposal.finite;
+  return step;
+}
+
+/// After a step that could not be taken whole: projected Newton with a line search, until steps are trusted again.
+Step globalised_step(Workspace& w) noexcept {
+  Step step = projected_step(w);
+  if (!step.finite) return step;
+  release(w);
+  w.globalising = w.descent.sure() && step.residual > trusted_from && !step.whole;
+  step.in_time = !late(w);
+  return step;
+}
+
+Step newton_step(Workspace& w) noexcept {
+  if (w.globalising) return globalised_step(w);
+  Direction d = find_direction(w);
+  const Proposal& p = d.proposal;
+  if (!p.finite) {
+    if (!slope_is_finite(w)) return {.residual = infinity, .iterations = d.iterations, .finite = false};
+    std::fill_n(w.du, w.groups.layout().u_length, 0.0);  // the gradient is left
+  }
+  w.globalising = !p.finite || d.damped || std::max(p.largest, p.residual) > w.options.step_cap;
+  Step step = w.globalising ? searched_step(w, d) : whole_step(w, d);
+  step.residual = p.residual;
+  step.iterations += d.iterations;
+  step.in_time = !late(w);
+  return step;
+}
+
+}  // namespace
+
+Solution update(Workspace& w, double time, std::span<const double> states) noexcept {
+  w.begin = Clock::now();
+  const FlushSubnormals guard;
+  w.states = States::none;
+  if (!std::isfinite(time) || !accept(w, states)) return fall_back(w, time, Status::invalid_state);
+  set_time(w, time);
+  const bool anew = !w.started && !w.has_plan;
+  const int steps =
+      anew ? std::max(w.options.max_newton_steps, w.options.start_steps) : w.options.max_newton_steps;
+  if (!w.started) start(w);
+  w.started = true;
+  extrapolate(w);
+
+  Step step;
+  int iterations = 0;
+  for (int i = 0; i < steps; ++i) {
+    step = newton_step(w);
+    iterations += step.iterations;
+    if (!step.finite || !step.in_time || step.residual <= w.options.tolerance) break;
+  }
+  if (!step.finite) return fall_back(w, time, Status::not_finite);
+  write_inputs(w);
+  w.states = States::rolled_out;
+  keep_plan(w, step);
+  const Status status = !step.in_time                          ? Status::deadline
+                        : step.residual <= w.options.tolerance ? Status::converged
+                        : steps == 1 && step.whole             ? Status::stepped
+                                                               : Status::iteration_limit;
+  return {.u = w.u_out,
+          .raw_u = w.raw_u,
+          .x = w,
+          .status = status,
+          .residual = step.residual,
+          .iterations = iterations,
+          .neighbours = w.couplings->neighbours(),
+          .elapsed = std::chrono::duration<double>(Clock::now() - w.begin).count()};
+}
+
+double kkt(Workspace& w, double time, std::span<const double> states) noexcept {
+  const FlushSubnormals guard;
+  w.states = States::none;
+  if (!std::isfinite(time) || !accept(w, states)) return infinity;
+  set_time(w, time);
+  if (!w.started) {
+    const bool planned = w.has_plan;  // for the next update too
+    start(w);
+    w.has_plan = planned;
+  }
+  w.groups.roll_out(w.u, w.s, *w.pool);
+  w.couplings->find_neighbours(w.s);
+  std::swap(w.H_u, w.u_start);  // the next update goes on from the one of the last
+  differentiate(w);
+  const double residual = evaluate_step(w).residual;
+  const bool finite = slope_is_finite(w);
+  std::swap(w.H_u, w.u_start);
+  return finite ? residual : infinity;
+}
+
+}  // namespace sightline::newton
