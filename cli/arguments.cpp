@@ -11,7 +11,7 @@ constexpr std::uint64_t seed_max = 9'223'372'036'854'775'807;  // as in a scenar
 void add_set(CLI::App& command, std::vector<std::string>& set) {
   command
       .add_option("--set", set,
-                  "KEY=VALUE of the scenario, couple[0].weight=0.5 or world.kind=rotors; as often as need be")
+                  "KEY=VALUE of the scenario, couple[0].weight=0.5 or world.kind=rotors; may be repeated")
       ->allow_extra_args(false);
 }
 
@@ -32,9 +32,8 @@ void add_serve(CLI::App& command, ServeOptions& serve, CLI::Option* needed = nul
       "--bind", serve.address, "IPv4 address to be reached at from other machines, by a token [127.0.0.1]");
   CLI::Option* origins =
       command
-          .add_option(
-              "--allow-origin", serve.origins,
-              "Another page that may subscribe to topics, https://app.foxglove.dev; as often as need be")
+          .add_option("--allow-origin", serve.origins,
+                      "Another page that may subscribe to topics, https://app.foxglove.dev; may be repeated")
           ->allow_extra_args(false);
   if (needed == nullptr) return;
   for (CLI::Option* option : {port, address, origins}) option->needs(needed);
@@ -94,7 +93,7 @@ Arguments::Arguments()
   add_threads(*fly_command, fly.threads);
   add_show(*fly_command, fly.view)->excludes(dry_run);
 
-  vehicles_command = app.add_subcommand("vehicles", "Stand in for the robots of a fleet, on their topics");
+  vehicles_command = app.add_subcommand("vehicles", "Simulate the robots of a fleet on their topics");
   add_fleet(*vehicles_command, vehicles.fleet);
   vehicles_command->add_option("--seconds", vehicles.seconds, "How long [s]; until Ctrl-C")
       ->check(CLI::Range(0.0, 1e9));

@@ -57,7 +57,7 @@ int bench(const BenchCommand& command, char** /*argv*/) {
   if (command.name && is_swarm_case(*command.name))
     rows = run_swarm_bench(*command.name, reporting("pairs at most"), pool);
   if (command.name == event_case_name) rows = run_event_bench(reporting("changes"));
-  if (command.name == estimate_case_name) rows = run_estimate_bench(reporting("sightings believed"));
+  if (command.name == estimate_case_name) rows = run_estimate_bench(reporting("sightings accepted"));
   for (const BenchCase& what : cases) {
     tell("{}: ", what.name);
     rows.push_back(run_bench(what, solver,

@@ -92,9 +92,8 @@ void listen_to_interrupts() {
 Scenario read_fleet(const NamedScenario& fleet, const Registry& parts) {
   Scenario scenario = fleet.read(parts);
   if (!scenario.fleet)
-    throw std::invalid_argument(
-        fmt::format("{}:1: fleet is missing, expected a [fleet] that says how the robots are reached",
-                    fleet.file.native()));
+    throw std::invalid_argument(fmt::format(
+        "{}:1: fleet is missing, expected a [fleet] with the links of the robots", fleet.file.native()));
   if (parts.bridge == nullptr)
     throw std::invalid_argument(
         "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
@@ -135,7 +134,7 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
     const auto& localized = scenario.localization.robots;
     if (!localized.empty() && world->measured_max().motions == 0)
       throw std::invalid_argument(
-          fmt::format("{}: agent.{}.localization = vision, expected \"global\": its link tells no motion",
+          fmt::format("{}: agent.{}.localization = vision, expected \"global\": its link has no motion",
                       command.fleet.file.native(), scenario.team.name(localized.front().robot)));
   } catch (const std::exception& error) {
     tell("{}\n", sentence_of(error));
@@ -199,7 +198,7 @@ int vehicles(const VehiclesCommand& command, const Registry& parts) {
     const Scenario scenario = read_fleet(command.fleet, parts);
     const std::unique_ptr<VehicleSimulators> vehicle_simulators = parts.bridge->vehicle_simulator(scenario);
     listen_to_interrupts();
-    say(fmt::format("{} vehicles stand in, until Ctrl-C", scenario.fleet->links.size()));
+    say(fmt::format("{} simulated vehicles, until Ctrl-C", scenario.fleet->links.size()));
     {
       const auto help = [] { tell("{}", fault_keys_help()); };
       const FaultKeys keys(

@@ -79,7 +79,7 @@ void wait_for(const std::string& job, int shards) {
     const std::optional<Tasks> tasks = tasks_of(job);
     if (!tasks && ++unanswered > looks_unanswered)
       throw std::runtime_error(
-          fmt::format("squeue does not say what becomes of job {}, expected a Slurm that answers; the same "
+          fmt::format("squeue does not report the state of job {}, expected a Slurm that answers; the same "
                       "command goes on from what is there",
                       job));
     if (tasks) {
@@ -136,11 +136,10 @@ bool fly_by_slurm(const std::string& script, int shards, const fs::path& folder)
   write_text(file, script);
   const Said submitted = ask_shell("sbatch --parsable " + shell_word(file.native()));
   if (submitted.code != 0)
-    throw std::runtime_error(fmt::format("{}, expected a Slurm that takes {}",
-                                         submitted.text.empty()
-                                             ? "sbatch: it says nothing"
-                                             : submitted.text.substr(submitted.text.rfind('\n') + 1),
-                                         file.native()));
+    throw std::runtime_error(fmt::format(
+        "{}, expected a Slurm that takes {}",
+        submitted.text.empty() ? "sbatch: no output" : submitted.text.substr(submitted.text.rfind('\n') + 1),
+        file.native()));
   const std::string job = submitted.text.substr(0, submitted.text.find(';'));
   say(fmt::format("job {}: {} shards; scancel {} ends it, the same command goes on from what is there", job,
                   shards, job));

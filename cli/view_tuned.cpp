@@ -114,7 +114,7 @@ class TunedFlight {
   void report_of(const ServeCounts& counts) const {
     report_counts(counts);
     const std::size_t events = scenario_.tuned->size();
-    say(fmt::format("{} changes, {} messages refused, {} not heard", events, tuning_.refused(),
+    say(fmt::format("{} changes, {} messages refused, {} not received", events, tuning_.refused(),
                     tuning_.stale()));
     if (page_->dropped() > 0) say(fmt::format("{} samples were not shown", page_->dropped()));
   }

@@ -79,15 +79,14 @@ void bind_scenario(py::module_& module) {
 
   py::class_<Scenario>(module, "Scenario", "Everything a run needs, from one TOML file.")
       .def_static("read", &read, py::arg("file"), py::arg("set") = Values{},
-                  "Reads a file; `set` are \"KEY=VALUE\" over what it says.\n\nRaises ScenarioError, "
+                  "Reads a file; `set` are \"KEY=VALUE\" over its values.\n\nRaises ScenarioError, "
                   "\"file:line: key = value, "
                   "expected ...\".")
       .def_static("parse", &parse, py::arg("text"), py::arg("file") = "scenario.toml",
                   py::arg("set") = Values{},
                   "The same from a text; `file` stands in refusals, and gives the scenario its name.")
       .def_readonly("name", &Scenario::name)
-      .def_readonly("text", &Scenario::text,
-                    "As it was read; with values set, the one text that says the same.")
+      .def_readonly("text", &Scenario::text, "As it was read; with values set, the equivalent text.")
       .def_readonly("file", &Scenario::file)
       .def_readonly("team", &Scenario::team, py::return_value_policy::copy)
       .def_readonly("horizon", &Scenario::horizon)
@@ -103,7 +102,7 @@ void bind_scenario(py::module_& module) {
       .def("__repr__", [](const Scenario& s) { return fmt::format("<scenario {}>", s.name); });
 
   module.def("check", &check, py::arg("scenario"),
-             "What `sightline check` says of it. Raises ValueError where it cannot be flown.");
+             "The report of `sightline check`. Raises ValueError where it cannot be flown.");
   module.def("explain", &explained, py::arg("scenario"),
              "Which of its limits can hold together and what each is worth, as `sightline explain`.");
 }

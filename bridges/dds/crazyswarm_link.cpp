@@ -232,13 +232,13 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   for (const ServiceCaller* caller : {&takeoff_, &land_, &setpoints_stop_, &arm_})
     if (!caller->there() && (caller != &arm_ || (known && !has(arms_itself))))
       to.add(Aspect::topics, Light::red, "{}: no server", caller->service());
-  to.add_green(Aspect::topics, "pose and status come, it hears set-points, its services are there");
+  to.add_green(Aspect::topics, "pose and status arrive, it receives set-points, its services are there");
   poses_.examine("the frame that is G", "other frames", to);
   for (const SeenWriter& writer : around.writers)
     if (writer.topic.starts_with(wire_topic(crazyflie_.name_space + "/cmd_")) &&
         (writer.topic != full_state_->topic() || full_state_->rivals(std::span(&writer, 1)) > 0))
       to.add(Aspect::writers, Light::red, "{}: another program writes set-points", writer.topic);
-  to.add_green(Aspect::writers, "nobody else speaks in its place or steers it");
+  to.add_green(Aspect::writers, "no other program publishes in its place or steers it");
   if (!known) return;
   examine_battery(to);
   const bool may_arm = has(arms_itself) ? has(can_fly) : has(can_be_armed);

@@ -22,16 +22,16 @@ constexpr std::int64_t looks_each = 200'000'000;  // before a flight
 /// Refuses what would not be what the scenario says.
 const Scenario& flown(const Scenario& scenario) {
   if (!scenario.fleet)
-    throw std::invalid_argument("fleet is missing, expected a [fleet] that says how the robots are reached");
+    throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
   if (changes_in_flight(scenario))
     throw std::invalid_argument("event = the team changes in flight, which a fleet does not follow yet");
   for (const UncooperativeBody& body : scenario.uncooperative) {
     const bool seen = std::any_of(scenario.fleet->bodies.begin(), scenario.fleet->bodies.end(),
                                   [&](const BodyLink& link) { return link.body == body.body; });
     if (body.motion && !seen)
-      throw std::invalid_argument(fmt::format(
-          "{} moves, and no topic says where it is, expected a link with poses, or a body at rest",
-          scenario.team.name(body.body)));
+      throw std::invalid_argument(
+          fmt::format("{} moves, and no topic has its pose, expected a link with poses, or a body at rest",
+                      scenario.team.name(body.body)));
   }
   return scenario;
 }
@@ -158,7 +158,7 @@ Measured DdsWorld::measure(double t) noexcept {
   std::fill(stamps_.begin(), stamps_.end(), t);
   for (Robot& robot : robots_) {
     SeenMotion seen;
-    // Of one that is localized by view, no place is measured.
+    // Of one that is localized by vision, no place is measured.
     const bool came = robot.end->look(seen) && !robot.estimated;
     if (came) robot.model.write(seen.motion, &measured_[robot.x]);
     stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
@@ -323,7 +323,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
     for (Robot& robot : robots_) {
       if (arming != Arming::real || !robot.end->facts(looked).armed) continue;
       arming = Arming::on_call;
-      report_all(fmt::format("{}: it flies already, by nobody of ours: it is waited for until it has landed",
+      report_all(fmt::format("{}: it is flying already, by another program: waiting until it has landed",
                              robot.name),
                  print);
     }

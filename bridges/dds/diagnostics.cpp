@@ -34,7 +34,7 @@ Diagnosis diagnose_link(std::string_view name, const RobotShown& shown, double a
     d.message = fmt::format("{}: {}", to_string(shown.state), to_string(shown.reason));
   } else if (!shown.seen) {
     d.level = Health::stale;
-    d.message = "nothing was heard of it yet";
+    d.message = "no message of it arrived yet";
   } else if (!f.there) {
     d.level = Health::stale;
     d.message = fmt::format("{}: its messages are {:.1f} s old", to_string(shown.state), age);

@@ -16,14 +16,18 @@ namespace {
 
 constexpr auto acquaintance = std::chrono::seconds(1);
 
-/// What begins like this is written by who flies the robot.
-std::vector<std::string> commanded(const Link& link) {
-  if (const auto* px4 = std::get_if<Px4Link>(&link.kind))
-    return {wire_topic(px4->name_space + "/fmu/in/trajectory_setpoint"),
-            wire_topic(px4->name_space + "/fmu/in/offboard_control_mode")};
+/// Whether the program that publishes this topic flies the robot. PX4 adds the version of a message to the name of its topic.
+bool flies(std::string_view topic, const Link& link) {
+  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
+    for (const char* name : {"/fmu/in/trajectory_setpoint", "/fmu/in/offboard_control_mode"}) {
+      const std::string plain = wire_topic(px4->name_space + name);
+      if (topic == plain || topic.starts_with(plain + "_v")) return true;
+    }
+    return false;
+  }
   if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
-    return {wire_topic(crazyflie->name_space + "/cmd_")};
-  return {wire_topic(std::get<Ros2Link>(link.kind).cmd_vel)};
+    return topic.starts_with(wire_topic(crazyflie->name_space + "/cmd_"));
+  return topic == wire_topic(std::get<Ros2Link>(link.kind).cmd_vel);
 }
 
 }  // namespace
@@ -43,15 +47,12 @@ void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
           "partition.part = \"{}\", which another program plans already, expected one for each part",
           scenario.partition->part));
     for (const Link& link : scenario.fleet->links) {
-      for (const std::string& begin : commanded(link)) {
-        const auto other = std::find_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {
-          return writer.topic.starts_with(begin);
-        });
-        if (other != writers.end())
-          throw std::runtime_error(
-              fmt::format("agent.{}: another program writes {} already, expected one flyer for each robot",
-                          scenario.team.name(link.robot), other->topic));
-      }
+      const auto other = std::find_if(writers.begin(), writers.end(),
+                                      [&](const SeenWriter& writer) { return flies(writer.topic, link); });
+      if (other != writers.end())
+        throw std::runtime_error(
+            fmt::format("agent.{}: another program writes {} already, expected one flyer for each robot",
+                        scenario.team.name(link.robot), other->topic));
     }
   }
 }

@@ -122,7 +122,7 @@ class FlightPublisher::Thread {
     Outlet<geometry_msgs_msg_dds__PoseStamped_> pose;
     Outlet<nav_msgs_msg_dds__Path_> path;
     std::string frame;  // of /tf
-    // Of one that is localized by view, and of one with a camera.
+    // Of one that is localized by vision, and of one with a camera.
     std::optional<Outlet<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>> estimate{};
     double estimated = 0.0;  // stamp of the last [s]
     std::optional<Outlet<sensor_msgs_msg_dds__CameraInfo_>> camera_info{};

@@ -52,7 +52,7 @@ std::string_view to_string(LinkReason reason) {
       "it was not ready in time",
       "it refused to arm",
       "it did not arm in time",
-      "it refused what it was asked",
+      "it refused the request",
       "it took too long",
       "it was disarmed",
       "nothing came from it any more",
@@ -67,7 +67,7 @@ std::string_view to_string(LinkReason reason) {
       "its battery is low",
       "its estimator is not valid",
       "its estimator jumped too far",
-      "its motors were stopped, as a person asked"};
+      "its motors were stopped by the operator"};
   return word_of(words, reason);
 }
 

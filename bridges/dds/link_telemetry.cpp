@@ -57,7 +57,7 @@ LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseSub
     if (localized == all.end()) continue;
     if (localized->filter.filter == FilterKind::attitude)
       throw std::invalid_argument(
-          fmt::format("agent.{}.estimate.filter = attitude, which no link tells accelerations for, expected "
+          fmt::format("agent.{}.estimate.filter = attitude, for which no link has accelerations, expected "
                       "\"heading\"",
                       team_.name(robot)));
     robots_.push_back({robot, subscribers[i]});

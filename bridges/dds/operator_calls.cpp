@@ -12,7 +12,7 @@ CallAnswer OperatorCalls::start() noexcept {
     case FlightPhase::checking:
       return {false, "not all robots are ready yet"};
     case FlightPhase::waiting:
-      if (to_land()) return {false, "they were told to land"};
+      if (to_land()) return {false, "they were commanded to land"};
       started_ = true;
       return {true, "they take off"};
     case FlightPhase::over:

@@ -293,18 +293,21 @@ std::vector<std::string> PredictionExchange::news() {
     switch (state) {
       case PeerState::silent:
       case PeerState::stale:
-        sentences.push_back(fmt::format("part {}: it is not heard", other->name));
+        sentences.push_back(fmt::format("part {}: its messages do not arrive", other->name));
         break;
       case PeerState::received:
-        sentences.push_back(fmt::format("part {}: it is heard, its robots fly as they predict", other->name));
+        sentences.push_back(
+            fmt::format("part {}: its messages arrive, its robots fly as they predict", other->name));
         break;
       case PeerState::idle:
-        sentences.push_back(fmt::format("part {}: it is heard, its robots do not fly its task", other->name));
+        sentences.push_back(
+            fmt::format("part {}: its messages arrive, its robots do not fly its task", other->name));
         break;
       case PeerState::other_time:
-        sentences.push_back(fmt::format(
-            "part {}: its clock is {:+.1f} ms from ours, expected at most {:.0f} ms: it is not heard",
-            other->name, 1e-6 * static_cast<double>(other->offset), 1e-6 * Peers::offset_max));
+        sentences.push_back(
+            fmt::format("part {}: its clock is {:+.1f} ms from ours, expected at most {:.0f} ms: its "
+                        "messages do not arrive",
+                        other->name, 1e-6 * static_cast<double>(other->offset), 1e-6 * Peers::offset_max));
         break;
     }
   }

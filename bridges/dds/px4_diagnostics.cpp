@@ -153,9 +153,10 @@ void Px4Diagnostics::examine_release(const Surroundings& around, FindingList& to
   const bool answered = std::all_of(answers_.begin(), answers_.end(),
                                     [](const Mailbox<Answer>& answer) { return answer.count() > 0; });
   to.add_green(Aspect::release, "PX4 {}, by {}; {}", wanted, looks.by,
-               answered                              ? "it takes what we send"
-               : release_ < px4_answers_formats_from ? "which layouts it takes cannot be asked before 1.15"
-                                                     : "it did not answer which layouts it takes");
+               answered ? "it takes what we send"
+               : release_ < px4_answers_formats_from
+                   ? "the layouts that it takes cannot be requested before 1.15"
+                   : "it did not answer which layouts it takes");
 }
 
 void Px4Diagnostics::examine_formats(FindingList& to) const {
@@ -179,7 +180,7 @@ void Px4Diagnostics::examine_formats(FindingList& to) const {
 
 void Px4Diagnostics::examine_battery(const Px4Battery& battery, FindingList& to) const {
   if (battery.arrived == 0 || monotonic_now() - battery.arrived > battery_old || !battery.connected) {
-    to.add(Aspect::battery, Light::unknown, "it says nothing of a battery");
+    to.add(Aspect::battery, Light::unknown, "it does not report a battery");
     return;
   }
   const double remaining = double{battery.remaining};
@@ -202,11 +203,12 @@ void Px4Diagnostics::examine(const Surroundings& around, const Px4Battery& batte
   examine_battery(battery, to);
   Flags flags;
   if (!flags_.look(flags))
-    to.add(Aspect::pilot, Light::unknown, "it does not say whether a pilot's transmitter is heard");
+    to.add(Aspect::pilot, Light::unknown, "it does not report whether it receives a pilot's transmitter");
   else if (flags.set[transmitter_])
-    to.add(Aspect::pilot, Light::red, "no pilot's transmitter is heard: nobody can take it by a switch");
+    to.add(Aspect::pilot, Light::red,
+           "it receives no pilot's transmitter: no pilot can take over by a switch");
   else
-    to.add(Aspect::pilot, Light::green, "a pilot's transmitter is heard");
+    to.add(Aspect::pilot, Light::green, "it receives a pilot's transmitter");
 }
 
 std::string Px4Diagnostics::failing() const {

@@ -345,7 +345,8 @@ void Px4LinkEnd::examine_topics(const Surroundings& around, FindingList& to) con
   for (const RawWriter* writer : {ends_->setpoint.get(), ends_->heartbeat.get(), ends_->command.get()})
     if (!writer->received(around.readers))
       to.add(Aspect::topics, Light::red, "{}: {}", writer->topic(), why_stale(*writer, around));
-  to.add_green(Aspect::topics, "odometry, status and local position come, it hears commands and set-points");
+  to.add_green(Aspect::topics,
+               "odometry, status and local position arrive, it receives commands and set-points");
 }
 
 void Px4LinkEnd::examine_writers(const Surroundings& around, FindingList& to) const {
@@ -353,7 +354,7 @@ void Px4LinkEnd::examine_writers(const Surroundings& around, FindingList& to) co
     if (writer->rivals(around.writers) > 0)
       to.add(Aspect::writers, Light::red, "{}: another program writes {}", writer->topic(),
              writer == ends_->setpoint.get() ? "set-points" : "heartbeats: another flyer");
-  to.add_green(Aspect::writers, "nobody else speaks in its place or steers it");
+  to.add_green(Aspect::writers, "no other program publishes in its place or steers it");
 }
 
 void Px4LinkEnd::examine_estimator(FindingList& to) const {
@@ -425,7 +426,7 @@ std::string Px4LinkEnd::counts() const {
   std::string words = fmt::format("{}, {} messages of other sizes, {} set-points sent", poses().counts(),
                                   wrong, sent_.load());
   if (held_back_ > 0)
-    words += fmt::format(", {} held back: it said another mode in that period", held_back_.load());
+    words += fmt::format(", {} held back: it reported another mode in that period", held_back_.load());
   if (anchor_.jumps() > 0)
     words += fmt::format(", {} jumps of its estimator by {:.2f} m in sum", anchor_.jumps(), anchor_.moved());
   return words;

@@ -49,7 +49,7 @@ RobotState::RobotState(const Model& model)
       continue;
     }
     throw std::invalid_argument(
-        fmt::format("the state {} of the robot {} is measured by nobody, expected position, heading, "
+        fmt::format("the state {} of the robot {} is not measured, expected position, heading, "
                     "velocities and the rate r",
                     name, model.name()));
   }

@@ -149,7 +149,7 @@ void Ros2FlyerLinkEnd::examine(const Surroundings& around, FindingList& to) {
   for (const Signal* signal : {&takeoff_, &land_}) {
     if (!signal->there(around))
       to.add(Aspect::topics, Light::red, "{}: {}", signal->name(),
-             link().calls == FlightCalls::topics ? "nobody reads it" : "no server");
+             link().calls == FlightCalls::topics ? "it has no subscriber" : "no server");
     if (signal->rivals() > 0)
       to.add(Aspect::writers, Light::red, "{}: another program writes to it", signal->name());
   }

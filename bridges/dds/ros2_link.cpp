@@ -116,10 +116,10 @@ void Ros2LinkEnd::examine(const Surroundings& around, FindingList& to) {
     poses_.examine("the frames that are expected", "other frames than frame, body_frame say", to);
   else
     poses_.examine("the frame that is G", other_frames_than(from_), to);
-  to.add_green(Aspect::topics, "its poses come, it hears its cmd_vel");
+  to.add_green(Aspect::topics, "its poses arrive, it receives cmd_vel");
   if (cmd_vel_->rivals(around.writers) > 0)
     to.add(Aspect::writers, Light::red, "{}: another program writes to it", cmd_vel_->topic());
-  to.add_green(Aspect::writers, "nobody else speaks in its place or steers it");
+  to.add_green(Aspect::writers, "no other program publishes in its place or steers it");
 }
 
 }  // namespace sightline::dds

@@ -32,7 +32,7 @@ struct Surroundings {
 /// Why a topic of ours brings nothing, as the end of a sentence.
 inline std::string why_nothing_comes(const RawReader& reader, const Surroundings& around) {
   const std::vector<const SeenWriter*> writers = around.writers_of(reader.topic());
-  if (writers.empty()) return "nobody writes it";
+  if (writers.empty()) return "it has no publisher";
   const auto other = std::find_if(writers.begin(), writers.end(),
                                   [&](const SeenWriter* writer) { return writer->type != reader.type(); });
   if (other != writers.end()) return fmt::format("it is written as {}", (*other)->type);
@@ -45,7 +45,8 @@ inline std::string why_stale(const RawWriter& writer, const Surroundings& around
       std::find_if(around.readers.begin(), around.readers.end(), [&](const SeenWriter& reader) {
         return reader.topic == writer.topic() && reader.type != writer.type();
       });
-  return other == around.readers.end() ? "nobody reads it" : fmt::format("it is read as {}", other->type);
+  return other == around.readers.end() ? "it has no subscriber"
+                                       : fmt::format("it is read as {}", other->type);
 }
 
 /// Looks around as often as one likes. One thread.

@@ -208,7 +208,7 @@ void TagSubscriber::examine(BodyId robot, const Surroundings& around, FindingLis
   if (eye == nullptr) return;
   const RobotCamera& camera = eye->of.camera;
   if (reader_->counts().received == 0 && around.writers_of(reader_->topic()).empty())
-    to.add(Aspect::camera, Light::red, "/tf: nobody writes it, expected the tags that its camera finds");
+    to.add(Aspect::camera, Light::red, "/tf: it has no publisher, expected the tags that its camera finds");
   if (eye->foreign > 0)
     to.add(Aspect::writers, Light::red, "/tf: {} pictures of {} of a second writer", eye->foreign.load(),
            camera.frame);

@@ -21,7 +21,7 @@ constexpr double lowest_takeoff = 0.5;  // [m]
 
 const Scenario& of_fleet(const Scenario& scenario) {
   if (!scenario.fleet)
-    throw std::invalid_argument("fleet is missing, expected a [fleet] that says how the robots are reached");
+    throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
   return scenario;
 }
 

@@ -279,7 +279,7 @@ class Scenario:
         """The same from a text; `file` stands in refusals, and gives the scenario its name."""
     @staticmethod
     def read(file: str | os.PathLike[str], set: list[str] = ...) -> Scenario:
-        """Reads a file; `set` are "KEY=VALUE" over what it says.
+        """Reads a file; `set` are "KEY=VALUE" over its values.
 
         Raises ScenarioError, "file:line: key = value, expected ...".
         """
@@ -291,7 +291,7 @@ class Scenario:
     def team(self) -> Team: ...
     @property
     def text(self) -> str:
-        """As it was read; with values set, the one text that says the same."""
+        """As it was read; with values set, the equivalent text."""
     @property
     def world(self) -> str: ...
     @property
@@ -503,7 +503,7 @@ def cgmres(team: Team, *, T: float = ..., N: int = ..., dt: float = ..., **kwarg
     """The Solver of this name."""
 
 def check(scenario: Scenario) -> Checked:
-    """What `sightline check` says of it. Raises ValueError where it cannot be flown."""
+    """The report of `sightline check`. Raises ValueError where it cannot be flown."""
 
 def circle(*, centre: npt.ArrayLike, radius: npt.ArrayLike = ..., rate: npt.ArrayLike = ...) -> Reference:
     """The reference "circle" of scenarios.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The figures of robots that are localized by view, section by section:  scripts/accept/14.sh [--short] [SECTION ...]
+# The figures of robots that are localized by vision, section by section:  scripts/accept/14.sh [--short] [SECTION ...]
 # What is finished stays in out/accept/14/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
 # release preset.
 # --short is for CI: fewer and shorter flights, whose figures are judged by wider limits.
@@ -165,7 +165,7 @@ flight() {
   code=$?
   kill -INT "$pid"
   wait "$pid"
-  grep -E 'sees|localized by view|pictures with tags' "$folder.log"
+  grep -E 'sees|localized by vision|pictures with tags' "$folder.log"
   ((code == 0)) || { cat "$folder.log"; return 1; }
   # Where a period was missed, the line says of which seconds.
   grep -qE "uav0 sees uav1 .* 100\.0 % of (the time|$duration\.0 s, 0\.0 to $duration\.0 s)" "$folder.log" || { echo 'expected uav1 in view all the time'; return 1; }

@@ -194,7 +194,7 @@ killed() {
   "$sightline" fly "${common[@]}" --part back -o "$folder/again" >"$folder/again.txt" 2>&1 & back=$!
   sleep 2
   # By then the other has heard the new one.
-  grep -c 'part back: it is heard, its robots do not fly' "$folder/front.txt" | grep -qx 2 || { echo 'not heard within 2 s'; bad=1; }
+  grep -c 'part back: its messages arrive, its robots do not fly' "$folder/front.txt" | grep -qx 2 || { echo 'not heard within 2 s'; bad=1; }
   wait $front || code=$?
   kill -INT $back; wait $back
   kill -INT $vehicles; wait $vehicles

@@ -109,8 +109,9 @@ TEST(CrazyswarmLink, WithoutAServerItSaysWhatIsMissing) {
   const Interrupts none{0};
   Fields reported;
   EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
-  for (const char* sentence : {"cf0: rt/cf0/cmd_full_state: nobody reads it", "cf0: /cf0/takeoff: no server",
-                               "cf0: /cf0/land: no server", "cf0: /cf0/notify_setpoints_stop: no server"})
+  for (const char* sentence :
+       {"cf0: rt/cf0/cmd_full_state: it has no subscriber", "cf0: /cf0/takeoff: no server",
+        "cf0: /cf0/land: no server", "cf0: /cf0/notify_setpoints_stop: no server"})
     EXPECT_THAT(reported, Contains(sentence));
 }
 
@@ -133,7 +134,7 @@ TEST(CrazyswarmLink, OneThatRefusesToTakeOffIsDisarmedAndTheOthersLand) {
   });
   EXPECT_FALSE(rig.take_off());
   weaken.join();
-  EXPECT_THAT(rig.world->faults(), Contains("cf0: it refused what it was asked"));
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: it refused the request"));
   EXPECT_EQ(crazyflie_of(rig, 0).reported().setpoints, 0);
   EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), can_be_armed);
   EXPECT_EQ(rig.state(0), LinkState::done);

@@ -280,7 +280,7 @@ TEST(DdsWorld, WhatItCannotFlyIsRefusedWithASentence) {
   EXPECT_THAT(
       refusal(row_of({"1.16"}, 1.0,
                      "[target.t]\nmotion = { circle = { centre = [9, 9, 1], radius = 1, rate = 1 } }\n")),
-      HasSubstr("t moves, and no topic says where it is"));
+      HasSubstr("t moves, and no topic has its pose"));
   EXPECT_EQ(refusal(row_of({"1.16"}, 1.0, "[target.t]\np = [9, 9, 1]\n")), "");
   EXPECT_THAT(refusal(row_of({"1.16", "1.16"}, 1.0, "[[event]]\nat = 0.5\nremove = \"uav0\"\n")),
               HasSubstr("changes in flight"));

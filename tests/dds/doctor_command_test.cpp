@@ -20,7 +20,7 @@ using DoctorCommand = FlyTest;
 TEST_F(DoctorCommand, ALightForEachAspectOfEachRobotAndAnExitCode) {
   const fs::path fleet = desk("10.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  ASSERT_TRUE(says("vehicles.err", "stand in"));
+  ASSERT_TRUE(says("vehicles.err", "simulated vehicles"));
   const auto seen = test::sightline("doctor --json --seconds 3 " + fleet.string(), folder);
   const auto json = nlohmann::json::parse(seen.out);
   EXPECT_EQ(json["fleet"], "desk");
@@ -56,7 +56,7 @@ TEST_F(DoctorCommand, WhereNobodyIsThereItIsRedWithinItsTime) {
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(6));
   EXPECT_EQ(seen.code, 1);
   EXPECT_THAT(seen.out, HasSubstr("uav1\n  red      topics     rt/px4_2/fmu/out/vehicle_odometry: no message "
-                                  "of PX4 1.16, nobody writes it\n"));
+                                  "of PX4 1.16, it has no publisher\n"));
   EXPECT_THAT(seen.out, HasSubstr("this machine\n"));
   EXPECT_THAT(seen.out, HasSubstr(": sightline fly refuses this fleet\n"));
   EXPECT_THAT(seen.out, Not(HasSubstr("\033[")));

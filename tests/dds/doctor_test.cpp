@@ -98,7 +98,7 @@ TEST(Doctor, VehiclesOfEachReleaseAreGreenInAllThatIsLookedAtAndNothingIsSentToT
     const std::string name = fmt::format("uav{}", i);
     EXPECT_EQ(aspects_of(all, name).size(), 14u) << name;  // each aspect of a robot
     EXPECT_TRUE(ward.finds(name, Aspect::release, Light::green,
-                           i == 0 ? "cannot be asked before 1.15" : "it takes what we send"));
+                           i == 0 ? "cannot be requested before 1.15" : "it takes what we send"));
     const Px4VehicleCounts n = ward.vehicle(i).reported();
     EXPECT_EQ(n.setpoints + n.heartbeats + n.arm_requests + n.offboard_requests, 0) << i;
   }
@@ -143,7 +143,7 @@ TEST(Doctor, WhatAVehicleSaysOfItselfIsFound) {
   faults.begin(Kind::battery_low);
   EXPECT_TRUE(ward.finds("uav1", Aspect::battery, Light::red, "5 %, 13.2 V, which it says is critical"));
   vehicle.aside().lose_transmitter(true);
-  EXPECT_TRUE(ward.finds("uav1", Aspect::pilot, Light::red, "no pilot's transmitter is heard"));
+  EXPECT_TRUE(ward.finds("uav1", Aspect::pilot, Light::red, "it receives no pilot's transmitter"));
   faults.begin(Kind::estimator_invalid);
   vehicle.fail_checks(true);
   EXPECT_TRUE(ward.finds("uav1", Aspect::checks, Light::red,
@@ -302,10 +302,10 @@ TEST(Doctor, FramesEstimatorsAndOriginsOfVehiclesAreFound) {
   EXPECT_TRUE(fleet.finds(1, Aspect::estimator, Light::red, "its estimator is not valid: xy, v_xy"));
   EXPECT_TRUE(fleet.finds(1, Aspect::checks, Light::red, "its failsafe acts"));
   EXPECT_TRUE(fleet.finds(1, Aspect::state, Light::red, "it is not on the ground"));
-  EXPECT_TRUE(fleet.finds(1, Aspect::battery, Light::unknown, "it says nothing of a battery"));
-  EXPECT_TRUE(fleet.finds(1, Aspect::pilot, Light::unknown, "does not say whether a pilot's transmitter"));
-  EXPECT_TRUE(
-      fleet.finds(1, Aspect::topics, Light::red, "rt/px4_1/fmu/in/trajectory_setpoint: nobody reads it"));
+  EXPECT_TRUE(fleet.finds(1, Aspect::battery, Light::unknown, "it does not report a battery"));
+  EXPECT_TRUE(fleet.finds(1, Aspect::pilot, Light::unknown, "does not report whether it receives a pilot's transmitter"));
+  EXPECT_TRUE(fleet.finds(1, Aspect::topics, Light::red,
+                          "rt/px4_1/fmu/in/trajectory_setpoint: it has no subscriber"));
   EXPECT_TRUE(Ward::found_by(fleet.doctor, "", Aspect::origins, Light::red, "uav2 began ["));
   fleet.all[2]->longitude = 2.7e-5;  // 3.00 m
   fleet.speak(0.3);
@@ -334,7 +334,7 @@ TEST(Doctor, WhereNobodySpeaksItSaysWhatIsMissing) {
   const auto domain = std::make_shared<Domain>(scenario.fleet->network);
   DdsDoctor doctor(scenario, domain);
   EXPECT_TRUE(Ward::found_by(doctor, "uav0", Aspect::topics, Light::red,
-                             "vehicle_odometry: no message of PX4 1.16, nobody writes it"));
+                             "vehicle_odometry: no message of PX4 1.16, it has no publisher"));
   EXPECT_TRUE(
       Ward::found_by(doctor, "uav0", Aspect::release, Light::unknown, "no vehicle_status of any release"));
   const dds_entity_t other = domain->another_participant();

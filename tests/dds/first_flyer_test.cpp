@@ -40,6 +40,7 @@ TEST(FirstFlyer, WhoIsToldWhatToDoAlreadyIsRefusedByName) {
                            of_sensors);
   const RawWriter second(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
                          "/px4_2/fmu/in/trajectory_setpoint", of_sensors);
+  const RawWriter longer(other, geometry_msgs_msg_dds__Twist__desc, "/b/cmd_vel_nav", of_ros_commands);
   EXPECT_EQ(refusal(), "");
   {
     const RawWriter rival(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
@@ -48,6 +49,12 @@ TEST(FirstFlyer, WhoIsToldWhatToDoAlreadyIsRefusedByName) {
         refusal(),
         "agent.a: another program writes rt/px4_1/fmu/in/trajectory_setpoint already, expected one flyer for "
         "each robot");
+  }
+  {
+    const RawWriter rival(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
+                          "/px4_1/fmu/in/trajectory_setpoint_v1", of_sensors);
+    EXPECT_THAT(refusal(),
+                HasSubstr("agent.a: another program writes rt/px4_1/fmu/in/trajectory_setpoint_v1"));
   }
   {
     const RawWriter rival(other, geometry_msgs_msg_dds__Twist__desc, "/b/cmd_vel", of_ros_commands);

@@ -40,8 +40,8 @@ TEST_F(PartsFlown, OneThatIsKilledJoinsAgainAndFliesOnceItsRobotHasLandedAndSome
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto left = fly(fleet, "left", "left");
   auto right = fly(fleet, "right", "right");
-  const std::string flies = "part right: it is heard, its robots fly as they predict",
-                    stands = "part right: it is heard, its robots do not fly its task";
+  const std::string flies = "part right: its messages arrive, its robots fly as they predict",
+                    stands = "part right: its messages arrive, its robots do not fly its task";
   ASSERT_TRUE(says("left.err", flies)) << said("left.err") << said("right.err");
 
   const auto second = fly(fleet, "right", "second");
@@ -50,7 +50,7 @@ TEST_F(PartsFlown, OneThatIsKilledJoinsAgainAndFliesOnceItsRobotHasLandedAndSome
   EXPECT_THAT(said("second.err"), HasSubstr("partition.part = \"right\", which another program plans"));
 
   right->end(SIGKILL);
-  ASSERT_TRUE(says("left.err", "part right: it is not heard")) << said("left.err");
+  ASSERT_TRUE(says("left.err", "part right: its messages do not arrive")) << said("left.err");
   const long stood = times("left.err", stands), flew = times("left.err", flies);
   const auto again = fly(fleet, "right", "again");
   EXPECT_TRUE(test::eventually([&] { return times("left.err", stands) > stood; }, std::chrono::seconds(20)))

@@ -86,7 +86,8 @@ TEST_F(TwoComputers, HearEachOtherOnceTheyFlyAndNotAnyLongerThanThey) {
         return left.receives_from();
       },
       std::chrono::seconds(10)));
-  EXPECT_THAT(left.talk.news(), testing::ElementsAre(HasSubstr("part right: it is heard, its robots fly")));
+  EXPECT_THAT(left.talk.news(),
+              testing::ElementsAre(HasSubstr("part right: its messages arrive, its robots fly")));
   right.reset();
   ASSERT_TRUE(test::eventually(
       [&] {
@@ -94,7 +95,7 @@ TEST_F(TwoComputers, HearEachOtherOnceTheyFlyAndNotAnyLongerThanThey) {
         return !left.receives_from();
       },
       std::chrono::seconds(10)));
-  EXPECT_THAT(left.talk.news(), testing::ElementsAre("part right: it is not heard"));
+  EXPECT_THAT(left.talk.news(), testing::ElementsAre("part right: its messages do not arrive"));
   EXPECT_THAT(left.talk.counts().back(), HasSubstr("part right: "));
 }
 

@@ -47,7 +47,7 @@ TEST(RobotState, OfEachRobotTheStateIsThatOfItsMotion) {
 
 TEST(RobotState, AStateThatNobodyMeasuresIsRefused) {
   EXPECT_THAT(refusal_of([] { RobotState(LaggedHoverMultirotor<HoverLags::all>{}); }),
-              testing::StartsWith("the state a_f of the robot hover_multirotor is measured by nobody"));
+              testing::StartsWith("the state a_f of the robot hover_multirotor is not measured"));
 }
 
 // (24): v_f' = a_f v_f + b_f u_f, and b_psi u_psi, b_z u_z at once.

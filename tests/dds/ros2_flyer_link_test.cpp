@@ -71,7 +71,7 @@ TEST(Ros2FlyerLink, WhatItIsRefusedItDoesNotAskAgain) {
   Rig rig(flyers({by_trigger, by_topics}, 5.0));
   flyer_of(rig, 0).throw_invalid(true);
   EXPECT_FALSE(rig.take_off());
-  EXPECT_THAT(rig.world->faults(), Contains("uav0: it refused what it was asked"));
+  EXPECT_THAT(rig.world->faults(), Contains("uav0: it refused the request"));
   EXPECT_EQ(flyer_of(rig, 0).reported().takeoffs, 1);
   EXPECT_EQ(flyer_of(rig, 0).reported().commands_outside, 0);
   EXPECT_TRUE(test::eventually([&] { return flyer_of(rig, 1).state() == Ros2State::landed; }));
@@ -104,8 +104,8 @@ TEST(Ros2FlyerLink, WithoutADriverItSaysWhatIsMissing) {
   Fields sentences;
   EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { sentences.emplace_back(s); }));
   for (const char* sentence :
-       {"uav0: rt/uav0/odom: no message, nobody writes it", "uav0: rt/uav0/cmd_vel: nobody reads it",
-        "uav0: /uav0/takeoff: no server", "uav0: rt/by_services/state: no message, nobody writes it"})
+       {"uav0: rt/uav0/odom: no message, it has no publisher", "uav0: rt/uav0/cmd_vel: it has no subscriber",
+        "uav0: /uav0/takeoff: no server", "uav0: rt/by_services/state: no message, it has no publisher"})
     EXPECT_THAT(sentences, Contains(sentence));
 }
 

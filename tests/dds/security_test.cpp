@@ -215,7 +215,7 @@ TEST_F(SecureFlight, AFleetWithKeysFliesAndIsReplayedWithoutThem) {
 TEST_F(SecureFlight, VehiclesWithoutKeysAreNobodyToAFlyerWithKeys) {
   fleet_keys();
   const auto vehicles = begin({"vehicles", fleet_with("", "1.0").string()}, "vehicles");
-  ASSERT_TRUE(says("vehicles.err", "stand in"));
+  ASSERT_TRUE(says("vehicles.err", "simulated vehicles"));
   const Scenario scenario = read_scenario(fleet_with("keys", "1.0"));
   DdsWorld flyer(scenario, std::make_shared<Domain>(with(fleet_keys())), {.ready = 2.5});
   const Interrupts none{0};

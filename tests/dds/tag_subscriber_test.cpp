@@ -141,7 +141,7 @@ TEST_F(TagSubscriberTest, TheFindingsSayWhetherTagsComeAndWhen) {
     return list.take();
   };
   ASSERT_EQ(said().size(), 2u);
-  EXPECT_THAT(said()[0].sentence, HasSubstr("/tf: nobody writes it"));
+  EXPECT_THAT(said()[0].sentence, HasSubstr("/tf: it has no publisher"));
   EXPECT_EQ(said()[1].light, Light::unknown);
   for (int k = 0; k < 20; ++k) {
     pictures.add(camera, child(0), tag(0), 50'000'000);

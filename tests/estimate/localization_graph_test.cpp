@@ -71,13 +71,13 @@ TEST(LocalizationGraph, ARobotWithoutAPathToAnAnchorIsRefused) {
   std::vector<Localized> robots = chain(3);
   robots[0].is_anchor = false;
   EXPECT_EQ(refusal_of([&] { return LocalizationGraph(robots); }),
-            "\"uav0\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
+            "\"uav0\" observes no localized robot, expected a path from it to a robot whose pose "
             "is known");
   robots = chain(3);
   robots[1].observes = {2};
   robots[2].observes = {1};
   EXPECT_EQ(refusal_of([&] { return LocalizationGraph(robots, Cycles::intersected); }),
-            "\"uav1\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
+            "\"uav1\" observes no localized robot, expected a path from it to a robot whose pose "
             "is known");
 }
 

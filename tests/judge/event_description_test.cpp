@@ -24,8 +24,8 @@ TEST(EventWords, WhatHappensToABodyNamesIt) {
   EXPECT_EQ(describe(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
   EXPECT_EQ(describe(EventKind::search, 1), "uav1: searches for what it observes");
   EXPECT_EQ(describe(EventKind::found, 1), "uav1: has found it");
-  EXPECT_EQ(describe(EventKind::stale, 1), "uav1: its part is not heard");
-  EXPECT_EQ(describe(EventKind::received, 1), "uav1: its part is heard again");
+  EXPECT_EQ(describe(EventKind::stale, 1), "uav1: no messages of its part arrive");
+  EXPECT_EQ(describe(EventKind::received, 1), "uav1: messages of its part arrive again");
   EXPECT_EQ(describe(EventKind::input_refused, 3), "input_refused uav3");
 }
 

@@ -5,15 +5,17 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/period.hpp"
+
 namespace sightline {
 namespace {
 
-constexpr double control_period = 0.01;
+using test::control_period;
 
 /// Robots a and b; a's limits narrow at 1 s, and the events that a test lets happen retune it, and hold b.
-class Flown {
+class InputFlight {
  public:
-  Flown()
+  InputFlight()
       : scenario_(parse_scenario(R"toml(
 [agent.a]
 robot = "multirotor"
@@ -68,7 +70,7 @@ remove = { agent = "b", then = "hold" }
 };
 
 TEST(InputRecord, EnergyIsThatOfRobotsThatAreSteeredByTheWeightsInForce) {
-  Flown flown;
+  InputFlight flown;
   flown.fly(0.0, 0.5, 0.1);
   EXPECT_NEAR(flown->robots()[0].energy, control_period * 0.25, 1e-15);
   EXPECT_NEAR(flown->robots()[1].energy, control_period * 0.1, 1e-15);
@@ -83,7 +85,7 @@ TEST(InputRecord, EnergyIsThatOfRobotsThatAreSteeredByTheWeightsInForce) {
 }
 
 TEST(InputRecord, InputsAreHeldThroughMissedPeriodsAndJudgedByTheLimitsThere) {
-  Flown flown;
+  InputFlight flown;
   flown.fly(0.98, 0.8);
   flown.miss(0.99);
   EXPECT_EQ(flown->beyond(), 0);
@@ -100,7 +102,7 @@ TEST(InputRecord, InputsAreHeldThroughMissedPeriodsAndJudgedByTheLimitsThere) {
 }
 
 TEST(InputRecord, InputsAreWithinTheLimitsInForceAtTheirTimeToRounding) {
-  Flown flown;
+  InputFlight flown;
   flown.fly(0.0, 1.0 + 1e-10);
   EXPECT_TRUE(flown->within());
   flown.fly(0.99, -1.0);
@@ -128,7 +130,7 @@ TEST(InputRecord, InputsAreWithinTheLimitsInForceAtTheirTimeToRounding) {
 }
 
 TEST(InputRecord, RawInputsAreCountedApart) {
-  Flown flown;
+  InputFlight flown;
   flown.sample().raw_u = {1.5, -2.5, 1.0, 0.0, 0.0, 0.0, std::nan(""), 1.0 + 1e-10};
   flown.fly(0.0, 0.5);
   EXPECT_TRUE(flown->within());
@@ -138,7 +140,7 @@ TEST(InputRecord, RawInputsAreCountedApart) {
 }
 
 TEST(InputRecord, TheLargestRateCountsAgainstRateMax) {
-  Flown flown;
+  InputFlight flown;
   flown.fly(0.0, 0.0, 0.5);
   EXPECT_EQ(flown->robots()[1].rate_ratio, 0.0);
   flown.fly(0.01, 1.0, 0.51);
@@ -149,7 +151,7 @@ TEST(InputRecord, TheLargestRateCountsAgainstRateMax) {
 }
 
 TEST(InputRecord, AnInputChattersByTheRangeOfItsLimits) {
-  Flown wide, narrow;
+  InputFlight wide, narrow;
   for (int k = 0; k < 200; ++k) {
     wide.fly(control_period * k, k % 2 == 0 ? 0.015 : 0.0);
     narrow.fly(control_period * k, k % 2 == 0 ? 0.015 : 0.0, 0.0, k == 0 ? 0 : -1);
@@ -160,7 +162,7 @@ TEST(InputRecord, AnInputChattersByTheRangeOfItsLimits) {
 }
 
 TEST(InputRecord, ASampleIsFiniteWhereEachOfItsNumbersIs) {
-  Flown flown;
+  InputFlight flown;
   EXPECT_TRUE(all_finite(flown.sample()));
   for (std::vector<double> Sample::*const of : {&Sample::x, &Sample::u, &Sample::raw_u}) {
     Sample sample = flown.sample();

@@ -8,20 +8,21 @@
 
 #include "sightline/potential/bearing.hpp"
 #include "sightline/scenario/closed_loop.hpp"
+#include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double control_period = 0.01;
+using test::control_period;
 
 /// One robot looks at a target; it is put where a test wants it.
-class Flown {
+class EvaluatedRun {
  public:
   /// @param d_hard  that the scenario itself asks for [m]
   /// @param walls   that it asks for
   /// @param barrier  that it has
-  explicit Flown(CampaignPlan plan, std::optional<double> d_hard = {}, std::optional<Walls> walls = {},
-                 BarrierMode barrier = BarrierMode::off)
+  explicit EvaluatedRun(CampaignPlan plan, std::optional<double> d_hard = {}, std::optional<Walls> walls = {},
+                        BarrierMode barrier = BarrierMode::off)
       : plan_(std::move(plan)) {
     if (walls || barrier != BarrierMode::off) scenario_.safety.emplace().barrier = barrier;
     if (walls) scenario_.safety->judged = *walls;
@@ -75,7 +76,7 @@ static_assert(all_stay<Guard, Supervisor, Search, Loop, ClosedLoop, RunEvaluator
                        ServiceThread>);
 
 TEST(RunEvaluator, InViewInTimeAndAtTheEndIsRecovered) {
-  Flown flown(judged_plan());
+  EvaluatedRun flown(judged_plan());
   for (int i = 0; i < 30; ++i) flown.fly(-2.0);
   for (int i = 0; i < 30; ++i) flown.fly(2.0);
   for (int i = 0; i < 20; ++i) flown.fly(-3.0);  // may be out of view on the way
@@ -89,7 +90,7 @@ TEST(RunEvaluator, InViewInTimeAndAtTheEndIsRecovered) {
 }
 
 TEST(RunEvaluator, TooLateNotAtTheEndAndNeverAreLost) {
-  Flown late(judged_plan()), gone(judged_plan()), never(judged_plan());
+  EvaluatedRun late(judged_plan()), gone(judged_plan()), never(judged_plan());
   for (int i = 0; i < 51; ++i) late.fly(-2.0);
   late.fly_to_end(2.0);
   for (int i = 0; i < 99; ++i) gone.fly(2.0);
@@ -104,7 +105,7 @@ TEST(RunEvaluator, TooLateNotAtTheEndAndNeverAreLost) {
 }
 
 TEST(RunEvaluator, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrake) {
-  Flown close(judged_plan());
+  EvaluatedRun close(judged_plan());
   close.fly(2.0);
   for (int i = 0; i < 3; ++i) close.fly(0.5);
   close.fly_to_end(2.0);
@@ -113,7 +114,7 @@ TEST(RunEvaluator, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrak
   EXPECT_EQ(close.result().min_distance, 0.5);
 
   // From 0.5 m it could not; nor at 1.2 m/s with less than 1.2^2 / (2 0.6) = 1.2 m to go.
-  Flown near(judged_plan()), fast(judged_plan()), slower(judged_plan());
+  EvaluatedRun near(judged_plan()), fast(judged_plan()), slower(judged_plan());
   near.fly_to_end(0.5);
   fast.fly(0.6 + 1.19, 0.0, 1.2);
   fast.fly(0.5);
@@ -124,7 +125,7 @@ TEST(RunEvaluator, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrak
   EXPECT_FALSE(near.result().could_brake);
   EXPECT_EQ(near.result().outcome, Outcome::recovered);
   EXPECT_EQ(near.result().violations, 0);
-  Flown parting(judged_plan());
+  EvaluatedRun parting(judged_plan());
   parting.fly(0.7, 0.0, -1.2);
   parting.fly(0.5);
   parting.fly_to_end(2.0);
@@ -136,8 +137,8 @@ TEST(RunEvaluator, NearerThanTheHardDistanceIsTooCloseWhereTheStartAllowedToBrak
 }
 
 TEST(RunEvaluator, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
-  Flown wider(judged_plan(), 1.0), narrower(judged_plan(), 0.3);
-  for (Flown* flown : {&wider, &narrower}) {
+  EvaluatedRun wider(judged_plan(), 1.0), narrower(judged_plan(), 0.3);
+  for (EvaluatedRun* flown : {&wider, &narrower}) {
     flown->fly(2.0);
     flown->fly(0.7);
     flown->fly(0.5);
@@ -151,7 +152,7 @@ TEST(RunEvaluator, TheHardDistanceOfTheScenarioCountsBeforeThatOfTheCampaign) {
 TEST(RunEvaluator, WithoutAHardDistanceNothingIsTooClose) {
   CampaignPlan free = judged_plan();
   free.d_hard = 0.0;
-  Flown flown(free);
+  EvaluatedRun flown(free);
   flown.fly(2.0);
   flown.fly(0.01);
   flown.fly_to_end(2.0);
@@ -161,17 +162,17 @@ TEST(RunEvaluator, WithoutAHardDistanceNothingIsTooClose) {
 
 TEST(RunEvaluator, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
   for (const double u : {1.0000001, -2.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    Flown flown(judged_plan());
+    EvaluatedRun flown(judged_plan());
     flown.fly(2.0, u);
     flown.fly_to_end(2.0);
     EXPECT_EQ(flown.result().outcome, Outcome::failed) << u;
     EXPECT_EQ(flown.result().violations, 1) << u;
   }
-  Flown state(judged_plan()), plant(judged_plan()), short_run(judged_plan());
+  EvaluatedRun state(judged_plan()), plant(judged_plan()), short_run(judged_plan());
   state.sample().x[2] = std::nan("");
   state.fly_to_end(2.0);
   EXPECT_EQ(state.result().outcome, Outcome::failed);
-  Flown raw(judged_plan()), last(judged_plan());
+  EvaluatedRun raw(judged_plan()), last(judged_plan());
   raw.sample().raw_u[2] = std::nan("");
   raw.fly_to_end(2.0);
   EXPECT_EQ(raw.result().reason, "a state or an input was not finite at 0.00 s") << "as of a run";
@@ -189,7 +190,7 @@ TEST(RunEvaluator, InputsBeyondTheirLimitsAndWhatIsNotFiniteFail) {
 
 TEST(RunEvaluator, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
   for (const int failed : {50, 51}) {
-    Flown flown(judged_plan());
+    EvaluatedRun flown(judged_plan());
     for (int i = 0; i < 100; ++i) {
       flown.sample().solvers[0].status = i < failed ? Status::not_finite : Status::stepped;
       flown.fly(2.0);
@@ -201,7 +202,7 @@ TEST(RunEvaluator, ASolverThatGaveNoPlanForLongerThanHoldAfterFails) {
 
 TEST(RunEvaluator, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
   const auto outcome = [](const Walls& walls, std::size_t state, double place) {
-    Flown flown(judged_plan(), {}, walls);
+    EvaluatedRun flown(judged_plan(), {}, walls);
     flown.fly(2.0);
     flown.sample().x[state] = place;
     flown.fly(state == 0 ? place + 2.0 : 2.0);
@@ -218,13 +219,13 @@ TEST(RunEvaluator, AFloorCeilingOrBoundOfTheWorldThatIsBrokenFails) {
 }
 
 TEST(RunEvaluator, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
-  Flown good(judged_plan()), lost(judged_plan());
+  EvaluatedRun good(judged_plan()), lost(judged_plan());
   good.fly_to_end(2.0);
   lost.fly_to_end(-2.0);
   EXPECT_EQ(good.result().reason, "");
   EXPECT_EQ(lost.result().reason, "");
 
-  Flown both(judged_plan());
+  EvaluatedRun both(judged_plan());
   for (int i = 0; i < 30; ++i) both.fly(2.0);
   both.fly(2.0, 1.5);
   both.sample().x[2] = std::nan("");
@@ -233,7 +234,7 @@ TEST(RunEvaluator, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
   EXPECT_EQ(both.result(false, "seer touched the ground at 0.40 s").reason,
             "seer touched the ground at 0.40 s");
 
-  Flown nowhere(judged_plan()), planless(judged_plan()), low(judged_plan(), {}, Walls{.floor = 0.5}),
+  EvaluatedRun nowhere(judged_plan()), planless(judged_plan()), low(judged_plan(), {}, Walls{.floor = 0.5}),
       brief(judged_plan());
   nowhere.fly(2.0);
   nowhere.fly(2.0, std::nan(""));
@@ -251,11 +252,11 @@ TEST(RunEvaluator, AFailedRunSaysWhatWentWrongFirstAndOthersSayNothing) {
 }
 
 TEST(RunEvaluator, TheLargestShareOfConflictsOfABarrierIsToldWhereThereIsOne) {
-  Flown without(judged_plan());
+  EvaluatedRun without(judged_plan());
   without.fly_to_end(2.0);
   EXPECT_TRUE(std::isnan(without.result().barrier_conflict));
 
-  Flown with(judged_plan(), {}, {}, BarrierMode::on);
+  EvaluatedRun with(judged_plan(), {}, {}, BarrierMode::on);
   for (int i = 0; i < 100; ++i) {
     with.sample().barriers = {{.active = true, .conflict = i < 25}};
     with.fly(2.0);
@@ -268,7 +269,7 @@ TEST(RunEvaluator, ChatterAndDriftAreToldAndAreNoOutcome) {
   CampaignPlan longer = judged_plan();
   longer.duration = 20.0;
   const auto result_of = [&](double climb_rate, double jump) {
-    Flown flown(longer);
+    EvaluatedRun flown(longer);
     for (int i = 0; i < 2000; ++i) {
       flown.sample().x[2] = 1.0 + climb_rate * control_period * i;
       flown.fly(2.0, i % 2 == 0 ? jump : 0.0);
@@ -280,13 +281,13 @@ TEST(RunEvaluator, ChatterAndDriftAreToldAndAreNoOutcome) {
   EXPECT_EQ(result_of(0.0, 0.3).chatter, 1.0);
   EXPECT_NEAR(result_of(0.05, 0.0).drift, 0.05, 1e-9);
   EXPECT_EQ(result_of(0.05, 0.3).outcome, Outcome::recovered);
-  Flown brief(judged_plan());
+  EvaluatedRun brief(judged_plan());
   brief.fly_to_end(2.0);
   EXPECT_TRUE(std::isnan(brief.result().drift));
 }
 
 TEST(RunEvaluator, EnergyAndStatusesAreSummed) {
-  Flown flown(judged_plan());
+  EvaluatedRun flown(judged_plan());
   for (int i = 0; i < 100; ++i) {
     flown.sample().u = {0.0, 0.5, -0.25, 1.0};
     flown.sample().solvers[0].status = i % 4 == 0 ? Status::converged : Status::deadline;

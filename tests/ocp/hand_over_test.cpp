@@ -41,7 +41,7 @@ TEST(HandOver, WhatIsRefusedChangesNothing) {
 TEST(HandOver, IsSaid) {
   const Team team = event_team(3);
   EXPECT_EQ(turn_to(0).describe(team), "uav2 observes uav0");
-  EXPECT_EQ(turn_to(-1).describe(team), "uav2 observes nobody");
+  EXPECT_EQ(turn_to(-1).describe(team), "uav2 observes no body");
   EXPECT_EQ(turn_to(0).subject(team), "whom \"uav2\" observes");
 }
 

@@ -124,10 +124,10 @@ TEST(Shape, what_nobody_would_feel_is_refused_as_a_coupling_is) {
   team.add(Obstacle{"rock"});
   team.add(Obstacle{"tree"});
   const std::vector<Between> pairs = {{BodyId{1}, BodyId{0}}, {BodyId{1}, BodyId{2}}};
-  EXPECT_EQ(
-      refusal_of([&] { couple(team, {1.0 * KeepOut{}}, pairs, FeltBy::both); }),
-      "the coupling keep_out of \"rock\" and \"tree\" is felt by nobody, expected at least one robot of the "
-      "two");
+  EXPECT_EQ(refusal_of([&] { couple(team, {1.0 * KeepOut{}}, pairs, FeltBy::both); }),
+            "the coupling keep_out of \"rock\" and \"tree\" is felt by no robot, expected at least one robot "
+            "of the "
+            "two");
 }
 
 TEST(Shape, each_pair_has_the_terms_of_its_own_observer) {

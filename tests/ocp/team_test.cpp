@@ -188,7 +188,7 @@ TEST(Team, AnUnsoundCouplingIsRefused) {
             "altitude_band sees one robot alone, expected a potential between two bodies");
   EXPECT_EQ(couple(term, {t.uav0, t.uav0}, {t.uav0}), "\"uav0\" is coupled with itself, expected two bodies");
   EXPECT_EQ(couple(term, both, {}),
-            "the coupling keep_out of \"uav0\" and \"uav1\" is felt by nobody, expected at least one robot "
+            "the coupling keep_out of \"uav0\" and \"uav1\" is felt by no robot, expected at least one robot "
             "of the two");
   EXPECT_EQ(couple(term, {t.uav0, t.rock}, {t.uav1}),
             "felt_by names \"uav1\", expected a robot of between = [\"uav0\", \"rock\"]");
@@ -225,7 +225,7 @@ TEST(Team, TwoThingsThatAreNotControlledFeelNothing) {
   EXPECT_EQ(refusal_of([&] {
               t.team.couple(1.0 * KeepOut{}, {t.rock, tree});
             }),
-            "the coupling keep_out of \"rock\" and \"tree\" is felt by nobody, expected at least one robot "
+            "the coupling keep_out of \"rock\" and \"tree\" is felt by no robot, expected at least one robot "
             "of the two");
 }
 

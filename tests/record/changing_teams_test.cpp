@@ -239,7 +239,7 @@ TEST(ChangingTeams, ViewsAndDistancesAreJudgedWhileTheyAreInForceAndAnIdleObserv
   const ChangingFlight leaves(team + "[[event]]\nat = 1.0\nremove = \"seen\"\n");
   EXPECT_THAT(leaves.line("eye sees seen"),
               HasSubstr("100.0 % of 1.0 s, 0.0 to 1.0 s; in view to its end from 0.000 s"));
-  EXPECT_THAT(leaves.line("eye observes nobody"), HasSubstr("3.0 s, 1.0 to 4.0 s"));
+  EXPECT_THAT(leaves.line("eye observes no body"), HasSubstr("3.0 s, 1.0 to 4.0 s"));
   EXPECT_THAT(leaves.line("hard distance"), HasSubstr("in 1.0 s, 0.0 to 1.0 s"));
   EXPECT_THAT(leaves.line("limit bearing"), HasSubstr("kept for 1.0 s, 0.0 to 1.0 s"));
   EXPECT_FALSE(leaves.summary.target_lost_at_end());
@@ -253,7 +253,7 @@ TEST(ChangingTeams, ViewsAndDistancesAreJudgedWhileTheyAreInForceAndAnIdleObserv
       robot("seen", "[0.0, 0.0, 1.0]", "present = false") +
       "[[couple]]\npotential = { bearing = { alpha = 0.5 } }\nbetween = [\"eye\", \"seen\"]\nfelt_by = "
       "[\"eye\"]\n[[event]]\nat = 0.5\nadd = \"seen\"\n");
-  EXPECT_THAT(comes.line("eye observes nobody"), HasSubstr("0.5 s, 0.0 to 0.5 s"));
+  EXPECT_THAT(comes.line("eye observes no body"), HasSubstr("0.5 s, 0.0 to 0.5 s"));
 }
 
 TEST(ChangingTeams, AKeepOutWhoseCouplingEndsIsJudgedToTheEndOfTheContact) {

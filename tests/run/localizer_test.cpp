@@ -390,7 +390,7 @@ TEST(Localizer, WhatCannotBeLocalizedIsRefused) {
             "information would be counted "
             "twice");
   EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}}}}),
-            "\"uav1\" is localized by nobody who is localized, expected a path from it to a robot whose pose "
+            "\"uav1\" observes no localized robot, expected a path from it to a robot whose pose "
             "is known");
   EXPECT_EQ(refused({.robots = {{.robot = BodyId{1}, .observes = {BodyId{0}}},
                                 {.robot = BodyId{2},

@@ -1,4 +1,4 @@
-/// The loop of a robot that is localized by view: what it asks of guard, search and localizer.
+/// The loop of a robot that is localized by vision: what it asks of guard, search and localizer.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -193,7 +193,7 @@ TEST(Search, WhoCannotTurnWhereItStandsIsRefused) {
   };
   EXPECT_EQ(
       refused(PointMass{}),
-      "\"a\" is localized by view, but its model \"point_mass\" does not turn where it stands by 1 rad/s, "
+      "\"a\" is localized by vision, but its model \"point_mass\" does not turn where it stands by 1 rad/s, "
       "expected one that does: it could not find what it observes");
   EXPECT_EQ(refused(Unicycle{}), "");
   EXPECT_EQ(refused(OmniRover{}), "");

@@ -34,11 +34,5 @@ TEST(LinkFault, SaysInWordsWhatHappensAndWhen) {
             "jump -1 m, 0 s after the start");
 }
 
-TEST(LinkFault, TheTableOfTheDocumentIsThatOfTheDescriptions) {
-  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/flying.md");
-  EXPECT_NE(document.find(link_fault_table()), std::string::npos) << "docs/flying.md differs, expected\n"
-                                                                  << link_fault_table();
-}
-
 }  // namespace
 }  // namespace sightline

@@ -150,20 +150,5 @@ TEST(ReadCamera, RendersOnlyInAWorldThatCan) {
       "\"shown\" renders pictures");
 }
 
-TEST(ReadCamera, TheDocumentHasTheParametersAsTheCodeSaysThem) {
-  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/localization.md");
-  const auto described = [&](const auto& part) {
-    for (const ParameterText& p : parameter_texts(part)) {
-      const std::string value = p.unit.empty() ? p.fallback : fmt::format("{} {}", p.fallback, p.unit);
-      EXPECT_THAT(document,
-                  HasSubstr(fmt::format("| `{}` | {} | {} | {} |\n", p.key,
-                                        p.must_be_given ? "must be given" : value, p.range, p.meaning)));
-    }
-  };
-  described(Camera{});
-  described(Tags{});
-  described(Hull{});
-}
-
 }  // namespace
 }  // namespace sightline

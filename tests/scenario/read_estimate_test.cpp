@@ -233,20 +233,5 @@ TEST(ReadEstimate, CirclesAreRefusedThoseThatAnEventWouldMakeToo) {
   EXPECT_THAT(fused.localization.robots[0].observes, ElementsAre(BodyId{0}, BodyId{2}));
 }
 
-TEST(ReadEstimate, TheDocumentHasTheParametersAsTheCodeSaysThem) {
-  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/localization.md");
-  const auto described = [&](const auto& part) {
-    for (const ParameterText& p : parameter_texts(part)) {
-      const std::string value = p.unit.empty() ? p.fallback : fmt::format("{} {}", p.fallback, p.unit);
-      if (p.key == "sighting_rate") continue;  // of the cameras
-      EXPECT_THAT(document,
-                  HasSubstr(fmt::format("| `{}` | {} | {} | {} |\n", p.key,
-                                        p.must_be_given ? "must be given" : value, p.range, p.meaning)));
-    }
-  };
-  described(FilterOptions{});
-  described(Radio{});
-}
-
 }  // namespace
 }  // namespace sightline

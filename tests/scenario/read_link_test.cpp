@@ -222,8 +222,7 @@ TEST(ReadLink, WhatDoesNotHoldIsRefusedWithItsPlace) {
     std::string text, said;
   };
   const std::vector<Case> cases = {
-      {"[fleet]\n" + agent,
-       "agent.uav0.link is missing, expected a table that says how the robot is reached"},
+      {"[fleet]\n" + agent, "agent.uav0.link is missing, expected a table with the link of the robot"},
       {fleet("kind = \"px5\"\n"),
        "a.toml:6: agent.uav0.link.kind = \"px5\", expected one of \"px4\", \"crazyswarm2\", \"ros2\""},
       {fleet("kind = \"px4\"\norigin = { p = [0, 0, 0] }\n"),

@@ -230,22 +230,6 @@ TEST(ReadVehicle, RefusesAWorldThatCannotBe) {
               HasSubstr("expected a place at or above the ground, whose height is 0 m"));
 }
 
-TEST(ReadVehicle, TheDocumentHasTheParametersAsTheCodeSaysThem) {
-  std::ostringstream text;
-  text << std::ifstream(SIGHTLINE_SOURCE_DIR "/docs/vehicles.md").rdbuf();
-  const auto described = [&](const auto& part) {
-    for (const ParameterText& p : parameter_texts(part)) {
-      const std::string unit = p.unit.empty() ? "" : fmt::format(" {}", p.unit);
-      EXPECT_THAT(text.str(), HasSubstr(fmt::format("| `{}` | {}{} | {} | {} |\n", p.key, p.fallback, unit,
-                                                    p.range, p.meaning)));
-    }
-  };
-  described(Vehicle{});
-  described(Imu{});
-  described(DownwashOptions{});
-  described(Odometry{});
-}
-
 /// What a flight of cooperative_localization shows from 10 s on.
 class Watch final : public Sink<Sample> {
  public:

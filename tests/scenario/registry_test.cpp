@@ -201,17 +201,5 @@ TEST(Parts, what_a_potential_of_ours_says_of_keeping_apart_is_what_its_limit_doe
   }
 }
 
-TEST(Parts, the_tables_of_the_documents_are_those_of_the_descriptions) {
-  const std::string document = test::read_file(SIGHTLINE_SOURCE_DIR "/docs/parts.md");
-  const Registry& registry = built_in_registry();
-  for (const std::string& table :
-       {parameters_table(registry.robots), parameters_table(registry.potentials),
-        parameters_table(registry.references), parameters_table(registry.limits)}) {
-    EXPECT_NE(document.find(table), std::string::npos)
-        << "docs/parts.md differs from what `sightline parts` prints, expected\n"
-        << table;
-  }
-}
-
 }  // namespace
 }  // namespace sightline

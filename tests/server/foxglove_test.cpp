@@ -62,7 +62,7 @@ TEST(Foxglove, WhatIsNoRequestIsRefusedByASentence) {
       {"{}", "no \"op\""},
       {R"({"op":7})", "no \"op\""},
       {R"({"op":"setParameters","parameters":[]})", "op = setParameters, expected subscribe or unsubscribe"},
-      {R"({"op":"advertise"})", "only tells"},
+      {R"({"op":"advertise"})", "only publishes"},
       {R"({"op":"subscribe"})", "no list \"subscriptions\""},
       {R"({"op":"subscribe","subscriptions":[[]]})", "\"channelId\""},
       {R"({"op":"subscribe","subscriptions":[{"id":0}]})", "\"channelId\""},

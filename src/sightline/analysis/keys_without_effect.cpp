@@ -51,7 +51,7 @@ void look_at_disturbances(const Scenario& scenario, const Takers& takers, Senten
   to.add(norm(d.wind) > 0, any, at + "wind", no_push);
   to.add(d.gust_sigma > 0, any, at + "gust", no_push);
   to.add(d.airflow.amplitude > 0, any && scenario.team.agents().size() > 1, at + "airflow",
-         any ? "one robot alone is in nobody's wake" : no_push);
+         any ? "one robot alone is in no wake" : no_push);
   to.add(d.yaw_lag > 0, takers.yaws, at + "yaw_lag", "no robot has one input that turns it");
   to.add(d.slip > 0, takers.rolls, at + "slip", "no robot has wheels");
   to.add(d.noise.heading > 0, takers.turns, at + "noise.heading", no_heading);
@@ -92,7 +92,7 @@ void look_at_switches(const Scenario& scenario, const Keys& keys) {
   keys.look("simulation.disturbance.airflow.distance",
             d.airflow.amplitude > 0 || keys.states("simulation.disturbance.airflow.amplitude"),
             "there is no airflow without an amplitude");
-  keys.look("estimate", !scenario.localization.robots.empty(), "no robot is localized by view");
+  keys.look("estimate", !scenario.localization.robots.empty(), "no robot is localized by vision");
 }
 
 void look_at_safety(const Scenario& scenario, const Takers& takers, const Keys& keys) {
@@ -105,7 +105,7 @@ void look_at_safety(const Scenario& scenario, const Takers& takers, const Keys& 
   for (const char* sigma : {"safety.position_sigma", "safety.heading_sigma"})
     keys.look(sigma, filters || scenario.safety->supervisor,
               "the barrier is off, and there is no supervisor");
-  keys.look("safety.search", !scenario.localization.robots.empty(), "no robot is localized by view");
+  keys.look("safety.search", !scenario.localization.robots.empty(), "no robot is localized by vision");
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<V
   return band;
 }
 
-/// Noise of the compass of a robot that is localized by view [rad]; 0: it has none.
+/// Noise of the compass of a robot that is localized by vision [rad]; 0: it has none.
 double compass_of(const Scenario& scenario, BodyId robot) {
   for (const LocalizedRobot& one : scenario.localization.robots)
     if (one.robot == robot) return one.filter.compass_noise;

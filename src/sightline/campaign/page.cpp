@@ -101,7 +101,7 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
     const std::string rmse = sql_name(column), anees = sql_name(robot + std::string(localization_endings[1])),
                       unseen = sql_name(robot + std::string(localization_endings[2]));
     lines.push_back(
-        {robot + " localized by view",
+        {robot + " localized by vision",
          fmt::format(
              "error (RMS) median {}, 95 % within {}, most {}, of all runs {}; ANEES {} (4 is right), of one "
              "run at most {}; at most {} without a sighting; never in {} runs",
@@ -117,7 +117,7 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
                                                       quantile(column, 1.0, unit))});
   };
   restless("chatter", "of the time", "an input jumps to and fro each period");
-  restless("drift", "m/s", "a robot leaves where it was asked to be until the end");
+  restless("drift", "m/s", "a robot leaves its reference until the end");
   restless("longest_out_of_view", "s", "an observer loses its target for a time");
   restless("longest_without_plan", "s", "a solver gives no plan for a time");
   if (runs.count("barrier_conflict IS NOT NULL") > 0)
@@ -183,7 +183,7 @@ std::string maps(std::vector<Runs>& tables, const CampaignPlan& plan) {
         "</div>\n<figcaption>Where {0} has {1} at the start, by horizontal distance and by bearing off its "
         "nose, "
         "which points up: green, all are recovered; yellow, half; dark red, none. The spoke is a bearing of "
-        "exactly 180°. A cell tells its numbers under the pointer.</figcaption>\n</figure>\n",
+        "exactly 180°. Hover over a cell for its numbers.</figcaption>\n</figure>\n",
         escaped(start.agent), escaped(start.around));
   }
   return html;

@@ -53,7 +53,7 @@ struct FilterOptions {
         parameter("filter", &O::filter, filter_kinds,
                   "position and heading, or the whole attitude by an inertial measurement unit"),
         parameter("velocity_noise", &O::velocity_noise, "m/s", above_zero,
-                  "white noise of the velocity that is told, each axis, mean over 10 ms"),
+                  "white noise of the measured velocity, each axis, mean over 10 ms"),
         parameter("velocity_bias", &O::velocity_bias, "m/s", from_zero, "its bias, each axis"),
         parameter("velocity_bias_time", &O::velocity_bias_time, "s", above_zero,
                   "correlation time of that bias"),
@@ -87,9 +87,10 @@ struct FilterOptions {
                   "factor by which that time may be off, either way; chain filter"),
         parameter("start_sightings", &O::start_sightings, "", count,
                   "sightings that must mean the same place before there is an estimate"),
-        parameter("restart_sightings", &O::restart_sightings, "", count,
-                  "refused sightings that mean the same place, without one believed between, after which the "
-                  "filter begins anew")};
+        parameter(
+            "restart_sightings", &O::restart_sightings, "", count,
+            "refused sightings that mean the same place, without an accepted one between, after which the "
+            "filter begins anew")};
   }
 
   bool operator==(const FilterOptions&) const = default;

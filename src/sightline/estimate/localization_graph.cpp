@@ -75,7 +75,7 @@ LocalizationGraph::LocalizationGraph(std::vector<Localized> robots, Cycles cycle
       anchored = anchored || (reach[i][j] && robots_[j].is_anchor);
     if (!anchored)
       throw_invalid(
-          "\"{}\" is localized by nobody who is localized, expected a path from it to a robot whose pose is "
+          "\"{}\" observes no localized robot, expected a path from it to a robot whose pose is "
           "known",
           robots_[i].name);
     if (reach[i][i] && cycles == Cycles::refused)

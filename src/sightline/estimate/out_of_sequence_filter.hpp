@@ -22,7 +22,7 @@ namespace sightline {
 /// their stamps, the refused ones too: what the gate says of one may change when an earlier one arrives.
 ///
 /// Before there is an estimate, `start_sightings` measurements must mean one place (Agreement). Where
-/// `restart_sightings` are refused that mean one place, without one believed between, it begins anew from the
+/// `restart_sightings` are refused that mean one place, without an accepted one between, it begins anew from the
 /// last. Headings are counted apart: where positions fit and headings do not, the position alone is taken, but as
 /// many headings that agree make it begin anew as well.
 template <class Filter>

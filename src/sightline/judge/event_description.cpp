@@ -54,8 +54,9 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   }
   if (kind == to_string(EventKind::search)) return fmt::format("{}: searches for what it observes", body);
   if (kind == to_string(EventKind::found)) return fmt::format("{}: has found it", body);
-  if (kind == to_string(EventKind::stale)) return fmt::format("{}: its part is not heard", body);
-  if (kind == to_string(EventKind::received)) return fmt::format("{}: its part is heard again", body);
+  if (kind == to_string(EventKind::stale)) return fmt::format("{}: no messages of its part arrive", body);
+  if (kind == to_string(EventKind::received))
+    return fmt::format("{}: messages of its part arrive again", body);
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);
 }

@@ -141,7 +141,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       and_more("pairs"));
   if (s.contains("idle_observers")) {
     for (const Json& idle : s.at("idle_observers"))
-      add(name(idle.at("observer")) + " observes nobody", time_words(json_text(idle.at("in_force"))));
+      add(name(idle.at("observer")) + " observes no body", time_words(json_text(idle.at("in_force"))));
   }
   const auto report_agent = [&](const Json& agent) {
     const Json& error = agent.at("rms_position_error");
@@ -170,7 +170,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
       },
       report_agent, and_more("robots"));
   const auto report_localization = [&](const Json& of) {
-    add(name(of.at("agent")) + " localized by view",
+    add(name(of.at("agent")) + " localized by vision",
         of.at("known_from").is_null()
             ? "never"
             : fmt::format(
@@ -183,7 +183,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   };
   report_worst(
       s.value("localization", Json::array()), [](const Json& of) { return number(of.at("rmse"), 1e9); },
-      report_localization, and_more("robots that are localized by view"));
+      report_localization, and_more("robots that are localized by vision"));
   const auto report_limit = [&](const Json& limit) {
     const std::string when = in_force(limit, "");
     add("limit " + name(limit.at("name")),

@@ -176,7 +176,7 @@ void Team::couple(Coupling coupling) {
   check_third(coupling);
   if (felt_by.empty()) {
     throw_invalid(
-        "the coupling {} of \"{}\" and \"{}\" is felt by nobody, expected at least one robot of the two",
+        "the coupling {} of \"{}\" and \"{}\" is felt by no robot, expected at least one robot of the two",
         term.potential.name(), name(between.first), name(between.second));
   }
   for (const AgentId agent : felt_by) {

@@ -84,7 +84,7 @@ std::optional<Drawing> flown_drawing(const Recording& r, const Curves& curves,
   drawing.panels.push_back(std::move(tilt));
   if (!error.curves.empty()) {
     drawing.title = "Tilt and tracking, planned and flown";
-    drawing.caption += ". Below: distance from the place that is asked for";
+    drawing.caption += ". Below: distance from the reference";
     drawing.panels.push_back(std::move(error));
   }
   drawing.caption += ".";

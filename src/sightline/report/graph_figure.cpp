@@ -17,8 +17,8 @@
 namespace sightline {
 namespace {
 
-constexpr double radius = 8.0, head = 9.0;  // of a node, of an arrow's head [px]
-constexpr std::size_t many_lines = 150;     // are drawn fainter, and without heads where they go both ways
+constexpr double node_radius = 8.0, head = 9.0;  // of a node, of an arrow's head [px]
+constexpr std::size_t many_lines = 150;  // are drawn fainter, and without heads where they go both ways
 
 /// One body leans on another: it observes it, or feels it.
 using Lean = std::pair<std::size_t, std::size_t>;
@@ -45,7 +45,7 @@ bool passes_a_node(const GraphLayout& layout, const GraphLayout::Node& a, const 
   return std::any_of(layout.nodes.begin(), layout.nodes.end(), [&](const GraphLayout::Node& node) {
     const double along = ((node.x - a.x) * dx + (node.y - a.y) * dy) / length;
     const double off = ((node.y - a.y) * dx - (node.x - a.x) * dy) / length;
-    return along > 1.0 && along < length - 1.0 && std::abs(off) < radius + 2.0;
+    return along > 1.0 && along < length - 1.0 && std::abs(off) < node_radius + 2.0;
   });
 }
 
@@ -57,7 +57,7 @@ std::string line(const GraphLayout& layout, std::size_t from, std::size_t to, He
   const double dx = b.x - a.x, dy = b.y - a.y, length = norm(dx, dy);
   const double ux = dx / length, uy = dy / length;
   const double bend = passes_a_node(layout, a, b) ? std::copysign(bent, ux) : 0.0;
-  const double tail = radius + (heads == Heads::at_both ? 3.0 : 1.0), tip = radius + 3.0;
+  const double tail = node_radius + (heads == Heads::at_both ? 3.0 : 1.0), tip = node_radius + 3.0;
   const auto marker = [&](std::string_view end) {
     return fmt::format(" marker-{0}=\"url(#{1}_{0})\"", end, id);
   };
@@ -69,7 +69,7 @@ std::string line(const GraphLayout& layout, std::size_t from, std::size_t to, He
 
 std::string node(const GraphLayout& layout, std::size_t i, const Recording::Body& body) {
   // The name stands off the node, on the side away from the others.
-  constexpr double gap = radius + 8.0, height = 4.5, half_turn = 180.0;
+  constexpr double gap = node_radius + 8.0, height = 4.5, half_turn = 180.0;
   const GraphLayout::Node& at = layout.nodes[i];
   const bool leftwards = at.out_x<-0.1, rightwards = at.out_x> 0.1;
   const double x = at.x + gap * at.out_x, y = at.y + gap * at.out_y;
@@ -79,7 +79,7 @@ std::string node(const GraphLayout& layout, std::size_t i, const Recording::Body
   return fmt::format(
       "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>\n<text x=\"{:.1f}\" y=\"{:.1f}\" "
       "text-anchor=\"{}\" style=\"paint-order:stroke;stroke:var(--paper);stroke-width:4px\"{}>{}</text>\n",
-      at.x, at.y, radius,
+      at.x, at.y, node_radius,
       body.is_agent ? "fill=\"#3b82d6\"" : "fill=\"none\" stroke=\"#8a8f98\" stroke-dasharray=\"3 2\"", x,
       sideways ? y + height : y,
       !sideways   ? "middle"

@@ -31,7 +31,7 @@ Drawing localization_drawing(const Recording& recording, const Recording::Body& 
   if (!of.refused.empty())
     fits.curves.push_back(over("refused", 1, Drawing::Mark::points, of.refused_time, of.refused));
   return {fmt::format("{} by what it sees", body.name),
-          fmt::format("{} knows no position: the error of its estimate and what its filter says of it, the "
+          fmt::format("{} knows no position: the error of its estimate and what its filter estimates, the "
                       "squared error in units of the covariance, and how {} detections fitted.",
                       body.name, of.estimated.size() + of.refused.size()),
           {error, nees, fits}};

@@ -101,7 +101,7 @@ void add_positions(const Recording& r, const Curves& curves, const std::vector<s
     if (axis == &Vec3<double>::z) bounded = add_bounds(r, curves, panel);
     drawing.panels.push_back(std::move(panel));
   }
-  if (requested) drawing.caption += "; dashed: what the robot is asked for";
+  if (requested) drawing.caption += "; dashed: its reference";
   if (bounded) drawing.caption += "; red: floor and ceiling of [safety]";
   drawing.caption += ".";
   drawings.push_back(std::move(drawing));
@@ -126,7 +126,7 @@ void add_headings(const Recording& r, const Curves& curves, const std::vector<st
                                      [&](std::size_t i) { return !r.bodies[i].reference_heading.empty(); });
   drawings.push_back({group_title("Headings", group, r, all),
                       fmt::format("Angle of the heading, counted on over whole turns{}.",
-                                  requested ? "; dashed: what the robot is asked for" : ""),
+                                  requested ? "; dashed: its reference" : ""),
                       {std::move(panel)}});
 }
 

@@ -64,7 +64,7 @@ std::optional<Drawing> swarm_drawing(const Recording& recording) {
   return Drawing{
       "Swarm",
       "Least distance of two robots; pairs that come near each other along their plans; how far the robots "
-      "are from where they are asked to be in the end.",
+      "are from their references at the end.",
       {std::move(distance), std::move(pairs), std::move(way)}};
 }
 

@@ -114,7 +114,7 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
   const Model& model = team_.model(what.robot);
   const StateRoles roles = roles_of(model);
   if (!roles.has_position() || !roles.has_heading())
-    throw_invalid("\"{}\" cannot be localized by view: its model \"{}\" has no {} among its states",
+    throw_invalid("\"{}\" cannot be localized by vision: its model \"{}\" has no {} among its states",
                   team_.name(what.robot), model.name(), roles.has_position() ? "heading" : "position");
   Robot robot{.what = what,
               .body = at(what.robot),

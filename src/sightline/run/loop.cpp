@@ -285,7 +285,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     controller.left_out = left_out == 0 ? 0 : std::max(controller.left_out, left_out);
     if (sample.has_path) write_path(controller, solution, sample);
   }
-  write_prediction_error(t, met, sample);
+  steer_uncontrolled(t, met, sample);
   if (options_.guard != nullptr)
     guard(t, met, sample);
   else
@@ -376,7 +376,7 @@ std::span<Controller> Loop::controllers() noexcept {
 }
 
 /// Robots that nobody steers brake.
-void Loop::write_prediction_error(double t, const ValidStates& x, Sample& sample) noexcept {
+void Loop::steer_uncontrolled(double t, const ValidStates& x, Sample& sample) noexcept {
   if (options_.team_switcher == nullptr) return;
   for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
     robot.steer(t, x, added(), u_min_, u_max_, u_);

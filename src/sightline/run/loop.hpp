@@ -120,7 +120,7 @@ class Loop {
   void set_reference_inputs(Controller& controller, double t, const ValidStates& x) noexcept;
   void pass_gate(double t) noexcept;
   std::span<Controller> controllers() noexcept;
-  void write_prediction_error(double t, const ValidStates& x, Sample& sample) noexcept;
+  void steer_uncontrolled(double t, const ValidStates& x, Sample& sample) noexcept;
   void command(int index, const Controller& controller, const Solution& solution, double t,
                Sample& sample) noexcept;
   void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;

@@ -298,8 +298,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
                               std::span<double> u, EvasiveManeuver& maneuver) const noexcept {
   assert(u.size() == static_cast<std::size_t>(model_.nu()) &&
          "a command has as many numbers as the model inputs");
-  assert(x.size() == static_cast<std::size_t>(model_.nx()) &&
-         "a state has as many numbers as the model says");
+  assert(x.size() == static_cast<std::size_t>(model_.nx()) && "a state has as many numbers as the model has");
   BarrierResult result;
   for (std::size_t i = 0; i < u.size(); ++i) {
     const double wanted = u[i];

@@ -53,7 +53,7 @@ Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOpt
       throw_invalid("a robot that searches has the number {}, expected a robot of the team", body.index);
     const Agent& agent = team_.agent(body);
     if (agent.u_ref.size() > Brake::inputs_max)
-      throw_invalid("\"{}\" has {} inputs, expected at most {} of a robot that is localized by view",
+      throw_invalid("\"{}\" has {} inputs, expected at most {} of a robot that is localized by vision",
                     agent.name, agent.u_ref.size(), Brake::inputs_max);
     Robot robot{.body = body,
                 .x = size(team_.state_offset(body)),
@@ -66,7 +66,7 @@ Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOpt
                 .u_max = agent.limits.u_max().front()};
     if (!can_turn(agent.model, robot.brake, robot.u_min, robot.u_max, options_.rate))
       throw_invalid(
-          "\"{}\" is localized by view, but its model \"{}\" does not turn where it stands by {} rad/s, "
+          "\"{}\" is localized by vision, but its model \"{}\" does not turn where it stands by {} rad/s, "
           "expected one "
           "that does: it could not find what it observes",
           agent.name, agent.model.name(), options_.rate);

@@ -41,7 +41,7 @@ struct SearchOptions {
     using O = SearchOptions;
     return std::tuple{
         parameter("predict", &O::predict, "s", above_zero,
-                  "without a view that the plan goes on, by the estimate and what the target tells"),
+                  "without a view that the plan goes on, by the estimate and the target's broadcasts"),
         parameter("back_off", &O::back_off, "m", from_zero,
                   "farther from the target than it saw it, at most, where that is nearer than five standard "
                   "deviations of its "

@@ -33,7 +33,7 @@ enum class Aspect : std::uint8_t {
   checks,     ///< its own checks before a flight, its failsafe
   state,      ///< disarmed, on the ground
   battery,
-  pilot,  ///< a pilot's transmitter is heard
+  pilot,  ///< it receives a pilot's transmitter
   // Of the fleet.
   distance,  ///< of robots on the ground, one from the other
   origins,   ///< of their local frames, against what they say of them

@@ -211,8 +211,7 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
                std::optional<FleetPlan>& fleet) {
   if (agent.has("link") && !fleet) agent.throw_invalid("link", "no such table without a [fleet]");
   if (!fleet) return;
-  const TomlTable at =
-      agent.table("link", "a table that says how the robot is reached, as for each of a [fleet]");
+  const TomlTable at = agent.table("link", "a table with the link of the robot, as for each of a [fleet]");
   Link& link = fleet->links.emplace_back();
   link.robot = robot;
   link.goals = std::move(goals);
@@ -232,7 +231,7 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
   if (at.has("origin")) {
     if (link.poses.estimated())
       at.throw_invalid("origin",
-                       "no such key with poses = \"estimate\": nobody says where its odometry begins");
+                       "no such key with poses = \"estimate\": the origin of its odometry is unknown");
     if (!own && !is_px4)
       at.throw_invalid("origin", "no such key, only with poses = \"odometry\": those of others are in G");
     const TomlTable origin = at.table("origin", "a table with p and heading");

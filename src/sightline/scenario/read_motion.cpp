@@ -102,9 +102,8 @@ UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agen
   if (at.has("motion")) {
     uncooperative.motion = read_motion(at, agent);
     start = start_of(*uncooperative.motion);
-    if (at.has("v")) at.throw_invalid("v", "no such key beside motion, which says the velocity");
-    if (start && at.has("p"))
-      at.throw_invalid("p", "no such key beside this motion, which says where it begins");
+    if (at.has("v")) at.throw_invalid("v", "no such key beside motion, which gives the velocity");
+    if (start && at.has("p")) at.throw_invalid("p", "no such key beside this motion, which gives its start");
   }
   read.p = start ? *start : at.vec3("p");
   if (at.has("v")) read.v = at.vec3("v");

@@ -191,7 +191,7 @@ struct Registry {
 /// Those of the library, made once.
 const Registry& built_in_registry();
 
-/// The parameters of all parts as a table of Markdown: `part`, `key`, default, range, meaning; as docs/parts.md has it.
+/// The parameters of all parts as a table of Markdown: `part`, `key`, default, range, meaning; as docs/reference.md has it.
 template <class Made>
 std::string parameters_table(const PartList<Made>& list);
 

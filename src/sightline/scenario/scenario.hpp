@@ -125,9 +125,8 @@ inline constexpr double updates_max = 1e9;        // duration / period
 inline constexpr std::size_t name_size_max = 64;  // of a robot; names become topics of the log
 
 struct Scenario {
-  std::string name;  ///< of the file, without folder and extension
-  std::string
-      text;  ///< as it was read; of several files, or with values set, the one text that says the same
+  std::string name;   ///< of the file, without folder and extension
+  std::string text;   ///< as it was read; of several files, or with values set, the equivalent text
   FileTexts files{};  ///< that it names, as they were read
   std::filesystem::path file;
   std::shared_ptr<const Registry> registry{};  ///< by which it was read, and will be read again

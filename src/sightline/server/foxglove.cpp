@@ -126,7 +126,7 @@ FoxgloveRequest read_foxglove(std::string_view text) {
   if (word == "subscribe") return read_subscribe(json);
   if (word == "unsubscribe") return read_unsubscribe(json);
   constexpr std::size_t shown = 40;
-  return FoxgloveRefused{fmt::format("op = {}, expected subscribe or unsubscribe: this server only tells",
+  return FoxgloveRefused{fmt::format("op = {}, expected subscribe or unsubscribe: this server only publishes",
                                      word.substr(0, shown))};
 }
 

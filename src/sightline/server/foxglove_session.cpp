@@ -31,7 +31,7 @@ void FoxgloveSession::advertise() {
 
 void FoxgloveSession::receive(const WebsocketReader::Frame& message) {
   if (message.op != WebsocketOp::text)
-    return say(FoxgloveLevel::error, "a binary message, expected none: this server only tells");
+    return say(FoxgloveLevel::error, "a binary message, expected none: this server only publishes");
   const FoxgloveRequest request = read_foxglove(message.payload);
   if (const auto* more = std::get_if<FoxgloveSubscribe>(&request)) return subscribe(*more);
   if (const auto* less = std::get_if<FoxgloveUnsubscribe>(&request)) return unsubscribe(*less);

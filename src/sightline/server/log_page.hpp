@@ -17,7 +17,7 @@ namespace sightline {
 enum class LogState {
   growing,   ///< it has no end yet, and some process writes it
   finished,  ///< it has its end
-  broken,    ///< it has no end, and nobody writes it: the run was killed
+  broken,    ///< it has no end, and it has no publisher: the run was killed
 };
 std::string_view to_string(LogState state);
 

@@ -157,7 +157,7 @@ Condition Condition::read_view(const Text& view, Side side) {
   }
   const Potential* const limit = view.limit_of_view(observer, target);
   if (limit == nullptr) {
-    view.throw_invalid("alpha", fmt::format("an angle of view [rad], no coupling of \"{}\" looks at \"{}\"",
+    view.throw_invalid("alpha", fmt::format("an angle of view [rad], no coupling of \"{}\" observes \"{}\"",
                                             view.name(observer), view.name(target)));
   }
   Condition condition{.measure = ExcessOf{*limit, observer, target}, .side = side};

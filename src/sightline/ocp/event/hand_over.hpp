@@ -37,7 +37,7 @@ struct HandOver {
     return fmt::format("whom {} observes", body_subject(all, observer));
   }
   std::string describe(const Team& all) const {
-    if (couplings.empty()) return fmt::format("{} observes nobody", all.name(observer));
+    if (couplings.empty()) return fmt::format("{} observes no body", all.name(observer));
     return fmt::format("{} observes {}", all.name(observer), all.name(couplings.front().between.second));
   }
 };

@@ -378,7 +378,8 @@ void PartitionedSolver::set_applied(const AppliedInputs& applied) noexcept {
   for (Member& member : members_) {
     gather(*member.subteam, applied.previous, member.before);
     gather(*member.subteam, applied.offset, member.u);
-    for (int b = 0; b < static_cast<int>(member.lean.size()) && !applied.lean.empty(); ++b)
+    const bool leans = applied.lean.size() == at(ocp().team().bodies());
+    for (int b = 0; b < static_cast<int>(member.lean.size()) && leans; ++b)
       member.lean[at(b)] = applied.lean[at(member.subteam->in_whole(BodyId{b}))];
     const bool refers = applied.u_ref.size() == u_.size();
     if (refers) gather(*member.subteam, applied.u_ref, member.u_ref);

@@ -40,7 +40,7 @@ struct ExchangeOptions {
         parameter("stale_after", &E::stale_after, "s", {0.02, 10, "0.02 to 10"},
                   "age of a message from which its robots count as uncooperative"),
         parameter("speed_max", &E::speed_max, "m/s", from_zero,
-                  "at most, of a robot of another part that is not heard"),
+                  "at most, of a robot of another part without messages"),
         parameter("delay", &E::delay, "s", {0, 1, "0 to 1"}, "simulated: from the update to the receiver"),
         parameter("jitter", &E::jitter, "s", {0, 1, "0 to 1"}, "simulated: at most, added to the delay"),
         parameter("loss", &E::loss, "", {0, 1, "0 to 1"}, "simulated: share of the messages that never come"),

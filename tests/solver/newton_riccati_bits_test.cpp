@@ -1,4 +1,4 @@
-#include "sightline/solver/newton/newton_update.hpp"
+#include "sightline/solver/newton/newton_riccati.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-TEST(NewtonUpdate, CompiledAndInterpretedFunctionsGiveTheSameBits) {
+TEST(NewtonRiccati, CompiledAndInterpretedFunctionsGiveTheSameBits) {
   const Team team = paper::team(paper::Variant::joint);
   NewtonRiccati compiled(team, {}), interpreted(team, {}, {.kernels = KernelChoice::interpreted});
   fly(compiled, paper::saturating_start(), 300,
@@ -22,18 +22,6 @@ TEST(NewtonUpdate, CompiledAndInterpretedFunctionsGiveTheSameBits) {
         for (std::size_t i = 0; i < s.u.size(); ++i) ASSERT_EQ(s.u[i], other.u[i]) << t;
         ASSERT_EQ(s.residual, other.residual) << t;
       });
-}
-
-TEST(NewtonUpdate, IsAllThatNewtonRiccatiDoes) {
-  const Team team = chain(3, paper::Variant::masked);
-  NewtonUpdate update(Ocp(team, default_horizon), {});
-  NewtonRiccati solver(team, default_horizon);
-  fly(solver, chain_start(3), 50, [&](double t, const std::vector<double>& x, const Solution& s) {
-    const Solution own = update.solve(t, x);
-    ASSERT_TRUE(std::equal(s.u.begin(), s.u.end(), own.u.begin()));
-    ASSERT_EQ(s.residual, own.residual);
-    ASSERT_EQ(s.status, own.status);
-  });
 }
 
 TEST(NewtonRiccati, MovedItFliesOnBitForBit) {

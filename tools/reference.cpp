@@ -1,0 +1,86 @@
+/// Prints docs/reference.md: keys, registered parts and commands, from the code that reads them. scripts/reference.sh writes it.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "cli/arguments.hpp"
+#include "sightline/estimate/broadcast_track.hpp"
+#include "sightline/estimate/filter_options.hpp"
+#include "sightline/safety/search.hpp"
+#include "sightline/scenario/link.hpp"
+#include "sightline/scenario/link_fault.hpp"
+#include "sightline/scenario/registry.hpp"
+#include "sightline/solver/distributed/simulated_messages.hpp"
+#include "sightline/world/camera.hpp"
+#include "sightline/world/disturbance.hpp"
+#include "sightline/world/downwash.hpp"
+#include "sightline/world/imu.hpp"
+#include "sightline/world/telemetry_world.hpp"
+#include "sightline/world/vehicle.hpp"
+
+namespace sightline {
+namespace {
+
+/// The keys of a described struct, under the table of a scenario that holds them.
+template <class Part>
+std::string keys(std::string_view title, std::string_view table, const Part& part) {
+  std::string text =
+      fmt::format("### {}\n\n`{}`\n\n| key | default | range | meaning |\n|---|---|---|---|\n", title, table);
+  for (const ParameterText& p : parameter_texts(part)) {
+    const std::string value =
+        p.unit.empty() || p.fallback.empty() ? p.fallback : fmt::format("{} {}", p.fallback, p.unit);
+    text += fmt::format("| `{}` | {} | {} | {} |\n", p.key,
+                        p.must_be_given ? "must be given"
+                        : value.empty() ? "none"
+                                        : value,
+                        p.range, p.meaning);
+  }
+  return text + '\n';
+}
+
+std::string commands() {
+  const cli::Arguments arguments;
+  std::string text;
+  for (const CLI::App* command : arguments.app.get_subcommands({}))
+    text += fmt::format("### sightline {}\n\n```text\n{}```\n\n", command->get_name(), command->help());
+  return text;
+}
+
+std::string reference() {
+  const Registry& registry = built_in_registry();
+  return "# Reference\n\n"
+         "Made by `scripts/reference.sh` from the code that reads the keys; do not edit. `sightline parts` "
+         "prints the tables of\n"
+         "registered parts too, those of a program's own included.\n\n"
+         "## Registered parts\n\n### Robots\n\n" +
+         parameters_table(registry.robots) + "\n### Potentials\n\n" + parameters_table(registry.potentials) +
+         "\n### References\n\n" + parameters_table(registry.references) + "\n### Limits\n\n" +
+         parameters_table(registry.limits) + "\n## Keys\n\n" +
+         keys("Vehicle", "[agent.NAME.vehicle] parameters", Vehicle{}) +
+         keys("Inertial measurement unit", "[agent.NAME.vehicle] imu", Imu{}) +
+         keys("Downwash", "[world]", DownwashOptions{}) +
+         keys("Odometry", "[simulation.disturbance] odometry", Odometry{}) +
+         keys("Filters", "[estimate], [agent.NAME.estimate]", FilterOptions{}) +
+         keys("Broadcasts as simulated", "[estimate.broadcast]", Radio{}) +
+         keys("Broadcasts as received", "[estimate.broadcast]", BroadcastOptions{}) +
+         keys("Search", "[safety.search]", SearchOptions{}) +
+         keys("Camera", "[agent.NAME.camera]", Camera{}) + keys("Tags", "[agent.NAME.tags]", Tags{}) +
+         keys("Hull", "[obstacle.NAME.hull]", Hull{}) +
+         keys("Links of PX4", "[agent.NAME.link] kind = \"px4\"", Px4Link{}) +
+         keys("Links of Crazyswarm2", "[agent.NAME.link] kind = \"crazyswarm2\"", Crazyswarm2Link{}) +
+         keys("Links of ROS 2", "[agent.NAME.link] kind = \"ros2\"", Ros2Link{}) +
+         keys("Exchange of parts", "[partition.exchange]", ExchangeOptions{}) +
+         "### Faults of links\n\n`[[fleet.fault]]`\n\n" + link_fault_table() + "\n## Commands\n\n" +
+         commands();
+}
+
+}  // namespace
+}  // namespace sightline
+
+int main() {
+  std::string text = sightline::reference();
+  text.pop_back();  // one line end at the end of the file
+  return std::fputs(text.c_str(), stdout) < 0 ? 1 : 0;
+}
