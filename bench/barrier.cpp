@@ -19,7 +19,7 @@ struct Situation {
   std::vector<Neighbour> neighbours;
 };
 
-/// As near as leaves `reserve`, straight in a direction.
+/// Moves the neighbour along a direction to the distance at which `reserve` remains.
 void approach(const Barrier& barrier, const test::State& x, const Vec3<double>& direction, double reserve,
               Neighbour& n) {
   double near = 0.3, far = 20.0;

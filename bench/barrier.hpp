@@ -1,4 +1,4 @@
-/// Times the filter on a robot's command with 1, 4 and 16 neighbours that all press.
+/// Times the filter on a robot's command with 1, 4 and 16 neighbours that all restrict the command.
 #pragma once
 
 #include <string>
@@ -9,13 +9,15 @@
 
 namespace sightline {
 
-/// barrier_1, barrier_4, barrier_16: uncooperative neighbours of up to 1 m/s on one side of a robot that is sent into them, each so near
-/// that at most 5 cm are left before it must flee; floor and world bounds too.
+/// barrier_1, barrier_4, barrier_16: a robot is commanded towards uncooperative neighbours of up to
+/// 1 m/s on one side. Each is so near that at most 5 cm remain before the robot must evade; floor
+/// and world bounds apply too.
 std::vector<std::string> barrier_case_names();
 bool is_barrier_case(std::string_view name);
 
-/// Times of options.updates commands over 500 situations in which the command is changed; the columns of a solver are
-/// zero. options.progress is told once, in how many of them no command keeps all.
+/// Times options.updates commands over 500 situations in which the filter changes the command; the
+/// columns of a solver are zero. options.progress receives once the number of situations in which
+/// no command satisfies all constraints.
 BenchRow run_barrier_bench(std::string_view name, const BenchOptions& options = {});
 
 }  // namespace sightline

@@ -23,7 +23,7 @@
 namespace sightline {
 namespace {
 
-/// What a closed loop leaves: every measured state and applied input, and what each update took.
+/// Record of a closed loop: every measured state and applied input, and the time of each update.
 struct Flight {
   std::vector<double> x, u;  // (updates x nx), (updates x nu)
   std::vector<double> us;
@@ -31,7 +31,7 @@ struct Flight {
   double krylov_sum = 0.0;
 };
 
-/// Nothing runs between two updates but the plant, so caches are as warm as in a real loop.
+/// Only the plant runs between two updates, so caches are as warm as in a real loop.
 Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
   using Clock = std::chrono::steady_clock;
   const std::size_t nx = at(what.team.nx()), nu = at(what.team.nu()), n = at(options.updates);
@@ -77,7 +77,8 @@ std::vector<double> plan_of(const NewtonRiccati& solver) {
   return u;
 }
 
-/// Compares a flight with the converged optimum at each of its states, and that with IPOPT's.
+/// Compares a flight with the converged optimum at each of its states, and that optimum with
+/// IPOPT's.
 void judge(const BenchCase& what, const Flight& flight, const BenchOptions& options, BenchRow& row) {
   constexpr double settled = 2.0;  // s
   constexpr std::size_t large =
@@ -90,7 +91,8 @@ void judge(const BenchCase& what, const Flight& flight, const BenchOptions& opti
                               .max_krylov = 200,
                               .krylov_stop = 1e-13,
                               .start_steps = 100});
-  // A team with cycles of influence has no one optimum, but the point where none gains by itself.
+  // A team with cycles of influence has no single optimum, but a point at which no robot gains by a
+  // change of its own.
   std::optional<IpoptReference> ipopt;
   if (!is_large && !has_cycle(ocp)) ipopt.emplace(ocp);
   std::vector<double> ipopt_us, before = plan_of(optimum);
@@ -120,7 +122,7 @@ void judge(const BenchCase& what, const Flight& flight, const BenchOptions& opti
   if (!ipopt_us.empty()) row.ipopt_median_us = quantile(ipopt_us, 0.5);
 }
 
-/// The processor's name and how many cores it shows.
+/// The processor's name and its number of cores.
 std::string machine() {
   std::ifstream file("/proc/cpuinfo");
   std::string name = "unknown processor";

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::array<int, 6> chain_lengths = {2, 4, 8, 16, 32, 64};
 constexpr int team_least = 8, team_most = 1024;  // robots of a family's team
-constexpr int flown_most = 64;                   // of a case that is flown without being named
+constexpr int flown_most = 64;                   // greatest team that runs without being named
 
 void watch(Team& team, AgentId observer, AgentId target, const std::vector<AgentId>& who) {
   team.couple(0.4 * SensorCone{}, Between{observer, target}, who);
@@ -28,7 +28,8 @@ void watch(Team& team, AgentId observer, AgentId target, const std::vector<Agent
   team.couple(0.4 * KeepOut{}, Between{observer, target}, who);
 }
 
-/// Each robot 1.5 m behind the one it watches and 0.375 m above it; a chain of two starts as the pair does.
+/// Each robot is 1.5 m behind and 0.375 m above the one it observes; a chain of two starts like the
+/// pair.
 BenchCase chain(std::string name, int length, bool masked) {
   BenchCase c{.name = std::move(name), .masked = masked};
   std::vector<AgentId> robots;
@@ -48,12 +49,13 @@ BenchCase chain(std::string name, int length, bool masked) {
 }
 
 enum class Strong {
-  cascade,  ///< each feels what it watches
-  apart,    ///< and robots two apart keep their distance, which both feel but the first
-  mutual,   ///< so, and all is felt by both
+  cascade,  ///< each robot's cost includes the couplings to its target
+  apart,    ///< as cascade; robots two apart also keep their distance, in the cost of both, except the first
+  mutual,   ///< as apart, and all couplings are in the cost of both
 };
 
-/// scenarios/chain8.toml, longer: the first flies a circle, each other robot watches the one before it.
+/// scenarios/chain8.toml, lengthened: the first robot flies a circle, each other robot observes the
+/// previous one.
 BenchCase strong_chain(std::string name, int length, Strong kind) {
   constexpr std::array<double, 7> y = {0.5, -0.4, 0.3, -0.6, 0.5, -0.2, 0.4};
   constexpr std::array<double, 7> headings = {1.2, -1.5, 0.6, -0.9, 2.2, 0.3, -1.8};
@@ -91,7 +93,7 @@ BenchCase strong_chain(std::string name, int length, Strong kind) {
   return c;
 }
 
-/// A grid, four robots a row: each watches the one behind it in its row and keeps apart from those beside it.
+/// A grid with four robots per row: each keeps apart from its neighbours in its row and column.
 BenchCase grid(std::string name, int robots_in_all) {
   constexpr int columns = 4;
   BenchCase c{.name = std::move(name)};
@@ -116,7 +118,7 @@ BenchCase grid(std::string name, int robots_in_all) {
   return c;
 }
 
-/// Puts a robot on the ring, where it wants to stay, looking at the next.
+/// Adds a robot to the ring at its reference position, heading to the next robot.
 template <RobotModel M>
 AgentId add_to_ring(BenchCase& c, const M& model, int place, int places, const AgentOptions<M>& weights) {
   constexpr double spacing = 1.5;

@@ -11,20 +11,23 @@
 
 namespace sightline {
 
-/// One of:
+/// The cases:
 ///
-///   pair, pair_masked        the two robots of the paper; both feel the couplings, or the observer alone
-///   chain_M, chain_M_masked  M robots in a row, M = 2, 4, 8, 16, 32, 64: each watches the next, the last
-///                            flies the circle
+///   pair, pair_masked        the two robots of the paper; couplings in the cost of both, or of
+///                            the observer alone
+///   chain_M, chain_M_masked  M robots in a row, M = 2, 4, 8, 16, 32, 64: each observes the next,
+///                            the last flies the circle
 ///   chain_8_interpreted      chain_8 without compiled functions
 ///   ring_mixed               eight robots of four models, of 4 to 12 states, in a ring
-///   saturating               pair, from 4 m away: inputs run into their limits
-///   cascade_M                scenarios/chain8.toml with M robots, each feels what it watches; M = 8 to 1024
-///   strong_chain_M           so, and robots two apart keep their distance, which both feel
-///   mutual_chain_M           so, and all is felt by both
-///   grid_M                   rows of four, each keeps apart from its neighbours, which both feel
+///   saturating               pair, from 4 m away: inputs reach their limits
+///   cascade_M                scenarios/chain8.toml with M robots, couplings in the cost of the
+///                            observer; M = 8 to 1024
+///   strong_chain_M           cascade_M, and robots two apart keep their distance, in both costs
+///   mutual_chain_M           strong_chain_M, with all couplings in both costs
+///   grid_M                   rows of four, neighbours keep apart, in both costs
 ///
-/// chain_M goes on to 1024 as well, with all numbers between. Of these, those of 8 and 64 robots are flown unasked.
+/// chain_M also accepts all M up to 1024. By default, the benchmark flies the listed chains, and each
+/// of the last four families with 8 and with 64 robots.
 struct BenchCase {
   std::string name;
   Team team{};
@@ -35,13 +38,13 @@ struct BenchCase {
 
 inline constexpr Horizon bench_horizon{.T = 1.0, .N = 20, .dt = 0.01};
 
-/// The names of those that are flown unasked, in the order of the table.
+/// The names of the cases flown by default, in the order of the table.
 std::vector<std::string> bench_case_names();
 
-/// M of "FAMILY_M", 8 to 1024; none where the name is another.
+/// M of "FAMILY_M", 8 to 1024; none for another name.
 std::optional<int> team_size(std::string_view name, std::string_view family);
 
-/// @throws std::invalid_argument for a name that is none, with the names there are
+/// @throws std::invalid_argument for an unknown name, listing the known names
 BenchCase bench_case(std::string_view name);
 
 }  // namespace sightline

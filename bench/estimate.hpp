@@ -1,4 +1,4 @@
-/// Times the filters of a robot's pose.
+/// Times the pose filters of a robot.
 #pragma once
 
 #include <string_view>
@@ -10,9 +10,9 @@ namespace sightline {
 
 inline constexpr std::string_view estimate_case_name = "estimate";
 
-/// A synthetic flight at 100 Hz with a camera of 30 Hz, each filter: a sample of motion; a sighting that is 80
-/// ms late, with all that is
-/// applied again for it. options.progress is told once, how many sightings of the last filter were believed.
+/// Times each filter on a synthetic flight at 100 Hz with a camera of 30 Hz: one motion sample; one
+/// detection that arrives 80 ms late, including the replay of later measurements. options.progress
+/// receives once the number of accepted detections of the last filter.
 std::vector<BenchRow> run_estimate_bench(const BenchOptions& options = {});
 
 }  // namespace sightline

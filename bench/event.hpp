@@ -9,9 +9,9 @@ namespace sightline {
 
 inline constexpr std::string_view event_case_name = "events_8";
 
-/// Eight robots, of which one goes over from a leader to another and back, each 0.5 s, with weights on a ramp of 0.3 s: all
-/// updates; the three after each change of the team; the changes themselves. options.progress is told once, how often
-/// the team changed.
+/// Eight robots, one of which changes between two leaders every 0.5 s, with weights on a ramp of
+/// 0.3 s. The rows are: all updates; the three updates after each change of the team; the changes
+/// themselves. options.progress receives once the number of team changes.
 std::vector<BenchRow> run_event_bench(const BenchOptions& options = {});
 
 }  // namespace sightline

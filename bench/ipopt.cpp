@@ -20,7 +20,7 @@ bool feels(const Coupling& coupling, BodyId body) {
   return std::find(coupling.felt_by.begin(), coupling.felt_by.end(), body) != coupling.felt_by.end();
 }
 
-/// Groups of agents (indices), in the order in which they can be solved.
+/// Groups of agents (indices), in an order in which they can be solved.
 std::vector<std::vector<int>> solving_order(const Ocp& ocp) {
   const Team& team = ocp.team();
   const int n = static_cast<int>(ocp.agent_bodies().size());
@@ -61,7 +61,7 @@ std::vector<std::vector<int>> solving_order(const Ocp& ocp) {
   return order;
 }
 
-/// What IPOPT calls. The trajectories follow the point it asks about.
+/// The callbacks of IPOPT. The trajectories follow the point that IPOPT requests.
 struct Callbacks {
   static MultipleShooting& at_point(const double* w, UserDataPtr user) {
     MultipleShooting& problem = *static_cast<MultipleShooting*>(user);
@@ -120,7 +120,7 @@ double projected_slope(MultipleShooting& shooting, const std::vector<double>& w,
   return worst;
 }
 
-/// Time that the processor gave this thread [s]: a solve is long enough for others to get in between.
+/// Processor time of this thread [s]: during a long solve other threads may preempt it.
 double thread_seconds() {
   std::timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -136,7 +136,7 @@ void set_options(IpoptProblem problem, Guess quality) {
   integer("print_level", 0);
   word("sb", "yes");
   word("nlp_scaling_method", "none");
-  // Good from 1e-10 on; a few more iterations bring inputs to limits that hardly push back.
+  // Accurate from 1e-10 on; a few more iterations bring weakly active inputs to their limits.
   number("tol", 1e-13);
   number("acceptable_tol", 1e-10);
   integer("acceptable_iter", 4);

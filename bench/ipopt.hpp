@@ -1,5 +1,5 @@
-/// The converged solution of an Ocp's discretised problem by IPOPT: the yardstick of the real-time solvers, in
-/// tests and benchmarks.
+/// The converged solution of an Ocp's discretised problem by IPOPT: the reference for the real-time
+/// solvers, in tests and benchmarks.
 #pragma once
 
 #include <memory>
@@ -19,32 +19,34 @@ struct Optimum {
   double seconds = 0.0;     ///< processor time inside IPOPT [s]
 };
 
-/// How good the inputs are that IPOPT is given to begin with.
+/// Quality of the initial inputs for IPOPT.
 enum class Guess {
-  near,  ///< it stays there: for following an optimum
-  far,   ///< it looks around first
+  near,  ///< IPOPT stays nearby: to follow an optimum
+  far,   ///< IPOPT explores first
 };
 
-/// IPOPT works on the sparse program of `MultipleShooting`, the form that suits it, and minimises one function.
-/// Where all robots feel their couplings that is the team's cost; with a mask each robot has its own, and they
-/// are solved one after the other, those that are watched first.
+/// IPOPT solves the sparse program of `MultipleShooting` and minimises one function. If the
+/// couplings are in the cost of all robots, that function is the team's cost. With a mask each
+/// robot has its own cost, and robots are solved one after the other, observed robots first.
 class IpoptReference {
  public:
-  /// @throws std::invalid_argument where robots watch each other in a circle and do not all feel it
+  /// @throws std::invalid_argument if the observations form a cycle and a coupling is missing from
+  ///   the cost of one of its robots
   explicit IpoptReference(Ocp ocp);
   ~IpoptReference();
 
-  /// The whole horizon from the states x of all bodies at time t [s], started at the inputs `guess` (N x nu).
-  /// @throws std::runtime_error where IPOPT does not converge
+  /// Solves the whole horizon from the states x of all bodies at time t [s], started at the inputs
+  /// `guess` (N x nu).
+  /// @throws std::runtime_error if IPOPT does not converge
   Optimum solve(double t, std::span<const double> x, std::span<const double> guess,
                 Guess quality = Guess::near);
 
  private:
-  /// Moves these agents to their optimum, and adds to what that took.
+  /// Moves these agents to their optimum, and adds the solve's time.
   void move_to_optimum(const std::vector<int>& agents, Guess quality, Optimum& optimum);
 
   std::unique_ptr<MultipleShooting> shooting_;
-  std::vector<std::vector<int>> order_;  // agents that are solved together, one group after the other
+  std::vector<std::vector<int>> order_;  // groups of agents solved together, in their order
 };
 
 }  // namespace sightline

@@ -1,6 +1,6 @@
-/// Rendered pictures of tags beside those that are drawn by the model of their noise, at the same places: how often tags are found, how far off
-/// the pose is, and what the covariance says.
-/// Prints a table of Markdown, as docs/localization.md has it:  bench_pictures [PICTURES OF EACH PLACE]
+/// Compares rendered pictures of tags with detections drawn from the noise model, at the same
+/// places. It reports the detection rate, the pose errors and the consistency of the covariance.
+/// Prints a Markdown table for docs/localization.md:  bench_pictures [PICTURES OF EACH PLACE]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ using namespace sightline;
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// What came of the pictures at one place.
+/// Results of the pictures at one place.
 struct Errors {
   int pictures = 0, seen = 0,
-      right = 0;  // taken; with a detection; of these without the other solution of a tag
-  double bias = 0.0, range = 0.0, bearing = 0.0, yaw = 0.0, nees = 0.0;  // sums, range to yaw of squares
+      right = 0;  // taken; with a detection; without the ambiguous solution
+  double bias = 0.0, range = 0.0, bearing = 0.0, yaw = 0.0, nees = 0.0;  // sums; range to yaw of squares
 
   /// @param up  the vertical in S
   void add(const Detection& one, const RigidPose& truth, const Vec3<double>& up, double focal) {
@@ -36,7 +36,7 @@ struct Errors {
     const Vec3<double> turn = 2.0 * Vec3<double>{q.x, q.y, q.z};
     const double length =
         mahalanobis<6>({{{{dp.x}, {dp.y}, {dp.z}, {turn.x}, {turn.y}, {turn.z}}}}, one.covariance_matrix());
-    constexpr double mistaken = 60.0;  // far beyond chance for six numbers: the other solution of a tag
+    constexpr double mistaken = 60.0;  // far beyond noise for six numbers: the ambiguous solution of a tag
     if (length > mistaken) return;
     ++right;
     nees += length;
@@ -56,13 +56,13 @@ struct Errors {
 
 struct Place {
   int faces;        // of the body
-  double above;     // angle at which the camera looks down [deg]
-  double turned;    // of the nearest face about the vertical, from showing itself to the camera [deg]
+  double above;     // angle at which the camera points down [deg]
+  double turned;    // of the nearest face about the vertical, from facing the camera [deg]
   double distance;  // [m]
   Errors rendered{}, drawn{};
 };
 
-/// An observer and a body with that many tags, seen both ways.
+/// An observer and a body with this many tags, with both detection sources.
 class Stage {
  public:
   explicit Stage(int faces) {
@@ -76,7 +76,7 @@ class Stage {
     drawn_ = std::make_unique<SyntheticDetections>(team_, options_);
   }
 
-  /// One more picture of that place: the body anywhere in the picture, both a little off level.
+  /// Adds one picture of a place: the body anywhere in the picture, both bodies slightly tilted.
   void look(Place& place) {
     const auto uniform = [&](double low, double high) { return low + (high - low) * chance_.uniform(); };
     const Rotation eye = compose(turn_by({0, (place.above + 2 * chance_.normal()) * degree, 0}),

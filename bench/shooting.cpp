@@ -24,7 +24,7 @@ MultipleShooting::MultipleShooting(Ocp ocp)
   bind();
 }
 
-/// Every formula reads the trajectories in place; its results stay beside it.
+/// Every formula reads the trajectories in place; its results are stored with it.
 void MultipleShooting::bind() {
   int weight = 0;
   const auto constants = [&](Evaluation& e, Evaluation& f, int& input, const std::vector<double>& values,
@@ -178,7 +178,7 @@ void MultipleShooting::choose(const std::vector<int>& agents) {
   }
 }
 
-/// Place of entry i of z = (x, u) of a body at stage k among the unknowns; -1 where it is none.
+/// Index among the unknowns of entry i of z = (x, u) of a body at stage k; -1 if it is no unknown.
 int MultipleShooting::variable(BodyId body, int i, int k) const {
   const int from = variables_[at(body.index)];
   if (from < 0) return -1;
@@ -212,7 +212,7 @@ std::vector<double> MultipleShooting::point() const {
 }
 
 void MultipleShooting::bounds(std::vector<double>& low, std::vector<double>& high) const {
-  constexpr double none = 2e19;  // as IPOPT writes it
+  constexpr double none = 2e19;  // IPOPT's value for no bound
   low.assign(at(N() * per_stage_), -none);
   high.assign(low.size(), none);
   for (const int a : free_) {
@@ -225,7 +225,7 @@ void MultipleShooting::bounds(std::vector<double>& low, std::vector<double>& hig
   }
 }
 
-/// Costs that the free agents feel at stage k.
+/// The stage cost of the free agents at stage k.
 double MultipleShooting::stage(int k) const {
   const Team& team = ocp_.team();
   const auto column = [&](const Rows& rows, int from, int n) {
@@ -327,9 +327,9 @@ void MultipleShooting::jacobian_values(double* values) {
   for (const Nonzero& e : jacobian_) *values++ = e.value == nullptr ? e.constant : h() * *e.value;
 }
 
-/// The formulas have sigma = 1: lambda / sigma stands in.
+/// The formulas have sigma = 1, so lambda / sigma replaces lambda.
 void MultipleShooting::hessian_values(double sigma, const double* lambda, double* values) {
-  const double scale = std::max(sigma, 1e-10);  // IPOPT asks for 0 while it looks for a feasible point
+  const double scale = std::max(sigma, 1e-10);  // IPOPT requests 0 while it searches a feasible point
   for (const int a : free_) {
     const BodyId body = ocp_.agent_bodies()[at(a)];
     for (int k = 0; k < N(); ++k) {

@@ -1,9 +1,12 @@
-// What passes over the robots of a team meet: the spectra of P^-1 C (docs/equations.md, 11) on problems of a flight, and how
-// fast each way to the team's step is there:  build/release/bin/bench_spectra [CASE ...]
+// Computes the spectra of P^-1 C (docs/equations.md, 11) on problems of a flight. They govern the
+// convergence of passes over the robots of a team. It also counts the iterations of each method for
+// the team's step:  build/release/bin/bench_spectra [CASE ...]
 //
-// A problem is recorded between two updates of the closed loop: the state of the second, and the plan of the first. P^-1 C is
-// made as a dense matrix of the functions that the solver itself calls, in a basis of what each robot's inputs can do to what is
-// seen of it, and looked at by Eigen. 2 min on one core; beyond 1500 unknowns, some 20 robots, there are no eigenvalues.
+// A problem is recorded between two updates of the closed loop: the state of the second, and the
+// plan of the first. P^-1 C is assembled as a dense matrix by the functions of the solver itself.
+// Its basis is the range of each robot's inputs in its observed quantities; Eigen computes the
+// spectra. It takes 2 min on one core. Beyond 1500 unknowns, about 20 robots, eigenvalues are not
+// computed.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -34,11 +37,11 @@ using namespace sightline;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The problem that one update of a closed loop began with.
+/// The initial problem of one update of a closed loop.
 struct Recorded {
   double t = 0.0;
   std::vector<double> x, plan;  // plan: [stage][input]
-  int passes = 0;               // that the update took, over its linearisations
+  int passes = 0;               // iterations of the update, over its linearisations
 };
 
 std::vector<Recorded> recorded(const BenchCase& what, std::span<const int> updates) {
@@ -57,13 +60,14 @@ std::vector<Recorded> recorded(const BenchCase& what, std::span<const int> updat
   return problems;
 }
 
-/// A recorded problem, linearised as an update does. Blocks are robots in the order of the influence graph.
+/// A recorded problem, linearised as in an update. Blocks are robots in the order of the influence
+/// graph.
 struct Problem {
   MatrixXd M;              ///< P^-1 C
-  MatrixXd M_bare;         ///< the same where P does not have the potentials' own curvature, so C does
-  VectorXd alone;          ///< the steps of all robots by themselves: the team's is y + M y = alone
-  std::vector<int> ends;   ///< of each robot's block
-  std::vector<int> turns;  ///< of each robot
+  MatrixXd M_bare;         ///< the same without the potentials' own curvature in P, so that C has it
+  VectorXd alone;          ///< steps of all robots without couplings; the team's step is y + M y = alone
+  std::vector<int> ends;   ///< end of each robot's block
+  std::vector<int> turns;  ///< of each robot: turn of its group in the substitution
 
   int first(std::size_t robot) const { return robot == 0 ? 0 : ends[robot - 1]; }
   int size(std::size_t robot) const { return ends[robot] - first(robot); }
@@ -103,7 +107,7 @@ class Linearisation {
     groups_.solve(u_[0], u_[1], c_[0], u_[2], u_[3], s_[1]);
     const std::vector<MatrixXd> P_inverse = inverses();
 
-    std::vector<MatrixXd> basis;  // of what is seen of each robot, of all that its inputs can do to it
+    std::vector<MatrixXd> basis;  // per robot: range of its inputs in its observed quantities
     int n = 0;
     for (const int a : order) {
       const Eigen::ColPivHouseholderQR<MatrixXd> qr(bare[at(a)]);
@@ -137,9 +141,9 @@ class Linearisation {
   int agents() const { return static_cast<int>(ocp_.agent_bodies().size()); }
   const Layout& layout() const { return groups_.layout(); }
   int ns(int a) const { return layout().part(a).ns; }
-  int length(int a) const { return (layout().stages - 1) * ns(a); }  // what is seen now stands
+  int length(int a) const { return (layout().stages - 1) * ns(a); }  // stage 0 is fixed
 
-  /// State, reference and plan of a robot.
+  /// Takes the state, reference and plan of a robot.
   void take(int a, const Recorded& recorded) {
     const Agent& agent = ocp_.team().agents()[at(a)];
     const BodyId body = ocp_.agent_bodies()[at(a)];
@@ -156,7 +160,7 @@ class Linearisation {
     }
   }
 
-  /// Inputs that their gradient holds on a limit are held there.
+  /// Fixes inputs that are on a limit with the gradient pointing beyond it.
   void hold(double t) {
     for (int a = 0; a < agents(); ++a) {
       const Agent& agent = ocp_.team().agents()[at(a)];
@@ -187,7 +191,7 @@ class Linearisation {
       for (int i = 0; i < ns(a); ++i) to[(k - 1) * ns(a) + i] = rows[s(k, i)];
     return to;
   }
-  /// The last P^-1 of each robot, in what is seen of it.
+  /// The last P^-1 of each robot, in its observed quantities.
   std::vector<MatrixXd> inverses() {
     std::vector<MatrixXd> of_robots;
     int longest = 0;
@@ -205,7 +209,8 @@ class Linearisation {
     }
     return of_robots;
   }
-  /// f(place in c, row, column) of the upper triangle of the potentials' Hessian of one robot, in what is seen of it.
+  /// Calls f(place in c, row, column) for the upper triangle of the potentials' Hessian of one
+  /// robot, in its observed quantities.
   template <class F>
   void own_curvature(int a, F&& f) const {
     const Layout::View c = layout().c(a);
@@ -230,10 +235,10 @@ class Linearisation {
 
 Eigen::VectorXcd spectrum(const MatrixXd& M) { return Eigen::EigenSolver<MatrixXd>(M, false).eigenvalues(); }
 
-/// The largest eigenvalue in size.
+/// The spectral radius.
 double radius(const MatrixXd& M) { return M.isZero(0.0) ? 0.0 : spectrum(M).cwiseAbs().maxCoeff(); }
 
-/// M, or what of it couples robots i and j where among(i, j).
+/// M restricted to the blocks of robots i and j with among(i, j).
 template <class Among>
 MatrixXd part(const Problem& problem, const MatrixXd& M, Among&& among) {
   MatrixXd kept = MatrixXd::Zero(M.rows(), M.cols());
@@ -251,14 +256,16 @@ MatrixXd part(const Problem& problem, const MatrixXd& M, Among&& among) {
 
 MatrixXd one_and(const MatrixXd& M) { return MatrixXd::Identity(M.rows(), M.cols()) + M; }
 
-/// What a pass over the robots leaves of an error, where robot i is solved for together with those j that with(i, j) names.
+/// Error propagation of one pass over the robots; robot i is solved together with each robot j with
+/// with(i, j).
 template <class With>
 MatrixXd pass(const Problem& problem, With&& with) {
   const MatrixXd now = part(problem, problem.M, with);
   return -one_and(now).partialPivLu().solve(problem.M - now);
 }
 
-/// Passes from the robots' own steps until a step is this near to the team's, of its length; `most` where it is not.
+/// Passes from the uncoupled steps until the error is at most `near` of the team step's length;
+/// `most` if it never is.
 int passes(const MatrixXd& G, const VectorXd& alone, const VectorXd& y, double near) {
   constexpr int most = 99;
   VectorXd error = alone - y;
@@ -267,7 +274,7 @@ int passes(const MatrixXd& G, const VectorXd& alone, const VectorXd& y, double n
   return n;
 }
 
-/// Iterations of GMRES on A y = b to a residual of this length, of that of b.
+/// Iterations of GMRES on A y = b to a residual of at most `near` of the length of b.
 int gmres(const MatrixXd& A, const VectorXd& y, double near) {
   Gmres solver(static_cast<int>(A.rows()), 99);
   Rows rows(2, solver.length());
@@ -280,8 +287,9 @@ int gmres(const MatrixXd& A, const VectorXd& y, double near) {
   return solver.solve(product, rows[0], rows[1], near * length).iterations;
 }
 
-/// Iterations of conjugate gradients that are enough for any right side, by Chebyshev's polynomials; "-" where the least is not
-/// positive, so that they may end early.
+/// Upper bound on the iterations of conjugate gradients for any right side, by Chebyshev
+/// polynomials. It is "-" if the least eigenvalue is not positive: the iterations may then stop
+/// early.
 std::string enough(double least, double largest, double near) {
   if (!(least > 0.0)) return "-";
   const double root = std::sqrt(largest / least), rate = (root - 1.0) / (root + 1.0);
@@ -302,7 +310,7 @@ std::string modes(const MatrixXd& M, std::size_t robots, double near) {
 
 void look_at(const BenchCase& what, const Recorded& recorded) {
   constexpr double near = 1e-3, nearer = 5e-6;
-  constexpr int most = 1500;  // unknowns, beyond which no eigenvalues are looked for
+  constexpr int most = 1500;  // unknowns; beyond, eigenvalues are not computed
   const Problem problem = Linearisation(what, recorded).problem();
   const MatrixXd &M = problem.M, all = one_and(M);
   const VectorXd y = all.partialPivLu().solve(problem.alone);
@@ -315,7 +323,7 @@ void look_at(const BenchCase& what, const Recorded& recorded) {
   const MatrixXd turns =
       pass(problem, [&](int i, int j) { return problem.turns[at(j)] < problem.turns[at(i)]; });
   const MatrixXd one = ordered(1);
-  // Where one pass in order leaves nothing, all eigenvalues are zero, which rounding would hide.
+  // If one ordered pass leaves no error, all eigenvalues are zero; rounding would hide that.
   const bool is_cascade = one.isZero(0.0), is_small = M.rows() <= most;
   const std::string lambdas = is_cascade ? "0.00 | 1.00 to 1.00 | 0.0 | 1.00 | -"
                               : is_small ? modes(M, problem.ends.size(), near)

@@ -16,7 +16,7 @@
 namespace sightline {
 namespace {
 
-/// The slowest of consecutive windows of one second, by their medians.
+/// The times of the slowest window of one second, by median, among consecutive windows.
 std::vector<double> slowest_second(const std::vector<double>& us) {
   const auto window = static_cast<std::ptrdiff_t>(1.0 / bench_horizon.dt + 0.5);
   std::vector<double> slowest;

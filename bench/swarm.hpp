@@ -1,4 +1,4 @@
-/// Times updates of robots that swap places across a circle, all pairs near each other kept apart.
+/// Times updates of robots that swap places across a circle; all near pairs keep apart.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,16 @@
 
 namespace sightline {
 
-/// swarm_M of 8 to 1024 robots.
+/// Whether a name is swarm_M, of 8 to 1024 robots.
 bool is_swarm_case(std::string_view name);
 
-/// Times of all updates of crossings of 26 s with up to 32 robots, within which they all arrive, and of 60 s with more: as
-/// many as hold options.updates; and those of the second with the greatest median, "NAME_crossing". "NAME_barrier" and
-/// "NAME_barrier_crossing" are the same with the time of all barriers at 0.6 m added, which tell and change nothing. The columns of costs and optima are zero.
-/// @param options  .progress is told once, how many pairs came near at one time
-/// @param crew     shares updates and barriers
+/// Rows: times of all updates; and those of the second with the greatest median, "NAME_crossing". A
+/// crossing takes 26 s with up to 32 robots, enough for all to arrive, and 60 s with more; as many
+/// crossings run as options.updates requires. "NAME_barrier" and "NAME_barrier_crossing" add the
+/// time of all barriers at 0.6 m, which report and change nothing. The columns of costs and optima
+/// are zero.
+/// @param options  .progress receives once the greatest number of simultaneous near pairs
+/// @param pool     shares updates and barriers
 std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options = {},
                                       const std::shared_ptr<ThreadPool>& pool = {});
 

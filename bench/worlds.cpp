@@ -1,4 +1,4 @@
-// What a vehicle's step of 1 ms costs in each world of vehicles:  build/release/bin/bench_worlds
+// Cost of a vehicle's step of 1 ms in each vehicle world:  build/release/bin/bench_worlds
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ namespace {
 
 using namespace sightline;
 
-/// Vehicles that hover on a grid, this far from each other [m], each on its own swinging command. Every second one is higher by 1 m.
+/// Hovering vehicles on a grid with this spacing [m], each with its own oscillating command. Every
+/// second vehicle is 1 m higher.
 struct Grid {
   Team team;
   std::vector<double> x0;
@@ -32,7 +33,8 @@ struct Grid {
   }
 };
 
-/// Processor time of a step of the world, the best of five runs of 3 s [us]; less than 0 where it ended.
+/// Processor time of a step of the world, the best of five runs of 3 s [us]; negative if the world
+/// ended.
 double microseconds(World& world, int n) {
   constexpr int periods = 300, steps_per_period = 10;
   std::vector<double> u(4 * static_cast<std::size_t>(n));
@@ -41,7 +43,7 @@ double microseconds(World& world, int n) {
   for (int run = 0, k = 0; run < 5; ++run) {
     const std::clock_t begin = std::clock();
     for (int i = 0; i < periods; ++i, ++k) {
-      // All swing alike, so that none meets another.
+      // All vehicles swing alike, so that none meets another.
       for (std::size_t j = 0; j < u.size(); j += 4)
         u[j] = 0.3 * std::sin(0.05 * k), u[j + 1] = 0.3 * std::cos(0.05 * k);
       if (!world.apply(0.01 * k, {}, gate.pass(u, {}), 0.01, 1)) return -1.0;
@@ -52,7 +54,7 @@ double microseconds(World& world, int n) {
   return best;
 }
 
-/// With its whole cost, and nothing that moves them far.
+/// An IMU model with its full computing cost but negligible drift.
 constexpr Imu steady_imu = {
     .gyro_bias = 0, .gyro_walk = 1e-9, .accelerometer_bias = 0, .accelerometer_walk = 1e-9};
 

@@ -16,7 +16,7 @@
 
 #if SIGHTLINE_COUNTS
 
-// The C library's own heap, behind the names that are replaced here; operator new comes through malloc.
+// The C library's own heap, behind the names replaced here; operator new calls malloc.
 // NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);

@@ -1,16 +1,15 @@
-/// Counts what a thread takes from the heap: the promise of an update without allocation is checked, not
-/// believed.
+/// Heap allocations per thread, counted so that a test can verify an update that must not allocate.
 #pragma once
 
 #include <cstdint>
 
 namespace sightline::cli {
 
-/// Calls of malloc, calloc, realloc, aligned_alloc, posix_memalign and operator new by the calling thread so
-/// far. Zero in a build with sanitizers, which bring a heap of their own.
+/// Calls of malloc, calloc, realloc, aligned_alloc, posix_memalign and operator new by the calling
+/// thread so far. Zero in a build with sanitizers, which replace the heap.
 std::int64_t allocations() noexcept;
 
-/// Whether this build counts.
+/// Whether this build counts allocations.
 bool counts_allocations() noexcept;
 
 }  // namespace sightline::cli

@@ -1,5 +1,5 @@
-/// The command line as it describes itself: the commands, their options, and what was said of them. Pages and
-/// completion are made from it, too.
+/// Description of the command line: commands, options and the parsed values. The manual pages and
+/// the shell completion are generated from it.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -31,17 +31,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All that the command is about, read and checked.
+/// The checked input of the command.
 struct Input {
-  std::vector<Scenario> scenarios;  // its own, and the one beside it
+  std::vector<Scenario> scenarios;  // its own, then the one to compare with
   CampaignPlan plan;
   CampaignOptions options;
   fs::path folder;
-  bool resumes = false;  // there must be runs already
+  bool resumes = false;  // the folder must contain runs already
 
   int runs() const { return options.shard.size(options.runs); }
 
-  /// Of one of the scenarios: that beside has a folder within the folder.
+  /// Folder of one of the scenarios: the one to compare with has a subfolder.
   fs::path folder_of(std::size_t i) const { return i == 0 ? folder : folder / scenarios[i].name; }
 };
 
@@ -69,7 +69,7 @@ Input read(const CampaignCommand& command, const Registry& registry) {
 
 using Counts = std::array<int, outcome_count>;
 
-/// The tables of all scenarios, in folders of this process alone.
+/// The tables of all scenarios, in folders that this process locks.
 struct Tables {
   explicit Tables(const Input& input) {
     for (std::size_t i = 0; i < input.scenarios.size(); ++i)
@@ -114,7 +114,7 @@ Counts fly_all(const Scenario& scenario, const Input& input, RunTable& table) {
   return counts;
 }
 
-/// What flies a run of this campaign again, but for its index and folder.
+/// The command that repeats a run of this campaign, without its index and folder.
 std::string again(const CampaignCommand& command, const Input& input) {
   std::string words = fmt::format("sightline campaign {} --seed {}",
                                   shell_word(command.scenario.file.native()), input.options.seed);
@@ -127,13 +127,13 @@ void print_lines(const std::vector<CampaignLine>& lines) {
   for (const CampaignLine& line : lines) print("{:24}  {}\n", line.what, line.value);
 }
 
-/// Of a scenario beside, against the first, run by run.
+/// Prints a scenario compared with the first one, run by run.
 void print_compared(const CampaignTable& first, const CampaignTable& beside) {
   print("\n{}, compared with {}\n", beside.name, first.name);
   print_lines(energy_lines(first, beside));
 }
 
-/// What a run's row says.
+/// The row of a run as text.
 std::string words_of(const RunDraw& run, const RunResult& result, const CampaignPlan& plan) {
   std::string words = fmt::format("run {}: {}", run.index, to_string(result.outcome));
   if (std::isfinite(result.time_to_first_view)) {
@@ -153,7 +153,8 @@ std::string words_of(const RunDraw& run, const RunResult& result, const Campaign
   return words;
 }
 
-/// One run of each scenario, as `sightline run` flies it; its own scenario lies beside the log.
+/// Flies one run of each scenario, as `sightline run` does; the drawn scenario is written beside
+/// the log.
 int fly_one(const Input& input, int index) {
   const RunDraw run = draw_run(input.plan, input.options.seed, index);
   std::list<RunFolder> folders;
@@ -174,7 +175,7 @@ int fly_one(const Input& input, int index) {
   return code;
 }
 
-/// The scenarios that were flown beside, by their folders within.
+/// The names of the compared scenarios, by their subfolders.
 std::vector<std::string> names_beside(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -187,8 +188,8 @@ std::string in_words(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The scenario of shards and the files that it names, by their places in a folder from which it is flown again. A file that lies
-/// elsewhere keeps its name, and is not there.
+/// Returns the scenario of the shards and the files it names, by their paths in a folder from which
+/// it can be flown again. A file outside that folder keeps its name and is not copied.
 std::map<fs::path, std::string> scenario_files(const CampaignWords& about, const fs::path& folder) {
   std::map<fs::path, std::string> files = {{folder / (about.scenario + ".toml"), about.text}};
   for (const auto& [name, text] : about.files) {
@@ -208,7 +209,7 @@ std::map<fs::path, std::string> scenario_files(const CampaignWords& about, const
   return files;
 }
 
-/// One table and page of the folders of all shards, those of scenarios beside too.
+/// Merges the folders of all shards into one table and page, including the compared scenarios.
 int merge(const CampaignCommand& command, const Registry& registry) {
   const std::vector<fs::path>& from = command.merge;
   const auto tables_in = [&](const fs::path& inside) {
@@ -253,7 +254,8 @@ int merge(const CampaignCommand& command, const Registry& registry) {
   for (const CampaignTable& table : tables)
     if (const CampaignWords words = campaign_words(table.file); words.recovered < words.runs) code = 1;
   try {
-    // The scenario that draws; the table has the files of its own alone.
+    // The scenario with the [campaign] that draws; the table holds the files of its own scenario
+    // only.
     const Scenario scenario =
         about.plan.empty() ? parse_scenario(with_present_names(about.text, scenario_file.native()).text,
                                             scenario_file, registry, {.files = about.files})
@@ -262,7 +264,7 @@ int merge(const CampaignCommand& command, const Registry& registry) {
         fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));
     print("{}\n", (out / "campaign.html").native());
-  } catch (const std::exception& error) {  // without gnuplot, say: the table holds all that was flown
+  } catch (const std::exception& error) {  // e.g. without gnuplot: the table holds all flown runs
     say(sentence_of(error));
     code = 1;
   }
@@ -270,7 +272,7 @@ int merge(const CampaignCommand& command, const Registry& registry) {
   return code;
 }
 
-/// All shards by Slurm, then one table and page of them.
+/// Flies all shards by Slurm, then merges them into one table and page.
 int campaign_by_slurm(const CampaignCommand& command, const Input& input, const Registry& registry) {
   const std::string script =
       slurm_script(command, input.options.seed, input.scenarios.front().name, input.folder);
@@ -334,7 +336,7 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
         write_text(input.folder_of(i) / "campaign.html",
                    campaign_html(shown, input.plan, again(command, input), input.folder,
                                  input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
-      } catch (const std::runtime_error& error) {  // without gnuplot, say: the table holds all that was flown
+      } catch (const std::runtime_error& error) {  // e.g. without gnuplot: the table holds all flown runs
         say(sentence_of(error));
         lost = true;
       }

@@ -14,7 +14,7 @@
 namespace sightline::cli {
 namespace {
 
-/// Rewrites a file whose keys or words have another name now, and says which.
+/// Rewrites a file that contains renamed keys or words, and prints the new names.
 void fix(const std::filesystem::path& file) {
   const std::string text = read_text(file);
   const RenamedText renamed = with_present_names(text, file.native());

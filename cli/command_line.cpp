@@ -21,11 +21,11 @@
 namespace sightline {
 namespace {
 
-/// Options that have another name since version 0.2.
+/// Options renamed since version 0.2.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 2> renamed_options = {
     {{"--beside", "--compare-with"}, {"--listen", "--bind"}}};
 
-/// The names of all commands, as they are told.
+/// The names of all commands, as messages list them.
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());

@@ -1,5 +1,6 @@
-/// The commands. Each prints results on stdout and messages on stderr, and returns the exit code:
-/// 0 done, 1 the flight failed or output was lost, 2 bad input. `parts` are what a scenario may call by name.
+/// The commands of the program. Each prints results on stdout and messages on stderr, and returns
+/// the exit code: 0 done, 1 the flight failed or output was lost, 2 bad input. `registry` holds the
+/// parts that a scenario may name.
 #pragma once
 
 #include <chrono>
@@ -19,29 +20,29 @@
 
 namespace sightline::cli {
 
-/// A scenario as a command line names it.
+/// A scenario as given on a command line.
 struct NamedScenario {
   std::filesystem::path file;
-  std::vector<std::string> set;  ///< "KEY=VALUE", read over what the file says
+  std::vector<std::string> set;  ///< "KEY=VALUE"; replaces values of the file
 
   /// @throws std::invalid_argument as read_scenario()
   Scenario read(const Registry& registry) const { return read_scenario(file, registry, set); }
 };
 
-/// Where a page is served, unless told otherwise.
+/// Default port of a page.
 inline constexpr std::uint16_t page_port = 8765;
 
-/// Whether a flight is shown on a page, and where.
+/// Whether and where a flight is shown on a page.
 struct ShowOptions {
   bool show = false;
-  bool tune = false;  ///< may be changed by those who look on
+  bool tune = false;  ///< users of the page may change the flight
   ServeOptions serve{.port = page_port};
 };
 
 struct CheckCommand {
   NamedScenario scenario;
-  bool expanded = false;  ///< print it, as TOML
-  bool fix = false;       ///< rewrite the file with present names
+  bool expanded = false;  ///< print the scenario expanded, as TOML
+  bool fix = false;       ///< rewrite the file with the present names
 };
 
 struct ExplainCommand {
@@ -54,10 +55,10 @@ struct RunOptions {
   std::optional<std::string> solver;
   std::optional<std::uint64_t> seed;
   bool realtime = false;
-  int threads = 1;  ///< that share each update of a large team
+  int threads = 1;  ///< threads that share each update of a large team
   ShowOptions view;
   std::optional<std::string>
-      partition;  ///< "a,b | c,d": the parts that plan by themselves; none: one solver for all
+      partition;  ///< "a,b | c,d": subteams, each with its own solver; none: one solver for all
   std::string order = "gauss_seidel";
   int exchanges = 1;
 };
@@ -66,9 +67,9 @@ struct BenchCommand {
   std::optional<std::string> name;  ///< of one case; none: all
   std::string solver = "newton_riccati";
   bool json = false;
-  int threads = 1;          ///< that share each update of a large team
+  int threads = 1;          ///< threads that share each update of a large team
   int updates = 6000;       ///< of the closed loop
-  bool times_only = false;  ///< not compared with the optimum
+  bool times_only = false;  ///< without the comparison with the optimum
 };
 
 struct PotentialOptions {
@@ -80,48 +81,48 @@ struct PotentialOptions {
 struct FlyCommand {
   NamedScenario fleet;           ///< a scenario with a [fleet]
   std::filesystem::path output;  ///< empty: out/NAME
-  bool dry_run = false;          ///< all but arm
+  bool dry_run = false;          ///< all steps except arming
   ShowOptions view;
-  int threads = 1;        ///< that share each update of a large team
-  bool wait = false;      ///< arms when the service ~/start is called
-  std::string part;       ///< of the scenario's [partition], that is planned here; empty: the scenario says
-  std::string partition;  ///< "front: a,b | back: c,d", in place of the scenario's; empty: the scenario's
+  int threads = 1;        ///< threads that share each update of a large team
+  bool wait = false;      ///< arm when the service ~/start is called
+  std::string part;       ///< part of [partition] planned here; empty: by the scenario
+  std::string partition;  ///< "front: a,b | back: c,d", replaces the scenario's; empty: the scenario's
 };
 
 struct VehiclesCommand {
   NamedScenario fleet;
-  double seconds = 1e9;  ///< until Ctrl-C
+  double seconds = 1e9;  ///< duration, or until Ctrl-C
 };
 
 struct DoctorCommand {
   NamedScenario fleet;
-  std::optional<double> seconds;  ///< how long it listens; none: 10, and watching until Ctrl-C
-  bool watch = false;             ///< where the robots are, once a second, and nothing else
+  std::optional<double> seconds;  ///< duration of listening; none: 10, with `watch` until Ctrl-C
+  bool watch = false;             ///< print only the robots' positions, once a second
   bool json = false;
 };
 
 struct ViewCommand {
   NamedScenario of;  ///< a scenario, or the folder of a run
   ServeOptions serve{.port = page_port};
-  bool open = false;             ///< in the browser
-  std::optional<double> speed;   ///< simulated time by that of the wall clock; none: 1
-  bool paused = false;           ///< after the first period, until Enter
-  bool tune = false;             ///< may be changed by those who look on; then it is logged
-  std::filesystem::path output;  ///< of a flight that is tuned; empty: out/NAME/tuned
-  double seconds = 1e9;          ///< until Ctrl-C
+  bool open = false;             ///< open the page in the browser
+  std::optional<double> speed;   ///< simulated time per wall-clock time; none: 1
+  bool paused = false;           ///< pause after the first period, until Enter
+  bool tune = false;             ///< users of the page may change the flight, which is then logged
+  std::filesystem::path output;  ///< of a tuned flight; empty: out/NAME/tuned
+  double seconds = 1e9;          ///< duration, or until Ctrl-C
 };
 
 struct ReplayCommand {
   std::filesystem::path folder;       ///< of a run
-  std::optional<std::string> solver;  ///< none: the flight's own
-  std::vector<std::string> set;       ///< of the scenario in the log
+  std::optional<std::string> solver;  ///< none: the solver of the flight
+  std::vector<std::string> set;       ///< applied to the scenario in the log
   bool json = false;
 };
 
 struct IdentifyCommand {
   NamedScenario of;              ///< a scenario, or the folder of a run
-  std::filesystem::path output;  ///< empty: out/NAME/identify, of a run its own folder
-  std::string agent;             ///< empty: the only multirotor there is
+  std::filesystem::path output;  ///< empty: out/NAME/identify; for a run its own folder
+  std::string agent;             ///< empty: the only multirotor of the scenario
   std::string excitation = "steps";
   double seconds = 20.0, radius = 3.0;
   std::optional<double> height;       ///< none: the scenario's, at least 2 m
@@ -129,7 +130,8 @@ struct IdentifyCommand {
   bool json = false;
 };
 
-/// What a job array is to ask for; what is empty or 0 is left to Slurm, and to SBATCH_* of the environment.
+/// Requests of a job array. Empty or 0 leaves the choice to Slurm and to SBATCH_* in the
+/// environment.
 struct SlurmOptions {
   bool submit = false, dry_run = false;
   int shards = 8;
@@ -138,81 +140,87 @@ struct SlurmOptions {
 };
 
 struct CampaignCommand {
-  NamedScenario scenario;              ///< its `set` is of the one beside, too
+  NamedScenario scenario;              ///< its `set` applies to the compared scenario too
   std::filesystem::path output;        ///< empty: out/NAME/campaign
   std::filesystem::path compare_with;  ///< another scenario that flies the same draws; empty: none
   int runs = 200;
   std::optional<std::uint64_t> seed;         ///< none: the scenario's
-  int threads = 0;                           ///< 0: as many as there are cores
+  int threads = 0;                           ///< 0: number of cores
   std::optional<int> only;                   ///< one run, into an ordinary run folder
-  std::string shard;                         ///< "I/N": which of the runs; empty: all
-  bool resume = false;                       ///< there must be runs already
+  std::string shard;                         ///< "I/N": the runs of this shard; empty: all
+  bool resume = false;                       ///< the folder must contain runs already
   std::vector<std::filesystem::path> merge;  ///< folders of shards; empty: none
   SlurmOptions slurm;
 };
 
-/// Flies a scenario and leaves run.mcap, timing.csv, summary.json and report.html in the output folder.
+/// Flies a scenario and writes run.mcap, timing.csv, summary.json and report.html into the output
+/// folder.
 int run(const RunOptions& options, const Registry& registry);
 
 struct PartitionChoice;
-/// Robots on links, in place of a simulated world.
+/// Robots on links, instead of a simulated world.
 struct LinkedFlight {
   LinkedWorld& world;
   Arming arming = Arming::real;
   const Interrupts& interrupts;
   std::atomic<bool>& stop;  ///< ends the loop
 };
-/// As run(), for a scenario that is read already; its team plans in parts, or, without a choice, as one.
+/// As run(), for a scenario that is already read. Its team plans in subteams, or, without a
+/// partition, as one.
 int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const ShowOptions& view = {},
         const PartitionChoice* partition = nullptr, LinkedFlight* linked = nullptr);
-/// Says so where this program carries no page.
+/// Prints a message if this program contains no page.
 void tell_without_page();
-/// Flies a fleet over the program's bridge: takes off, flies the task, lands; Ctrl-C lands, a second one leaves the robots to their
-/// autopilots. Files as run().
+/// Flies a fleet over the program's bridge: takes off, flies the task, lands. Ctrl-C lands; a
+/// second Ctrl-C leaves the robots to their autopilots. Writes the files of run().
 int fly_fleet(const FlyCommand& command, const Registry& registry);
-/// Excites a robot of a fleet over its link, alone: takes off, moves within the walls, lands; Ctrl-C lands it.
-/// @throws std::invalid_argument where it does not take off, or not to the end
+/// Excites one robot of a fleet over its link: takes off, moves within the walls, lands; Ctrl-C
+/// lands it.
+/// @throws std::invalid_argument if the robot does not take off, or the flight ends early
 FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
                              const Registry& registry);
-/// Stands in for the robots of a fleet.
+/// Simulates the vehicles of a fleet.
 int vehicles(const VehiclesCommand& command, const Registry& registry);
-/// Looks at the robots of a fleet before a flight, and at this machine; sends nothing that a robot could obey. 1 where something is
-/// red.
+/// Checks the robots of a fleet and this machine before a flight; sends no command that a robot
+/// could execute. Returns 1 if a check is red.
 int doctor(const DoctorCommand& command, const Registry& registry);
-/// Flies a scenario many times as its [campaign] says; leaves campaign.sqlite and campaign.html. 1 where a run is
-/// not recovered.
+/// Flies the runs of a scenario's [campaign]; writes campaign.sqlite and campaign.html. Returns 1
+/// if a run is not recovered.
 int campaign(const CampaignCommand& command, const Registry& registry);
-/// Reads a scenario and says what it describes, or what is wrong with it; or prints it expanded, as TOML.
+/// Reads a scenario and prints its summary or its errors; or prints it expanded, as TOML.
 int check(const CheckCommand& command, const Registry& registry);
-/// Makes report.html again from what a run left.
+/// Writes report.html again from the files of a run.
 int report(const std::filesystem::path& folder);
-/// Flies a scenario in real time, or takes the log of a run, and serves a page that shows it, until Ctrl-C. Writes no files but those of a
-/// flight that is tuned.
+/// Flies a scenario in real time, or replays the log of a run, and serves a page that shows it
+/// until Ctrl-C. Writes no files, except for a tuned flight.
 int view(const ViewCommand& command, const Registry& registry);
-/// The same of a flight that those who look on may change, and begin anew with another seed: each leaves its log.
-/// @param announce  called with the address of the page
+/// As view(), for a flight that users of the page may change and restart with another seed; each
+/// flight writes its log.
+/// @param announce  receives the address of the page
 int view_tuned(const ViewCommand& command, const Registry& registry,
                const std::function<void(const std::string&)>& announce);
-/// When the page is closed, if nobody ends it before.
+/// Time at which the page closes, unless it is closed earlier.
 std::chrono::steady_clock::time_point end_of(const ViewCommand& command);
-/// What became of those who looked on.
+/// Prints the counts of the page's clients.
 void report_counts(const ServeCounts& counts);
-/// Feeds the measurements of a run through its loop again and compares each command, bit for bit: 1 where one differs.
-/// With another solver or other values, says how far the commands are from the recorded ones.
+/// Feeds the measurements of a run through its loop again and compares each command bit for bit;
+/// returns 1 if one differs. With another solver or other values it prints the distance of the
+/// commands from the recorded ones.
 int replay(const ReplayCommand& command, const Registry& registry);
-/// Fits models of a multirotor to a flight that excites it, or to the log of a run: identify.json and identify.html.
+/// Fits multirotor models to an excitation flight or to the log of a run: identify.json and
+/// identify.html.
 int identify(const IdentifyCommand& command, const Registry& registry);
-/// Draws and judges the potentials of a scenario: index.html and verdict.json.
+/// Plots and evaluates the potentials of a scenario: index.html and verdict.json.
 int potential(const PotentialOptions& options, const Registry& registry);
-/// Says which limits of a scenario can hold together and what each is worth.
+/// Prints which limits of a scenario can hold together, and the value of each.
 int explain(const ExplainCommand& command, const Registry& registry);
-/// Says which parts a scenario may call by name, with their parameters: tables of Markdown, or JSON.
+/// Lists the parts that a scenario may name, with their parameters: Markdown tables, or JSON.
 int list_parts(bool json, const Registry& registry);
 int show_version();
-/// Of the library, and of the compiler that built it.
+/// Version of the library and of the compiler that built it.
 std::string version_text();
-/// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON: by the program sightline_bench beside this
-/// one, which gets the same arguments.
+/// Flies the benchmark's cases and prints times, errors and costs, as a table or as JSON. It starts
+/// the program sightline_bench beside this one, with the same arguments.
 int bench(const BenchCommand& command, char** argv);
 
 }  // namespace sightline::cli

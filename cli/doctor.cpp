@@ -26,7 +26,7 @@ using DoctorTime = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds looks_each{300};
 constexpr std::chrono::seconds shows_each{1};
 
-/// Until then, or until a person asks to end.
+/// Sleeps until the given time, or until the user requests to end.
 void sleep_in_peace(DoctorTime::time_point until) {
   constexpr std::chrono::milliseconds nap{20};
   while (interrupts() == 0 && DoctorTime::now() < until)
@@ -74,12 +74,12 @@ std::string in_sum(const std::vector<Finding>& findings) {
                      grounding > 0 ? "refuses" : "would arm");
 }
 
-/// Once a second where each robot is, and how far from where it was at first.
+/// Prints once a second the position of each robot, and its distance from its first position.
 int watch_poses(FleetDoctor& fleet, const DoctorCommand& command) {
   std::vector<std::optional<Vec3<double>>> first;
   std::size_t width = 5;
   const DoctorTime::time_point begin = DoctorTime::now();
-  // It has to be found first.
+  // Discovery takes time: the first line comes one period later.
   DoctorTime::time_point next = begin + shows_each;
   const DoctorTime::time_point end =
       begin + std::chrono::duration_cast<DoctorTime::duration>(
@@ -138,7 +138,7 @@ int doctor(const DoctorCommand& command, const Registry& registry) {
   try {
     std::future<LoopTiming> timed =
         run_for_value([&] { return time_loop(scenario, seconds, &stop_flight()); });
-    // Each look asks what has not been answered yet.
+    // Each call requests what has not been answered yet.
     while (timed.wait_for(looks_each) != std::future_status::ready) (void)fleet->findings();
     timing = timed.get();
     findings = fleet->findings();

@@ -1,4 +1,4 @@
-/// Enter, as a person types it while a flight waits.
+/// The Enter key as a control of a waiting flight.
 #pragma once
 
 #include <poll.h>
@@ -11,7 +11,7 @@
 
 namespace sightline::cli {
 
-/// Lets a paused flight go on when somebody types Enter.
+/// Resumes a paused flight when the user presses Enter.
 class EnterKey {
  public:
   EnterKey(PacedClock& clock, std::atomic<bool>& stop)

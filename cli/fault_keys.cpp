@@ -12,7 +12,7 @@ namespace sightline::cli {
 namespace {
 
 constexpr int key_wait = 100;              // [ms]
-constexpr int largest_number = 1'000'000;  // of a robot
+constexpr int largest_number = 1'000'000;  // greatest number of a robot
 
 }  // namespace
 
@@ -39,7 +39,7 @@ std::string fault_keys_help() {
 }
 
 bool FaultKeys::on_a_terminal() {
-  // Of a terminal that somebody else has in his hands nothing is read.
+  // Do not read from a terminal that belongs to another process group in the foreground.
   return ::isatty(STDIN_FILENO) == 1 && ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
 }
 

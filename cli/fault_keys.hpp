@@ -1,4 +1,4 @@
-/// Faults of stand-ins by key: the number of a robot, then the letter of a fault.
+/// Faults of simulated vehicles by key: the number of a robot, then the letter of a fault.
 #pragma once
 
 #include <atomic>
@@ -13,17 +13,18 @@
 
 namespace sightline::cli {
 
-/// What keys ask for, one after another.
+/// Decodes a sequence of keys.
 class FaultTyping {
  public:
   struct Requested {
     std::size_t robot;  ///< from 0
     LinkFaultKind kind;
   };
-  /// The next key; a digit begins or continues the number of a robot, which stays until the next number.
-  /// @return a fault that is to begin or to end
+  /// Takes the next key; a digit begins or continues the number of a robot, which stays until the
+  /// next number.
+  /// @return a fault to begin or to end
   std::optional<Requested> take(char key);
-  /// Whether the last key asked for help: ? or h.
+  /// Whether the last key requested help: ? or h.
   bool asks_for_help() const { return help_; }
 
  private:
@@ -31,15 +32,15 @@ class FaultTyping {
   bool typing_ = false, help_ = false;
 };
 
-/// A line for each fault, and how to ask for them.
+/// The keys of all faults, one line each, and their use.
 std::string fault_keys_help();
 
-/// Reads keys of a terminal, as they are typed, until its end; where stdin is no terminal it does nothing.
+/// Reads keys from a terminal as they are typed, until destroyed; inactive if stdin is no terminal.
 class FaultKeys {
  public:
   using Take = std::function<void(FaultTyping::Requested)>;
   using Help = std::function<void()>;
-  /// Calls `take` and `help` by a thread of its own.
+  /// Calls `take` and `help` on a separate thread.
   FaultKeys(Take take, Help help);
   ~FaultKeys();
   FaultKeys(const FaultKeys&) = delete;

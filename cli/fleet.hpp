@@ -1,4 +1,4 @@
-/// What the commands of fleets have in common.
+/// Functions common to the commands for fleets.
 #pragma once
 
 #include <atomic>
@@ -9,13 +9,13 @@
 
 namespace sightline::cli {
 
-/// A scenario with a [fleet], for a program that has a bridge.
-/// @throws std::invalid_argument for one without, and for a program without
+/// Reads a scenario with a [fleet], for a program with a bridge.
+/// @throws std::invalid_argument if the scenario has no [fleet] or the program no bridge
 Scenario read_fleet(const NamedScenario& fleet, const Registry& registry);
 
-/// How often a person asked to end this program, from listen_to_interrupts() on.
+/// Number of requests to end this program, from listen_to_interrupts() on.
 Interrupts& interrupts();
-/// True from the first time on.
+/// True after the first request.
 std::atomic<bool>& stop_flight();
 void listen_to_interrupts();
 

@@ -21,11 +21,11 @@
 namespace sightline::cli {
 namespace {
 
-// Of the process, as signals are.
+// Global, as signals belong to the process.
 Interrupts interrupt_count{0};
 std::atomic<bool> interrupted{false};
 
-/// Other parts, which exchange messages as the scenario says.
+/// The --set assignment of another partition, with the scenario's message exchange.
 std::string partition_assignment(const FlyCommand& command, const Registry& parts) {
   const Scenario scenario = read_fleet(command.fleet, parts);
   const ExchangeOptions exchange = scenario.partition ? scenario.partition->exchange : ExchangeOptions{};
@@ -44,7 +44,7 @@ std::string partition_assignment(const FlyCommand& command, const Registry& part
                      exchange.offset, exchange.flown_by == MessagesBy::network ? "network" : "simulation");
 }
 
-/// Which of its parts a computer is to plan, somebody has to say.
+/// Rejects a fleet with a partition if no part to plan is given.
 void refuse_without_part(const Scenario& scenario, const FlyCommand& command) {
   if (!scenario.partition || !scenario.partition->part.empty()) return;
   std::vector<std::string_view> names;
@@ -59,7 +59,7 @@ void on_interrupt(int) {
   interrupted = true;
 }
 
-/// What the robots said of the flight; whether it is a fault.
+/// Prints the robots' counts and faults of the flight; returns whether there are faults.
 bool say_end(const LinkedWorld& world) {
   for (const std::string& line : world.counts()) say(line);
   const std::vector<std::string> faults = world.faults();
@@ -67,9 +67,10 @@ bool say_end(const LinkedWorld& world) {
   return !faults.empty();
 }
 
-/// All before a flight but arming. Nothing is written: a folder keeps the flight that it has.
+/// Executes all steps before a flight except arming. It writes nothing, so a folder keeps its
+/// flight.
 int fly_dry(const Scenario& scenario, LinkedWorld& world) {
-  if (world.exchange() == nullptr) (void)Controls(scenario);  // its refusals
+  if (world.exchange() == nullptr) (void)Controls(scenario);  // throws what a flight would
   run_apart([&] {
     offer_sentence(become_realtime(control_priority).sentence());
     (void)world.take_off(Arming::dry_run, interrupts(), offer_sentence);
@@ -123,7 +124,7 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
                       fleet.file.native()));
     refuse_without_part(scenario, command);
     scenario.simulation.compare.clear();
-    lift_deadline(scenario.solver);  // so that the flight can be replayed: no time of the wall clock decides
+    lift_deadline(scenario.solver);  // replayable: no wall-clock deadline affects the plan
     scenario.pool = std::make_shared<ThreadPool>(command.threads);
     share_updates(scenario.solver, scenario.pool);
     check_solvers(scenario);
@@ -148,7 +149,7 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
   try {
     if (!folder) return fly_dry(scenario, *world);
     code = fly(std::move(scenario), *folder, clock, command.view, nullptr, &linked);
-  } catch (const std::invalid_argument& error) {  // of what is built before the flight
+  } catch (const std::invalid_argument& error) {  // of objects built before the flight
     tell("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;
   }

@@ -28,7 +28,7 @@ ExcitationKind kind_of(const std::string& name) {
   return static_cast<ExcitationKind>(found - excitation_names.begin());
 }
 
-/// What `make` gives; what it refuses is refused with its place.
+/// Returns the result of `make`; errors receive the place as a prefix.
 template <class Make>
 auto in(const fs::path& place, Make&& make) {
   try {
@@ -38,7 +38,7 @@ auto in(const fs::path& place, Make&& make) {
   }
 }
 
-/// What the log of a run has of the robot.
+/// The flown motion of the robot from the log of a run.
 FlownMotion flown(const IdentifyCommand& command, const Registry& registry) {
   const fs::path log = log_of(command.of.file);
   const FlownAs flight = flown_as(log);
@@ -51,7 +51,7 @@ FlownMotion flown(const IdentifyCommand& command, const Registry& registry) {
 }  // namespace
 
 int identify(const IdentifyCommand& command, const Registry& registry) {
-  std::error_code ignored;  // of what cannot be looked at, the reading says why
+  std::error_code ignored;  // the reading reports the error of an inaccessible file
   const bool of_log = fs::is_directory(command.of.file, ignored);
   std::optional<FolderLock> lock;
   FlownMotion motion;

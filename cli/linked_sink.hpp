@@ -1,4 +1,4 @@
-/// Between a flight and its log: who looks on, and what ends it.
+/// Sinks between a flight and its log: they show the flight and end it.
 #pragma once
 
 #include <algorithm>
@@ -35,8 +35,8 @@ class ShownSink final : public Sink<Sample> {
   Sample* sample_ = nullptr;
 };
 
-/// Shows each period to those who look on, and ends the flight where a robot of it is to land, or somebody asks for it: the link lands
-/// it, and all others.
+/// Publishes each period, and ends the flight if the fallback of a robot requires landing or a
+/// landing is requested. The link then lands all robots.
 class LinkedSink final : public Sink<Sample> {
  public:
   /// @param stop  ends the loop
@@ -57,7 +57,7 @@ class LinkedSink final : public Sink<Sample> {
   void close() noexcept override { sink_.close(); }
   bool is_abandoned() const noexcept override { return sink_.is_abandoned(); }
 
-  /// Whether a robot was to land by its supervisor.
+  /// Whether a fallback level required landing because its data were too old.
   bool too_old() const { return too_old_; }
 
  private:

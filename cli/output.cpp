@@ -18,9 +18,9 @@ namespace sightline::cli {
 namespace {
 
 using WallClock = std::chrono::steady_clock;
-constexpr std::size_t piece = 4096;  // a pipe that has room takes as much at once [B]
+constexpr std::size_t piece = 4096;  // a pipe reported as writable takes this many bytes at once [B]
 
-/// Writes to one of the standard streams without ever waiting longer than it may.
+/// Writes to one of the standard streams with a bounded waiting time.
 class Stream {
  public:
   explicit Stream(int file) : file_(file) {
@@ -28,8 +28,9 @@ class Stream {
     const int mode = ::fcntl(file, F_GETFL) & O_ACCMODE;
     if (::fstat(file, &status) != 0 || mode == O_RDONLY) return;
     is_socket_ = S_ISSOCK(status.st_mode);
-    // The stream is shared with others, who may wait: a description of one's own, where there is something to wait
-    // for, that does not. A regular file keeps its place and its end.
+    // Other processes share the stream and may need blocking writes. A pipe or a device therefore
+    // gets a separate file description that does not block. A regular file keeps its position and
+    // its end.
     if (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode)) {
       const std::string name = fmt::format("/proc/self/fd/{}", file);
       const int own = ::open(name.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -37,7 +38,7 @@ class Stream {
     }
   }
 
-  /// @return 0, or the errno of what went wrong; ETIMEDOUT where nobody took it in time
+  /// @return 0, or the errno of the failure; ETIMEDOUT if no reader took the text in time
   int write(std::string_view text, bool wait) noexcept {
     while (!text.empty()) {
       if (const int fault = await(wait); fault != 0) return fault;
@@ -63,7 +64,7 @@ class Stream {
                              : WallClock::duration(0);
       const auto ms = std::chrono::ceil<std::chrono::milliseconds>(most);
       const int ready = ::poll(&room, 1, static_cast<int>(ms.count()));
-      if (ready > 0 || (ready < 0 && errno != EINTR)) return 0;  // what is wrong, the writing tells
+      if (ready > 0 || (ready < 0 && errno != EINTR)) return 0;  // the write reports the error
       if (!wait) return ETIMEDOUT;
       const auto took = (WallClock::now() - begin).count();
       if (left_ != WallClock::duration::max().count()) left_ -= took;
@@ -73,14 +74,14 @@ class Stream {
 
   int file_;
   bool is_socket_ = false;
-  // Of all threads that write together.
+  // Shared by all threads that write.
   std::atomic<WallClock::rep> left_ = WallClock::duration::max().count();
 };
 
-/// Both streams and what became of the results.
+/// Both streams and the state of the results.
 struct Streams {
   Stream results{STDOUT_FILENO}, messages{STDERR_FILENO};
-  std::atomic<int> lost = 0;  // errno of the results
+  std::atomic<int> lost = 0;  // errno of a failed write of results
 
   Streams() { messages.wait_at_most(patience); }
 };
@@ -90,7 +91,8 @@ Streams& streams() {
   return all;
 }
 
-/// In one piece where it fits, so that lines of several threads do not mix; without memory of the heap.
+/// Writes in one piece if it fits, so that lines of several threads do not mix; without heap
+/// allocation.
 void write_sentence(std::string_view sentence, void (*write)(std::string_view) noexcept) noexcept {
   constexpr std::string_view begin = "sightline: ";
   std::array<char, 1024> line{};
@@ -110,7 +112,8 @@ void write_sentence(std::string_view sentence, void (*write)(std::string_view) n
 void open_streams() {
   for (int file = STDIN_FILENO; file <= STDERR_FILENO; ++file) {
     if (::fcntl(file, F_GETFD) >= 0) continue;
-    // The lowest that is free; for reading alone, so that what is written there is known to be lost.
+    // The kernel assigns the lowest free number. Read-only, so that a write there fails and the
+    // loss is reported.
     [[maybe_unused]] const int opened = ::open("/dev/null", O_RDONLY);
   }
   for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU}) ::signal(signal, SIG_IGN);

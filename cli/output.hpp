@@ -1,5 +1,5 @@
-/// What the commands say: results on stdout, messages on stderr. A stream may be closed, full, or a terminal that has
-/// gone or was stopped: nothing here throws, and nothing holds up a flight.
+/// Output of the commands: results on stdout, messages on stderr. A stream may be closed, full, or
+/// a terminal that is gone or stopped. Nothing here throws, and nothing delays a flight.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,37 +10,38 @@
 
 namespace sightline::cli {
 
-/// How long all writing to a stream may wait, in sum, for somebody who takes it.
+/// Total time that writing to a stream may wait for a reader.
 inline constexpr std::chrono::seconds patience{2};
 
-/// First of all: standard streams that were closed become ones that take nothing, so that no file of ours is opened
-/// in their place; and a reader that leaves, a file that may not grow and a terminal that is not ours become errors
-/// instead of signals.
+/// Called first. Closed standard streams are opened so that no later file takes their numbers;
+/// writes to them fail. A reader that leaves, a file at its size limit and a terminal of another
+/// process group cause errors instead of signals.
 void open_streams();
-/// A terminal that hangs up ends neither a flight nor a campaign. Results that their files hold as well wait for a
-/// stopped terminal no longer than `patience`; all others wait, as those of any program.
+/// A terminal that hangs up ends neither a flight nor a campaign. Results that are also in files
+/// wait at most `patience` for a stopped terminal. All other results wait, as in any program.
 void outlive_the_terminal();
 
 void write_result(std::string_view text) noexcept;
 void write_message(std::string_view text) noexcept;
-/// A message that waits for nobody: progress, by any thread.
+/// Writes a message without waiting: progress, from any thread.
 void offer_message(std::string_view text) noexcept;
 
 template <class... Args>
 void print(fmt::format_string<Args...> format, Args&&... args) {
   write_result(fmt::format(format, std::forward<Args>(args)...));
 }
-/// A message as it is.
+/// Writes a message unchanged.
 template <class... Args>
 void tell(fmt::format_string<Args...> format, Args&&... args) {
   write_message(fmt::format(format, std::forward<Args>(args)...));
 }
-/// A sentence, in a line that begins with the program's name.
+/// Writes a sentence in a line that begins with the program's name.
 void say(std::string_view sentence) noexcept;
-/// The same where nothing may wait: it is left out where nobody reads.
+/// The same without waiting: the sentence is dropped if the stream is not writable.
 void offer_sentence(std::string_view sentence) noexcept;
 
-/// At the end: the exit code, which is 1 instead of 0 where results were lost; says so.
+/// Called at the end: returns the exit code. It is 1 instead of 0 if results were lost, and a
+/// message reports the loss.
 int finish(int code);
 
 }  // namespace sightline::cli

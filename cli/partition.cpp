@@ -24,7 +24,7 @@ constexpr std::size_t moments_max = 24;
 constexpr std::size_t times_max = 1'000'000;
 constexpr int exchanges_compared = 6;
 
-/// Median and greatest of one number of all moments, after so many exchanges.
+/// Median and greatest value of one quantity over all moments, after a number of exchanges.
 struct Spread {
   double median, greatest;
 };
@@ -147,7 +147,7 @@ std::string PartitionedFlight::tell(const std::filesystem::path& folder, const s
   double p99 = 0.0;
   for (const std::vector<double>& of_part : each_us_) p99 = std::max(p99, quantile(of_part, 0.99));
   json["part_p99_us"] = p99;
-  json["numbers_told"] = numbers;  // by a robot in an exchange
+  json["numbers_told"] = numbers;  // sent by a robot in an exchange
   json["moments"] = moments.size();
   json["sweeps"] = Json::array();
 

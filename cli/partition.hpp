@@ -1,4 +1,5 @@
-/// A flight whose team plans in parts, `--partition`: its solver, and what is said of it afterwards.
+/// A flight whose team plans in subteams, `--partition`: its solver and the evaluation after the
+/// flight.
 #pragma once
 
 #include <filesystem>
@@ -12,27 +13,27 @@
 
 namespace sightline::cli {
 
-/// The words of the command line, read and checked.
+/// The partition of a command line, read and checked.
 struct PartitionChoice {
-  std::string text{};  ///< as it was given; empty: by the scenario
+  std::string text{};  ///< text as given; empty: from the scenario
   Partition parts{};
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
   int exchanges = 1;
-  std::optional<ExchangeOptions> messages{};  ///< of the scenario's [partition]
+  std::optional<ExchangeOptions> messages{};  ///< from the scenario's [partition]
   int threads = 1;
 
   PartitionOptions options() const { return {order, exchanges, messages, threads}; }
 };
 
-/// What a scenario's [partition] says; none where one solver plans all, or its part.
+/// The partition of a scenario; none if one solver plans the whole team or its part.
 std::optional<PartitionChoice> partition_of(const Scenario& scenario, int threads = 1);
 
-/// @throws std::invalid_argument with a sentence for words that do not fit the scenario
+/// @throws std::invalid_argument with a message if the text does not fit the scenario
 PartitionChoice read_partition(const Scenario& scenario, const std::string& parts, const std::string& order,
                                int exchanges, int threads = 1);
 
-/// Steers as its partitioned solver does, and keeps some moments of the flight, evenly spread, to look at them later.
-/// Its memory is taken before the flight.
+/// A solver that returns the commands of its partitioned solver and samples moments of the flight,
+/// evenly spread, for later evaluation. It allocates before the flight.
 class PartitionedFlight final : public Solver {
  public:
   PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice);
@@ -49,10 +50,11 @@ class PartitionedFlight final : public Solver {
   const Connectivity* connectivity() const noexcept override { return solver_.connectivity(); }
   bool keeps_apart() const noexcept override { return solver_.keeps_apart(); }
 
-  /// After the flight: at the moments kept, how far exchanges are from the optimum of the whole team. Writes
-  /// partition.json into the folder.
-  /// @param summary, whole  summary.json of this flight, and of the same flight under a solver of the whole team
-  /// @return a table for a person
+  /// Evaluates, after the flight, the distance of the exchanges from the optimum of the whole team
+  /// at the sampled moments. Writes partition.json into the folder.
+  /// @param summary, whole  summary.json of this flight, and of the same flight with a solver of
+  ///   the whole team
+  /// @return a table as text
   std::string tell(const std::filesystem::path& folder, const std::string& summary, const std::string& whole);
 
  private:
@@ -62,11 +64,11 @@ class PartitionedFlight final : public Solver {
   };
 
   PartitionChoice choice_;
-  std::string solver_name_;  // of the parts
+  std::string solver_name_;  // of the subteams
   PartitionedSolver solver_;
   std::vector<PartSample> moments_;
-  std::vector<double> part_us_;               // of each update, the slowest part
-  std::vector<std::vector<double>> each_us_;  // of each part, its updates
+  std::vector<double> part_us_;               // of each update, the slowest subteam
+  std::vector<std::vector<double>> each_us_;  // of each subteam, its updates
   std::size_t kept_ = 0, updates_ = 0, stride_ = 1;
 };
 

@@ -13,7 +13,7 @@
 namespace sightline::cli {
 namespace {
 
-/// The coupling that was asked for, or all.
+/// The requested coupling, or all.
 std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenario& scenario) {
   const std::size_t couplings = scenario.team.couplings().size();
   if (couplings == 0) {

@@ -17,7 +17,7 @@ namespace {
 
 using WallClock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds interval{100};
-constexpr std::chrono::seconds farewell{1};  // how long the last line may take
+constexpr std::chrono::seconds farewell{1};  // time limit of the last line
 
 bool on_a_terminal() { return ::isatty(STDERR_FILENO) == 1; }
 
@@ -27,7 +27,7 @@ double since(WallClock::time_point begin) {
 
 }  // namespace
 
-/// What outlives the owner where the thread is held up.
+/// State that outlives the owner if the thread is blocked.
 struct ProgressThread::Shared {
   std::function<std::string(bool last)> line;
   std::mutex mutex;
@@ -41,7 +41,7 @@ struct ProgressThread::Shared {
       lock.unlock();
       try {
         offer_message(line(last));
-      } catch (...) {  // no memory for a line: a later one may have it
+      } catch (...) {  // no memory for a line: a later one may succeed
       }
       lock.lock();
     }
@@ -54,7 +54,7 @@ ProgressThread::ProgressThread(std::function<std::string(bool last)> line)
     : shared_(std::make_shared<Shared>()) {
   shared_->line = std::move(line);
   if (!run_unattended([shared = shared_] { shared->run(); }))
-    shared_->ended = true;  // no thread, no progress
+    shared_->ended = true;  // no thread: no progress lines
 }
 
 void ProgressThread::end() {

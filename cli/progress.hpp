@@ -1,4 +1,4 @@
-/// How far a command is, on stderr.
+/// Progress of a command, on stderr.
 #pragma once
 
 #include <functional>
@@ -7,17 +7,18 @@
 
 namespace sightline::cli {
 
-/// Writes a line every now and then, by a thread of its own that may be held up or fail without harm to anybody.
+/// Writes a line at intervals from a detached thread, which may block or fail without effect on
+/// other threads.
 class ProgressThread {
  public:
-  /// @param line  what is to be written now, or nothing; asked ten times a second and, with `last`, once at the end;
-  ///              it owns what it reads
+  /// @param line  returns the next text, or an empty one; called ten times a second and, with
+  ///   `last`, once at the end; it owns the data it reads
   explicit ProgressThread(std::function<std::string(bool last)> line);
   ~ProgressThread() { end(); }
   ProgressThread(const ProgressThread&) = delete;
   ProgressThread& operator=(const ProgressThread&) = delete;
 
-  /// Asks for the last line; leaves a thread that is held up behind.
+  /// Requests the last line; a blocked thread is left behind.
   void end();
 
  private:
@@ -25,15 +26,15 @@ class ProgressThread {
   std::shared_ptr<Shared> shared_;
 };
 
-/// One line on a terminal that says how far a run is; silent where stderr is no terminal.
+/// One line on a terminal with the progress of a run; silent if stderr is no terminal.
 class Progress {
  public:
   /// @param duration  simulated time of the whole run [s]
   explicit Progress(double duration);
 
-  /// All up to this simulated time [s] is done and on disk.
+  /// Shows that all periods up to this simulated time [s] are done and on disk.
   void show(double simulated) noexcept;
-  /// Ends the line, if there is one.
+  /// Ends the line, if one was written.
   void end();
 
  private:
@@ -42,7 +43,8 @@ class Progress {
   std::unique_ptr<ProgressThread> thread_;
 };
 
-/// How far a campaign is: a line that is written anew on a terminal, and else one every tenth of the runs.
+/// Progress of a campaign: one line, rewritten on a terminal; otherwise one line per tenth of the
+/// runs.
 class CampaignProgress {
  public:
   CampaignProgress(std::string name, int runs, int done, int recovered);

@@ -15,7 +15,7 @@
 namespace sightline::cli {
 namespace {
 
-/// What the flight was steered by: its subteams' solvers, or as the scenario says.
+/// The controllers of the flight: the solvers of its subteams, or those of the scenario.
 class Steering {
  public:
   Steering(const Scenario& scenario, const FlownAs& flown, bool as_one) {

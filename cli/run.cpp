@@ -31,7 +31,7 @@ namespace {
 Scenario read(const RunOptions& options, const Registry& parts) {
   Scenario scenario = options.scenario.read(parts);
   if (options.seed) scenario.simulation.seed = *options.seed;
-  // The scenario's own options hold for its own solver.
+  // The scenario's options apply only to its own solver.
   if (options.solver && *options.solver != scenario.solver.name)
     scenario.solver = solver_named(*options.solver);
   std::erase(scenario.simulation.compare, scenario.solver.name);
@@ -46,12 +46,13 @@ void print_table(const std::vector<SummaryLine>& lines) {
   for (const SummaryLine& line : lines) print("{:{}}  {}\n", line.what, width, line.value);
 }
 
-/// From the ground to the ground, by a thread of its own: what it asks of the machine is for no one else.
+/// Flies from take-off to landing on a separate thread, so that its real-time settings affect no
+/// other thread.
 LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sink) {
   LoopOutcome outcome;
   run_apart([&] {
     offer_sentence(become_realtime(control_priority).sentence());
-    bool flies = true;  // where taking off fails halfway, some do
+    bool flies = true;  // if take-off fails halfway, some robots fly
     try {
       flies = linked.world.take_off(linked.arming, linked.interrupts, offer_sentence);
       if (flies) outcome = loop.fly();
@@ -64,7 +65,7 @@ LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sin
   return outcome;
 }
 
-/// A summary that says how a flight on links kept time as well.
+/// Adds the timing of a flight on links to a summary.
 std::string with_timing(const std::string& summary, const LinkTiming& timing) {
   using Ordered = nlohmann::ordered_json;
   const auto us = [](const LinkTiming::Delay& delay) {
@@ -79,7 +80,8 @@ std::string with_timing(const std::string& summary, const LinkTiming& timing) {
   return json_text(json, 2) + "\n";
 }
 
-/// Flies the scenario under its controllers, as fly_logged() of the library; shows it where that is asked for.
+/// Flies the scenario with its controllers, as fly_logged() of the library; shows it on a page if
+/// requested.
 LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
                        const ShowOptions& view, const Controllers& controllers,
                        TeamSwitcher* team_switcher = nullptr, const McapWords& flown = {},
@@ -127,7 +129,7 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
   }
   const auto begin = std::chrono::steady_clock::now();
   const Controls controls(scenario);
-  constexpr std::size_t large = 64;  // a smaller team is there at once
+  constexpr std::size_t large = 64;  // smaller teams are set up without a noticeable delay
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (scenario.team.agents().size() >= large)
     say(fmt::format("{} robots are set up in {:.2g} s", scenario.team.agents().size(), took));
@@ -136,7 +138,7 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
                    linked);
 }
 
-/// The same, all planned by one solver; its log says so.
+/// The same scenario with one solver for the whole team; its log records this.
 Scenario as_one(const Scenario& scenario) {
   if (!scenario.partition) return scenario;
   Scenario one = parse_scenario(
@@ -167,7 +169,7 @@ int run(const RunOptions& options, const Registry& parts) {
           "too");
     if (options.view.tune) make_tunable(scenario);
     scenario.pool = std::make_shared<ThreadPool>(options.threads);
-    if (!partition) share_updates(scenario.solver, scenario.pool);  // else parts are solved at the same time
+    if (!partition) share_updates(scenario.solver, scenario.pool);  // else subteams are solved in parallel
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {
@@ -181,7 +183,7 @@ int run(const RunOptions& options, const Registry& parts) {
   try {
     return fly(std::move(scenario), *folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
                options.view, partition ? &*partition : nullptr);
-  } catch (const std::invalid_argument& error) {  // of what is built before the flight
+  } catch (const std::invalid_argument& error) {  // of objects built before the flight
     tell("{}: {}\n", options.scenario.file.native(), error.what());
     return 2;
   }
@@ -248,7 +250,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     print("{}\n", of_parts);
     print("{}\n", (folder / "partition.json").native());
   }
-  // A report without gnuplot, or a log on a full disk, is not there.
+  // The report is missing without gnuplot, the log on a full disk.
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
     if (std::error_code error; flight.begun && std::filesystem::exists(folder / file, error))
       print("{}\n", (folder / file).native());

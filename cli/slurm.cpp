@@ -25,14 +25,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds between_looks{1};
-constexpr int looks_unanswered = 30;  // of squeue, before it is given up
+constexpr int looks_unanswered = 30;  // failed squeue calls before giving up
 
 struct Said {
   int code;
   std::string text;
 };
 
-/// What a command of the shell prints, its errors too.
+/// Runs a shell command; returns its output, including errors.
 Said ask_shell(const std::string& command) {
   const auto close = [](FILE* pipe) { ::pclose(pipe); };
   std::unique_ptr<FILE, decltype(close)> pipe(::popen((command + " 2>&1").c_str(), "r"), close);
@@ -54,13 +54,13 @@ std::string last_line(const fs::path& file) {
   return last;
 }
 
-/// How many tasks of a job wait and run; nothing where Slurm does not say.
+/// Number of waiting and running tasks of a job; none if Slurm gives no answer.
 struct Tasks {
   int waiting = 0, running = 0;
 };
 std::optional<Tasks> tasks_of(const std::string& job) {
   const Said said = ask_shell(fmt::format("squeue --noheader --array --job {} --format %t", job));
-  // Of a job that it has forgotten it says so.
+  // Slurm reports a job it has forgotten as invalid: no task of the job is left.
   if (said.code != 0 && said.text.find("Invalid job id") == std::string::npos) return std::nullopt;
   Tasks tasks;
   std::size_t begin = 0;
@@ -148,7 +148,7 @@ bool fly_by_slurm(const std::string& script, int shards, const fs::path& folder)
   for (int i = 1; i <= shards; ++i) {
     const fs::path said = shard_folder(folder, i) / "slurm.txt";
     const std::string last = last_line(said);
-    // Runs that were not recovered are results as well.
+    // Runs that are not recovered are results too.
     if (last == "exit 0" || last == "exit 1") continue;
     all = false;
     say(fmt::format("shard {}/{} failed: {} ({})", i, shards,

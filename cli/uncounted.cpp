@@ -1,4 +1,5 @@
-// For programs of others, whose heap is their own: nothing is counted. A program that links allocations.cpp counts.
+// Null implementation of the counters for other programs, which keep their own heap. A program that
+// links allocations.cpp counts.
 #include "cli/allocations.hpp"
 
 namespace sightline::cli {

@@ -28,7 +28,7 @@ namespace {
 
 using Moments = std::chrono::steady_clock;
 
-/// Keeps no sample.
+/// A sink that discards all samples.
 class UnloggedSink final : public Sink<Sample> {
  public:
   explicit UnloggedSink(const Sample& prototype) : sample_(prototype) {}
@@ -115,7 +115,7 @@ int view_flight(const ViewCommand& command, const Registry& registry, const Serv
     try {
       run_apart([&] { outcome = loop.fly(); });
     } catch (...) {
-      stop = true;  // nothing flies that a view could wait for
+      stop = true;  // no flight is left that a view could wait for
       throw;
     }
     if (!stop) say("the flight is over, the page stays until Ctrl-C");
@@ -155,7 +155,7 @@ int view(const ViewCommand& command, const Registry& registry) {
   const ServeOptions& options = command.serve;
   outlive_the_terminal();
   listen_to_interrupts();
-  std::error_code ignored;  // of what cannot be looked at, the reading says why
+  std::error_code ignored;  // the reading reports the error of an inaccessible file
   try {
     return std::filesystem::is_directory(command.of.file, ignored) ? view_log(command, registry, options)
                                                                    : view_flight(command, registry, options);

@@ -25,7 +25,7 @@ namespace {
 
 using TunedClock = std::chrono::steady_clock;
 
-/// The files of the first flight, of the second one, ...
+/// Output folder of the first, second, ... flight.
 std::filesystem::path folder_of(const ViewCommand& command, const Scenario& scenario, int number) {
   std::filesystem::path folder =
       command.output.empty() ? std::filesystem::path("out") / scenario.name / "tuned" : command.output;
@@ -33,7 +33,7 @@ std::filesystem::path folder_of(const ViewCommand& command, const Scenario& scen
   return folder;
 }
 
-/// The scenario of another flight, with the values that were tuned and another seed.
+/// The scenario of the next flight, with the tuned values and another seed.
 Scenario with_seed(const Scenario& before, const Tuning& tuning, std::uint64_t seed) {
   const PageFiles files = tuning.files();
   const PageFile& values = files.at("/final.toml");
@@ -49,10 +49,10 @@ Scenario with_seed(const Scenario& before, const Tuning& tuning, std::uint64_t s
   return next;
 }
 
-/// One flight with its page, from its start until somebody ends it or asks for another one.
+/// One flight with its page, from its start until a user ends it or requests another flight.
 class TunedFlight {
  public:
-  /// @param serve  where its page stands; as it is served, once it flies
+  /// @param serve  address of its page; updated with the actual address once the page is served
   TunedFlight(Scenario scenario, const std::filesystem::path& folder, const ViewCommand& command, bool paused,
               ServeOptions& serve)
       : scenario_(std::move(scenario)),
@@ -67,7 +67,7 @@ class TunedFlight {
                                 }}),
         serve_(serve) {}
 
-  /// @param announce  called with the address of the page
+  /// @param announce  receives the address of the page
   /// @return the exit code
   int fly(TunedClock::time_point end, const std::function<void(const std::string&)>& announce) {
     FlightOptions options{.team_switcher = controls_.team_switcher(), .stop = &over_};

@@ -1,5 +1,5 @@
-/// What the Python module is made of: each function adds the names of one subject. Numbers cross as numpy arrays, refusals as
-/// ValueError with the library's sentence.
+/// The functions that make up the Python module; each adds the names of one subject. Numbers cross
+/// as numpy arrays; errors become ValueError with the library's message.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -17,28 +17,29 @@ namespace sightline::python {
 
 namespace py = pybind11;
 
-/// Numbers from Python: an array of doubles as it is, anything else that numpy takes as a copy.
+/// Numbers from Python: a contiguous array of doubles without a copy, any other array-like as a copy.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// The numbers of an array, for as long as it lives.
+/// A view of an array's numbers, valid while the array lives.
 inline std::span<const double> view(const Numbers& numbers) {
   return {numbers.data(), static_cast<std::size_t>(numbers.size())};
 }
-/// @throws std::invalid_argument naming it, unless it is a row of n
+/// @throws std::invalid_argument naming the argument, unless it is a row of n numbers
 inline std::span<const double> view(const Numbers& numbers, std::string_view what, int n) {
   if (numbers.ndim() > 1)
     throw_invalid("{} has {} dimensions, expected {} numbers in one", what, numbers.ndim(), n);
   if (numbers.size() != n) throw_invalid("{} has {} numbers, expected {}", what, numbers.size(), n);
   return view(numbers);
 }
-/// A text of Python in UTF-8. @throws std::invalid_argument naming it where it has half of a pair of UTF-16
+/// A Python string in UTF-8. @throws std::invalid_argument naming the argument if it has a lone
+/// surrogate
 inline std::string utf8(const py::handle& text, std::string_view what) {
   const char* const bytes = PyUnicode_AsUTF8(text.ptr());
   if (bytes != nullptr) return bytes;
   PyErr_Clear();
   throw_invalid("{} = {}, expected a text", what, std::string(py::str(py::repr(text))));
 }
-/// A list of numbers from Python; `n` zeros, or what `otherwise` is, where nothing is given.
+/// A list of numbers from Python; `otherwise` if the argument is None.
 inline std::vector<double> list(const py::object& given, const std::vector<double>& otherwise = {}) {
   if (given.is_none()) return otherwise;
   const Numbers numbers = Numbers::ensure(given);
@@ -47,7 +48,7 @@ inline std::vector<double> list(const py::object& given, const std::vector<doubl
   return {all.begin(), all.end()};
 }
 
-/// A new array of these numbers.
+/// A new array with a copy of these numbers.
 inline py::array_t<double> array(std::span<const double> numbers) {
   return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
 }
@@ -56,7 +57,7 @@ inline py::array_t<double> array(std::span<const double> numbers, py::ssize_t ro
 }
 
 void bind_formula(
-    py::module_& module);              ///< the recorder of formulas, and potentials and references made by it
+    py::module_& module);              ///< the recorder of formulas, and potentials and references made of it
 void bind_parts(py::module_& module);  ///< robots, potentials, references, limits
 void bind_team(py::module_& module);   ///< Team and its bodies
 void bind_solver(py::module_& module);     ///< solvers, and the simulated plant

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Flies the runs that the table of the folder lacks.
-/// @return the table's file
+/// Flies the runs that the folder's table lacks.
+/// @return the path of the table
 fs::path fly(const Scenario& given, const fs::path& out, int runs, const std::optional<std::uint64_t>& seed,
              int threads, const py::object& progress) {
   if (runs < 1) throw_invalid("runs = {}, expected >= 1", runs);

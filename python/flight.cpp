@@ -15,11 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The scenario as it is flown.
+/// The scenario with the given seed and solver, prepared for a flight that can be replayed.
 Scenario prepared(Scenario scenario, const std::optional<std::uint64_t>& seed,
                   const std::optional<std::string>& solver) {
   if (seed) scenario.simulation.seed = *seed;
-  // The scenario's own options hold for its own solver.
+  // The scenario's options apply only to its own solver.
   if (solver && *solver != scenario.solver.name) scenario.solver = solver_named(*solver);
   scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);

@@ -1,4 +1,5 @@
-// What records the formulas of Python functions (python/sightline/tracing.py), and what is made of them.
+// Recorder of the formulas of Python functions (python/sightline/tracing.py), and the parts made
+// from them.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -20,7 +21,7 @@ namespace {
 
 using Kind = Expression::Kind;
 
-/// A formula as it grows; its steps are known by their numbers.
+/// A formula under construction; its steps are identified by their indices.
 class Recorder {
  public:
   explicit Recorder(int variables) : variables_(variables) {}

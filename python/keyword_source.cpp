@@ -14,7 +14,7 @@ namespace {
 
 py::str key_of(std::string_view key) { return {key.data(), key.size()}; }
 
-/// An argument as a refusal shows it.
+/// An argument as text for an error message.
 std::string shown(const py::handle& value) {
   return shortened(one_line(std::string(py::str(py::repr(value)))), shown_size);
 }
@@ -55,7 +55,7 @@ py::object KeywordSource::at(std::string_view key, std::string_view expected) co
 
 Numbers KeywordSource::array_at(std::string_view key, std::string_view expected) const {
   const py::object value = at(key, expected);
-  // Words and truths are no numbers, though numpy reads some from them.
+  // Strings and booleans are not numbers, although numpy converts some of them.
   const bool is_other = py::isinstance<py::str>(value) || py::isinstance<py::bool_>(value);
   Numbers numbers = is_other ? py::reinterpret_steal<Numbers>(py::handle()) : Numbers::ensure(value);
   if (!numbers) throw_invalid(key, expected);

@@ -1,4 +1,5 @@
-/// Parameters of a part from the keyword arguments of a call, by what the part says of them (base/parameter.hpp).
+/// Parameters of a part from the keyword arguments of a call, by the part's description
+/// (base/parameter.hpp).
 #pragma once
 
 #include <string>
@@ -9,8 +10,8 @@
 
 namespace sightline::python {
 
-/// A view: the arguments outlive it. Its refusals are ValueErrors "keep_out.d_min = -1.0, expected > 0 m"; an argument that no
-/// part has is a TypeError that names the nearest.
+/// A view: the arguments must outlive it. Its errors are ValueErrors "keep_out.d_min = -1.0,
+/// expected > 0 m". An argument that no part has is a TypeError that names the nearest known one.
 class KeywordSource final : public ParameterSource {
  public:
   KeywordSource(std::string part, const py::dict& given) : part_(std::move(part)), given_(given) {}
@@ -28,10 +29,11 @@ class KeywordSource final : public ParameterSource {
   [[noreturn]] void throw_invalid(std::string_view sentence) const override;
 
  private:
-  /// The argument. @throws std::invalid_argument where it was not given
+  /// The argument. @throws std::invalid_argument if it was not given
   py::object at(std::string_view key, std::string_view expected) const;
   [[noreturn]] void throw_invalid(std::string_view key, std::string_view expected) const;
-  /// As numbers of any shape. @throws std::invalid_argument where they are none, or not finite
+  /// The argument as numbers of any shape. @throws std::invalid_argument if it has none, or they
+  /// are not finite
   Numbers array_at(std::string_view key, std::string_view expected) const;
 
   std::string part_;

@@ -1,4 +1,5 @@
-// The Python module: `import sightline` is python/sightline/__init__.py, which takes its names from here.
+// The Python module: `import sightline` is python/sightline/__init__.py, which imports its names
+// from here.
 #include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -14,7 +15,7 @@ PYBIND11_MODULE(_sightline, module) {
   module.attr("__version__") = std::string(sightline::version);
   module.attr("compiler") = std::string(sightline::compiler);
   pybind11::register_exception<sightline::ScenarioError>(module, "ScenarioError", PyExc_ValueError);
-  // What libraries throw, in words of ours.
+  // Exceptions of third-party libraries, translated into messages of sightline.
   pybind11::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

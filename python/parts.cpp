@@ -1,5 +1,6 @@
-// Robots, potentials, references and limits: a function for each that is registered (scenario/registry.hpp), called as scenarios call
-// it, with its parameters as keyword arguments. What is said of a parameter there is its documentation here.
+// Robots, potentials, references and limits: one function for each registered part
+// (scenario/registry.hpp). It is called as scenarios call the part, with the parameters as keyword
+// arguments. The registered descriptions are the docstrings here.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -45,7 +46,7 @@ void add_all(py::module_& module, const PartList<Made>& list) {
   module.attr(fmt::format("{}s", list.kind()).c_str()) = py::tuple(names);
 }
 
-/// The parameters as they are: {"d_min": "1.5"}.
+/// The parameters with their present values: {"d_min": "1.5"}.
 py::dict parameters_of(const std::vector<ParameterText>& texts) {
   py::dict all;
   for (const ParameterText& p : texts) all[py::str(p.key.data(), p.key.size())] = p.value;
@@ -87,7 +88,7 @@ void bind_sight(py::module_& module) {
       });
 }
 
-/// The word of a mount's frame. @throws std::invalid_argument for another
+/// The mount frame with this name. @throws std::invalid_argument for another name
 MountFrame frame_of(std::string_view word) {
   const auto found = std::find(mount_frames.begin(), mount_frames.end(), word);
   if (found == mount_frames.end())
@@ -95,7 +96,8 @@ MountFrame frame_of(std::string_view word) {
   return static_cast<MountFrame>(found - mount_frames.begin());
 }
 
-/// Gradient of the traced formula, as the solver has it: by the numbers of both sights (2 x 10).
+/// Gradient of the recorded formula that the solver uses, with respect to the numbers of both sights
+/// (2 x 10).
 py::array_t<double> gradient_of(const Potential& potential, const Sight<double>& a, const Sight<double>& b,
                                 double t);
 

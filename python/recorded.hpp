@@ -1,14 +1,16 @@
-/// Potentials and references whose formulas were recorded from a Python function: no Python is called once they are there.
+/// Potentials and references whose formulas were recorded from a Python function; evaluation calls
+/// no Python.
 ///
 /// A potential of two bodies is a formula over, in this order,
 ///
 ///   seen      the target in the sensor frame S of the observer, x along the axis [m], 3
-///   observer  p, d, v, lean in G, sight_size
+///   observer  p, d, v and tilt (`lean`) in G, sight_size
 ///   target    likewise
 ///   t         the time [s]
 ///
-/// one of a single robot over that robot's sight and t; a reference over t. Roots, and with them abs, maximum and minimum, are
-/// rounded off over `corner`, so that they have derivatives everywhere.
+/// A potential of one robot is a formula over that robot's state and t; a reference is one over t.
+/// Roots, and with them abs, maximum and minimum, are smoothed over `corner`, so they have
+/// derivatives everywhere.
 #pragma once
 
 #include <array>
@@ -29,7 +31,7 @@ namespace sightline::python {
 inline constexpr double corner = 1e-6;  // in the unit of the root
 inline constexpr int seen_size = 3;
 
-/// The value of a formula of at most formula_steps_max steps; allocates nothing.
+/// The value of a formula of at most formula_steps_max steps; does not allocate.
 inline double value_of(const Expression& formula, std::span<const double> variables) noexcept {
   std::array<double, formula_steps_max> scratch;
   return formula(variables, corner, std::span<double>(scratch));
@@ -40,7 +42,7 @@ class RecordedPair {
  public:
   static constexpr int variables_n = seen_size + 2 * sight_size + 1;
 
-  /// @param limit  > 0 where the limit is broken; none: it states none
+  /// @param limit  > 0 where the limit is violated; none: the potential has no limit
   RecordedPair(std::string name, Expression l, std::optional<Expression> limit, const SensorMount& mount)
       : name_(std::move(name)), l_(std::move(l)), limit_(std::move(limit)), mount_(mount) {}
 
@@ -57,7 +59,7 @@ class RecordedPair {
   }
 
   const std::string& name() const { return name_; }
-  /// Whether it says where the sensor sees its target.
+  /// Whether the formula depends on the target in the sensor frame.
   bool is_view() const { return sees(l_) || (limit_ && sees(*limit_)); }
   const SensorMount& mount() const { return mount_; }
   RecordedPair seen_from(const SensorMount& mount) const { return {name_, l_, limit_, mount}; }
@@ -116,11 +118,11 @@ class RecordedSingle {
   std::optional<Expression> limit_;
 };
 
-/// A state over time.
+/// A reference state over time.
 struct RecordedReference {
   std::vector<Expression> states;  ///< of t, at most Reference::max_states
 
-  /// A state with room of its own.
+  /// A state with its own storage.
   struct State {
     std::array<double, Reference::max_states> x;
     std::size_t n;

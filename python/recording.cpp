@@ -1,4 +1,4 @@
-// A log as numpy arrays, which look at the memory of the log and cannot be written.
+// A log as numpy arrays, which are read-only views of the log's memory.
 #include "sightline/record/recording.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ namespace {
 
 static_assert(sizeof(Vec3<double>) == 3 * sizeof(double) && sizeof(Vec2<double>) == 2 * sizeof(double));
 
-/// The whole states of a body, a row a message; after keep() a row a period.
+/// The full states of a body, one row per message; after keep(), one row per period.
 struct LoggedStates {
   std::vector<double> time, x;
   std::size_t nx = 0;
@@ -28,7 +28,8 @@ struct LoggedStates {
     if (row.size() != nx) throw_invalid("a state of {} numbers, expected {}", row.size(), nx);
     x.insert(x.end(), row.begin(), row.end());
   }
-  /// Those of the periods: a log has others, of periods that were missed and after the last command.
+  /// Keeps the rows of the periods. A log has other rows, for missed periods and after the last
+  /// command.
   void keep(const std::vector<double>& periods) {
     std::size_t kept = 0;
     for (std::size_t row = 0; row < time.size() && kept < periods.size(); ++row) {
@@ -40,13 +41,14 @@ struct LoggedStates {
   }
 };
 
-/// A recording and the states of its bodies, all of one pass over the file: of a log that still grows, as it was then.
+/// A recording and the states of its bodies, all from one pass over the file; a growing log is read
+/// as it was then.
 struct OpenLog {
   std::filesystem::path folder;
   std::map<std::string, LoggedStates, std::less<>> states{};  // by topic
 
  private:
-  LogText text_{};  // that add() reads by, while the recording is read
+  LogText text_{};  // the text that add() parses while the recording is read
 
  public:
   Recording recording;
@@ -65,16 +67,16 @@ struct OpenLog {
 };
 using SharedLog = std::shared_ptr<OpenLog>;
 
-/// A body of it.
+/// A body of the log.
 struct LoggedBody {
   SharedLog log;
   const Recording::Body* body;
 };
 
-/// Numbers of the log, as they lie there.
+/// A view of the log's numbers, without a copy.
 py::array_t<double> shown(const SharedLog& log, const double* numbers, std::vector<py::ssize_t> shape) {
   const py::capsule holds(new SharedLog(log), [](void* held) { delete static_cast<SharedLog*>(held); });
-  // An empty list has no memory to look at.
+  // An empty list has no memory to view.
   if (numbers == nullptr) return py::array_t<double>(std::move(shape));
   py::array_t<double> view(std::move(shape), numbers, holds);
   view.attr("flags").attr("writeable") = false;
@@ -98,7 +100,7 @@ py::array_t<double> states_of(const LoggedBody& of) {
                {static_cast<py::ssize_t>(of.log->recording.time.size()), static_cast<py::ssize_t>(all.nx)});
 }
 
-/// Applied inputs, a row a period.
+/// Applied inputs, one row per period.
 py::array_t<double> inputs_of(const LoggedBody& of) {
   const auto rows = static_cast<py::ssize_t>(of.log->recording.time.size());
   const auto nu = static_cast<py::ssize_t>(of.body->u.size());
@@ -110,7 +112,7 @@ py::array_t<double> inputs_of(const LoggedBody& of) {
   return u;
 }
 
-/// A column of the solver's records; of several controllers the first.
+/// A column of the solver's records; of the first controller if there are several.
 const Recording::Controller& controller(const OpenLog& log) {
   if (log.recording.controllers.empty()) throw std::runtime_error("the log has no solver");
   return log.recording.controllers.front();

@@ -1,4 +1,4 @@
-// Scenarios, and what can be said of them before a flight.
+// Scenarios, and their checks before a flight.
 #include "sightline/scenario/scenario.hpp"
 
 #include <fmt/format.h>
@@ -27,13 +27,13 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, const
   return parse_scenario(text, file, built_in_registry(), {.set = set});
 }
 
-/// What `sightline check` says of a scenario that it accepts.
+/// The result of `sightline check` for an accepted scenario.
 struct Checked {
   std::string summary;
   std::vector<std::string> remarks, warnings;
 };
 
-/// @throws std::invalid_argument with what cannot be flown, a sentence a line
+/// @throws std::invalid_argument listing what cannot be flown, one sentence per line
 Checked check(const Scenario& scenario) {
   const py::gil_scoped_release others_run;
   const Controls controls(scenario);
@@ -51,7 +51,7 @@ std::string explained(const Scenario& scenario) {
   return explain_text(scenario);
 }
 
-/// Its text with templates and layers written out.
+/// The text of the scenario with templates and layers expanded.
 std::string expanded(const Scenario& scenario) {
   TomlDocument document = parse_toml(scenario.text, scenario.file.native());
   expand(document);

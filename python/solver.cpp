@@ -1,4 +1,4 @@
-// Solvers by their names, and the simulated plant.
+// Solvers by name, and the simulated plant.
 #include "sightline/solver/solver.hpp"
 
 #include <fmt/format.h>
@@ -17,10 +17,11 @@
 namespace sightline::python {
 namespace {
 
-/// For one thread at a time: the others are refused, since what they read would change under them.
+/// Grants access to one thread at a time. Other threads get an error, since their data would change
+/// during use.
 class OneAtATime {
  public:
-  /// @throws std::runtime_error where another thread is in
+  /// @throws std::runtime_error if another thread has access
   OneAtATime(std::atomic_flag& taken, std::string_view what) : taken_(taken) {
     if (taken_.test_and_set(std::memory_order_acquire))
       throw std::runtime_error(
@@ -39,7 +40,8 @@ bool is_truth(const py::handle& value) {
   return py::isinstance<py::bool_>(value) || type == "numpy.bool_" || type == "numpy.bool";
 }
 
-/// The int of what has __index__; none of what has not, as an array of one real number.
+/// The int of an object with __index__; none for other objects, such as an array of one real
+/// number.
 py::object whole_number(const py::handle& value) {
   if (PyIndex_Check(value.ptr()) == 0) return {};
   auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
@@ -47,8 +49,8 @@ py::object whole_number(const py::handle& value) {
   return whole;
 }
 
-/// Puts an option into the table of a solver as the value that it is: what has __index__ is a whole number, what has __float__ a
-/// number, of Python and of numpy.
+/// Adds an option to a solver's table with its type: __index__ gives an integer, __float__ a
+/// number, for Python and numpy objects.
 void put_option(toml::table& table, const std::string& key, const py::handle& value) {
   if (table.contains(key)) throw_invalid("{} is given twice", key);
   if (py::isinstance<py::str>(value)) {
@@ -74,7 +76,7 @@ void put_option(toml::table& table, const std::string& key, const py::handle& va
   }
 }
 
-/// The options of a solver as [solver] of a scenario has them, and read by that.
+/// The options of a solver in the form of a scenario's [solver], and parsed as such.
 SolverChoice choice_of(std::string_view name, const Horizon& horizon, const py::kwargs& options) {
   TomlDocument document{.file = fmt::format("options of {}", name), .root = {}};
   document.root.insert("name", std::string(name));
@@ -82,7 +84,7 @@ SolverChoice choice_of(std::string_view name, const Horizon& horizon, const py::
   return read_solver(TomlTable(document), horizon);
 }
 
-/// A solver and who is in it.
+/// A solver with its access flag.
 struct GuardedSolver {
   std::unique_ptr<Solver> solver;
   std::atomic_flag taken{};
@@ -93,7 +95,7 @@ struct GuardedSolver {
     const py::gil_scoped_release others_run;
     solver = make_solver(choice, team, horizon);
   }
-  /// That of a scenario, with its options.
+  /// The solver of a scenario, with its options.
   explicit GuardedSolver(const Scenario& scenario) {
     const py::gil_scoped_release others_run;
     SolverChoice choice = scenario.solver;
@@ -104,7 +106,7 @@ struct GuardedSolver {
   int nu() const { return solver->ocp().team().nu(); }
 };
 
-/// Solution with memory of its own.
+/// A solution with its own memory.
 struct KeptSolution {
   py::array_t<double> u, raw_u, x;
   Status status{};
@@ -150,7 +152,7 @@ py::array_t<double> planned(GuardedSolver& of, double time) {
   return array(u);
 }
 
-/// The simulated world, and who is in it.
+/// The simulated world with its access flag.
 struct GuardedPlant {
   Plant plant;
   std::atomic_flag taken{};

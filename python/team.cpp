@@ -1,4 +1,4 @@
-// Team, its bodies, and who feels what.
+// Team, its bodies, and the potentials and limits that act on them.
 #include "sightline/ocp/team.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 namespace sightline::python {
 namespace {
 
-/// A reference, or a state that stays.
+/// A reference, or a constant state.
 Reference reference_of(const py::object& given) {
   if (given.is_none()) return {};
   if (py::isinstance<Reference>(given)) return given.cast<Reference>();
@@ -20,7 +20,7 @@ Reference reference_of(const py::object& given) {
   return list(given);
 }
 
-/// A weight times a potential; of a potential alone the weight is 1.
+/// A weight times a potential; a potential alone has weight 1.
 Weighted weighted_of(const py::object& given) {
   if (py::isinstance<Weighted>(given)) return given.cast<Weighted>();
   if (py::isinstance<Potential>(given)) return {1.0, given.cast<Potential>()};
@@ -39,7 +39,7 @@ std::vector<AgentId> agents_of(const py::object& given) {
   return given.cast<std::vector<AgentId>>();
 }
 
-/// The limits of an agent's inputs, those of its model where they are not given.
+/// The input limits of an agent; those of its model where none are given.
 InputLimits limits_of(const Model& model, const py::object& u_min, const py::object& u_max) {
   return {list(u_min, {model.u_min().begin(), model.u_min().end()}),
           list(u_max, {model.u_max().begin(), model.u_max().end()})};
@@ -70,7 +70,7 @@ void couple(Team& team, const py::object& term, const py::sequence& between, con
   team.couple(std::move(coupling));
 }
 
-/// A potential that one robot feels by itself, or a limit of its state and input.
+/// Adds a potential that acts on one robot alone, or a limit of its state and input.
 void constrain(Team& team, const py::object& term, AgentId agent) {
   if (py::isinstance<RelaxedBarrier>(term)) return team.constrain(term.cast<RelaxedBarrier>(), agent);
   team.constrain(weighted_of(term), agent);

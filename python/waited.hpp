@@ -1,4 +1,4 @@
-/// Waiting for what flies in a thread of its own, while other threads of Python run.
+/// Waits for a flight on a separate thread while other Python threads run.
 #pragma once
 
 #include <atomic>
@@ -10,10 +10,10 @@
 
 namespace sightline::python {
 
-/// Looks for Ctrl-C the while; where that comes, or `progress` raises, `stop` is set, what flies comes to its end, and what was
-/// raised goes on.
-/// @param told      what progress is called with
-/// @param progress  called a few times a second; None: nobody is told
+/// Waits and checks for Ctrl-C meanwhile. On Ctrl-C, or if `progress` raises, it sets `stop`, waits
+/// for the flight to end, and rethrows.
+/// @param reported  argument of `progress`
+/// @param progress  called a few times a second; None: no calls
 template <class Result, class Reported>
 Result waited_for(std::future<Result>& flight, std::atomic<bool>& stop, const std::atomic<Reported>& reported,
                   const py::object& progress) {

@@ -1,4 +1,4 @@
-// What a scenario flies, period by period, for controllers of one's own.
+// Steps the world of a scenario period by period, for controllers written in Python.
 #include "sightline/world/world.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ namespace {
 /// The world of a scenario in simulated time, at the beginning of a period.
 class SteppedWorld {
  public:
-  /// @throws std::invalid_argument as make_world(), and where the team changes in flight
+  /// @throws std::invalid_argument as make_world(), and if the team changes in flight
   SteppedWorld(const Scenario& scenario, const std::optional<std::uint64_t>& seed) : scenario_(scenario) {
     if (changes_in_flight(scenario)) {
       throw_invalid("{}: the team changes in flight, expected one that stays, or sightline.run",
@@ -27,7 +27,7 @@ class SteppedWorld {
     restart(seed);
   }
 
-  /// Begins anew; with another seed where one is given.
+  /// Restarts; with another seed if one is given.
   void restart(const std::optional<std::uint64_t>& seed) {
     if (seed) scenario_.simulation.seed = *seed;
     world_ = make_world(scenario_);
@@ -37,9 +37,9 @@ class SteppedWorld {
     now_ = world_->measure(0.0);
   }
 
-  /// Inputs from now on for a period, each within the limits in force.
+  /// Applies inputs for one period, each within the limits in force.
   /// @throws std::invalid_argument for a number that is not finite
-  /// @throws std::runtime_error where the world cannot go on
+  /// @throws std::runtime_error if the world cannot continue
   void step(const Numbers& given) {
     const std::span<const double> requested = view(given, "u", team().nu());
     if (ended_) throw std::runtime_error("the world has ended, expected restart()");
@@ -77,7 +77,7 @@ class SteppedWorld {
   std::vector<double> u_;
 };
 
-/// A detection as Python has it.
+/// A detection as a Python object.
 struct SeenBody {
   std::string observer, target;
   Detection detection;

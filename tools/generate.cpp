@@ -1,6 +1,8 @@
-/// Prints the compiled functions of models and potentials: generate FOLDER, one file for each part of them.
+/// Prints the compiled functions of models and potentials: generate FOLDER, one file for each group
+/// of them.
 ///
-/// What is printed holds no parameter values, so one function serves all robots of a model, at every stage length.
+/// The printed functions contain no parameter values, so one function serves all robots of a model,
+/// at every stage length.
 #include <cstdio>
 #include <filesystem>
 #include <vector>
@@ -60,7 +62,7 @@ Generator potentials() {
   generator.add({bearing, near, far, with});
   generator.add({bearing, near, far});
   for (const Weighted& one : {bearing, near, far, with}) generator.add({one});
-  // Of a camera that leans with the body.
+  // For a camera that tilts with the body.
   constexpr SensorMount body = {.frame = MountFrame::body};
   const Weighted leaning_bearing = 0.4 * Bearing{.mount = body},
                  leaning_cone = 0.4 * SensorCone{.mount = body};

@@ -1,5 +1,6 @@
-/// Writes what a shell and `man` know of the command line, from its own description: pages FOLDER, which gets
-/// man1/sightline.1, a page for each command, and the completion for bash, `sightline`.
+/// Writes the shell completion and manual pages of the command line from its own description: pages
+/// FOLDER. The folder receives man1/sightline.1, a page per command, and the completion for bash,
+/// `sightline`.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -23,7 +24,7 @@ constexpr std::string_view exit_codes =
     ".TP\n.B 1\nThe flight failed, or output was lost.\n"
     ".TP\n.B 2\nBad input.\n";
 
-/// Text as roff prints it: a hyphen that can be copied, and no line that begins a request.
+/// Text escaped for roff: hyphens that can be copied, and no line that begins a request.
 std::string roff(std::string_view text) {
   std::string printed;
   for (const char c : text) {
@@ -51,7 +52,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app, bool positional)
   return options;
 }
 
-/// "-o", "--output": as they are typed.
+/// The names of an option as typed: "-o", "--output".
 std::vector<std::string> names_of(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
@@ -111,7 +112,8 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Commands first; then a command's options after a dash, else files: scenarios, where it asks for one.
+/// Completes commands first; then options of a command after a dash, else files: scenarios, where
+/// it takes one.
 std::string completion(const CLI::App& app) {
   std::vector<std::string> commands;
   std::string cases;

@@ -1,4 +1,5 @@
-/// Prints docs/reference.md: keys, registered parts and commands, from the code that reads them. scripts/reference.sh writes it.
+/// Prints docs/reference.md: keys, registered parts and commands, from the code that reads them.
+/// scripts/reference.sh writes the file.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -23,7 +24,7 @@
 namespace sightline {
 namespace {
 
-/// The keys of a described struct, under the table of a scenario that holds them.
+/// The keys of a described struct, under the scenario table that holds them.
 template <class Part>
 std::string keys(std::string_view title, std::string_view table, const Part& part) {
   std::string text =
@@ -81,6 +82,6 @@ std::string reference() {
 
 int main() {
   std::string text = sightline::reference();
-  text.pop_back();  // one line end at the end of the file
+  text.pop_back();  // one newline at the end of the file
   return std::fputs(text.c_str(), stdout) < 0 ? 1 : 0;
 }

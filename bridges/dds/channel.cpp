@@ -34,7 +34,7 @@ Qos qos_of(Quality quality, const MessageType& type) {
   dds_qset_durability(qos.get(),
                       quality.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, quality.depth, DDS_LENGTH_UNLIMITED,
-                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);  // of who comes later
+                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);  // for late-joining readers
   dds_qset_writer_data_lifecycle(qos.get(), false);
   const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &plain);
@@ -43,7 +43,7 @@ Qos qos_of(Quality quality, const MessageType& type) {
   return qos;
 }
 
-/// The topic under the name that its type has on the wire.
+/// Creates the topic with the type name used on the wire.
 Entity made_topic(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic) {
   const std::string type_name = wire_type(type.m_typename);
   dds_topic_descriptor_t named = type;
@@ -87,7 +87,7 @@ int RawWriter::matched() const noexcept {
 }
 
 int RawWriter::rivals(std::span<const SeenWriter> writers) const {
-  dds_guid_t ours{};  // of a silent one: nobody's
+  dds_guid_t ours{};  // all zero with PublishMode::off: equal to no writer's
   if (entity_.get() > 0) dds_get_guid(entity_.get(), &ours);
   return static_cast<int>(std::count_if(writers.begin(), writers.end(), [&](const SeenWriter& writer) {
     return writer.topic == topic_ && std::memcmp(&writer.guid, &ours, sizeof ours) != 0;
@@ -104,7 +104,7 @@ WriterList::WriterList(dds_entity_t participant, dds_entity_t of)
 
 std::vector<SeenWriter> WriterList::look() {
   std::vector<SeenWriter> writers;
-  samples_[0] = nullptr;  // lend us theirs
+  samples_[0] = nullptr;  // null: Cyclone DDS lends its own samples
   const dds_return_t count =
       dds_read(reader_.get(), samples_.data(), infos_.data(), writers_max, writers_max);
   for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(0, count)); ++i) {
@@ -139,7 +139,7 @@ int RawReader::matched() const noexcept {
 }
 
 void RawReader::take(const ddsi_serdata* data, std::uint64_t writer) {
-  // On the wire a message is filled up to a multiple of 4.
+  // Messages are padded to a multiple of 4 on the wire.
   const std::size_t size = ddsi_serdata_size(data) - header;
   const std::size_t wanted = payload_ ? (*payload_ + 3) / 4 * 4 : payload_max;
   if (payload_ ? size != wanted && size != *payload_ : size > wanted) {
@@ -174,8 +174,7 @@ void RawReader::on_data(dds_entity_t reader, void* self) {
   dds_sample_info_t info[most];
   for (dds_return_t n; (n = dds_takecdr(reader, data, most, info, DDS_ANY_STATE)) > 0;) {
     const auto count = static_cast<std::size_t>(n);
-    std::array<std::unique_ptr<ddsi_serdata, SerdataUnref>, most>
-        held;  // given back where take() throws, too
+    std::array<std::unique_ptr<ddsi_serdata, SerdataUnref>, most> held;  // released even if take() throws
     for (std::size_t i = 0; i < count; ++i) held[i].reset(data[i]);
     for (std::size_t i = 0; i < count; ++i)
       if (info[i].valid_data) own.take(data[i], info[i].publication_handle);

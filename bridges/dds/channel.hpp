@@ -1,4 +1,5 @@
-/// Writers and readers of one message each, under the names and with the qualities of service that ROS 2 has.
+/// DDS readers and writers for one message type each, with ROS 2 topic names and qualities of
+/// service.
 #pragma once
 
 #include <dds/dds.h>
@@ -24,12 +25,13 @@ struct Quality {
   bool reliable = false, transient_local = false;
   int depth = 1;
 };
-inline constexpr Quality of_sensors = {};                     // whatever comes, the newest
-inline constexpr Quality of_px4_output = {false, true, 1};    // what a client of PX4 writes by
-inline constexpr Quality of_ros_commands = {true, false, 1};  // matches readers of both kinds
+inline constexpr Quality of_sensors = {};                     // best effort, newest message only
+inline constexpr Quality of_px4_output = {false, true, 1};    // as PX4's uXRCE-DDS client writes
+inline constexpr Quality of_ros_commands = {true, false, 1};  // matches reliable and best-effort readers
 inline constexpr Quality of_services = {true, false, 10};
 
-/// Where what is ours lives in a domain, and whether it writes there. Who is silent cannot send, and nobody sees a writer of his.
+/// Participant and publish mode. With PublishMode::off no DDS writer is created, so other programs
+/// discover none and nothing is sent.
 enum class PublishMode { on, off };
 struct Port {
   dds_entity_t participant;
@@ -40,10 +42,11 @@ struct Port {
   operator dds_entity_t() const { return participant; }
 };
 
-/// A text of a message; empty where the message has none.
+/// The string field of a message; empty if the pointer is null.
 inline std::string_view text_in(const char* text) noexcept { return text != nullptr ? text : ""; }
 
-/// An entity of Cyclone DDS: a topic, a reader, a writer. Its end waits for its listeners.
+/// Owner of a Cyclone DDS entity: a topic, a reader or a writer. The destructor waits for the
+/// entity's listeners to return.
 class Entity {
  public:
   Entity() = default;
@@ -57,23 +60,24 @@ class Entity {
     return *this;
   }
 
-  dds_entity_t get() const noexcept { return made_; }  ///< 0: none; below: a dds_return_t that says why not
+  dds_entity_t get() const noexcept { return made_; }  ///< 0: no entity; < 0: the dds_return_t error code
 
  private:
   dds_entity_t made_ = 0;
 };
 
-/// A writer or a reader of the domain, with the names of its topic and of its type as on the wire.
+/// A writer or reader discovered in the domain; topic and type names are those on the wire.
 struct SeenWriter {
   std::string topic, type;
   dds_guid_t guid{};
 };
 
-/// All of them that are alive, asked as often as one likes. One thread.
+/// All writers (or readers) that are alive in the domain; look() may be called at any rate. Single
+/// thread.
 class WriterList {
  public:
-  /// @param of  of readers, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION
-  /// @throws std::runtime_error where nobody says
+  /// @param of  DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION lists the readers instead of the writers
+  /// @throws std::runtime_error if the built-in topic cannot be read
   explicit WriterList(dds_entity_t participant, dds_entity_t of = DDS_BUILTIN_TOPIC_DCPSPUBLICATION);
   std::vector<SeenWriter> look();
 
@@ -83,35 +87,37 @@ class WriterList {
   std::vector<dds_sample_info_t> infos_;
 };
 
-/// A writer of messages of a type of IDL.
+/// Writer of messages of one IDL type.
 class RawWriter {
  public:
-  /// @param topic  of ROS, "/a/b"; as on the wire where it does not begin with /
+  /// @param topic  ROS name, "/a/b"; a name without a leading / is used as it is on the wire
   /// @throws std::runtime_error with the topic
   RawWriter(Port at, const dds_topic_descriptor_t& type, const std::string& topic, Quality quality);
   RawWriter(const RawWriter&) = delete;
   RawWriter& operator=(const RawWriter&) = delete;
 
-  /// Sends; a reader that does not keep up misses it. Nothing is allocated for messages up to 256 bytes.
+  /// Sends a message; a reader that does not keep up loses it. Messages up to 256 bytes need no
+  /// allocation.
   bool write(const void* message) noexcept {
     return entity_.get() > 0 && dds_write(entity_.get(), message) == DDS_RETCODE_OK;
   }
-  /// Readers that there are.
+  /// Number of matched readers.
   int matched() const noexcept;
-  /// Whether somebody reads it; of a silent one, whether somebody would, by its topic and type.
+  /// Whether a reader receives this topic. With PublishMode::off: whether a reader of this topic
+  /// and type exists.
   bool received(std::span<const SeenWriter> readers) const;
-  /// When the last of them came, of the monotonic clock [ns]; 0: never. Of any thread.
+  /// Monotonic time at which the last reader matched [ns]; 0: none yet. Any thread may call it.
   std::int64_t reader_came() const noexcept { return reader_came_; }
   dds_entity_t entity() const noexcept { return entity_.get(); }
-  /// Of these, those of the same topic that are not ours.
+  /// Number of `writers` on this topic other than this one.
   int rivals(std::span<const SeenWriter> writers) const;
   const std::string& topic() const { return topic_; }
-  const std::string& type() const { return type_; }  ///< as on the wire
+  const std::string& type() const { return type_; }  ///< on the wire
 
  private:
   std::string topic_, type_;
   std::atomic<std::int64_t> reader_came_{0};
-  Entity of_topic_, entity_;  // of a silent one: none; the last first
+  Entity of_topic_, entity_;  // none with PublishMode::off; entity_ is destroyed first
 };
 
 template <class M>
@@ -121,34 +127,35 @@ class Writer : public RawWriter {
   bool operator()(const M& message) noexcept { return write(&message); }
 };
 
-/// What is known of a message besides what it says.
+/// Metadata of a received message.
 struct Arrival {
-  std::int64_t monotonic = 0;  ///< when it came [ns]
-  std::uint64_t writer = 0;    ///< a number of its own for each
-  std::size_t size = 0;        ///< of the message on the wire [bytes], filled up to a multiple of 4
+  std::int64_t monotonic = 0;  ///< time of arrival, monotonic clock [ns]
+  std::uint64_t writer = 0;    ///< identifier of the writer, unique per writer
+  std::size_t size = 0;        ///< of the message on the wire [bytes], padded to a multiple of 4
 };
 
-/// What a reader met. Read by any thread.
+/// Counters of a reader. Any thread may read them.
 struct ReaderCounts {
   std::atomic<std::int64_t> received{0};
-  std::atomic<std::int64_t> too_short{0}, too_long{0};  ///< of another release
-  std::atomic<std::int64_t> unreadable{0};              ///< of the right size, and not its type
-  std::atomic<std::int64_t> foreign{0};                 ///< of a second writer, where one is kept
-  std::atomic<std::uint32_t> wrong_size{0};             ///< the last of these [bytes]
+  std::atomic<std::int64_t> too_short{0}, too_long{0};  ///< messages of another release
+  std::atomic<std::int64_t> unreadable{0};              ///< right size, but not of the type
+  std::atomic<std::int64_t> foreign{0};                 ///< from a second writer, with Writers::first
+  std::atomic<std::uint32_t> wrong_size{0};             ///< last wrong size [bytes]
 };
 
-/// Of messages that hold strings and lists; larger ones are refused before they are unpacked [bytes].
+/// Largest payload of messages with strings and sequences; larger ones are rejected before
+/// deserialisation [bytes].
 inline constexpr std::size_t payload_max = 1 << 20;
 
 enum class Writers { all, first };
 
-/// Reads in the thread that receives, whole messages of the right size alone: Cyclone DDS drops those that are too short and
-/// delivers those that are too long with wrong fields.
+/// Reads in the receive thread and accepts only messages of the expected size. Cyclone DDS itself
+/// drops messages that are too short, but delivers those that are too long with wrong fields.
 class RawReader {
  public:
   using Take = std::function<void(const void* message, const Arrival&)>;
-  /// @param payload  its size on the wire [bytes]; none: any up to payload_max
-  /// @param take     called in the thread that receives
+  /// @param payload  size on the wire [bytes]; none: any size up to payload_max
+  /// @param take     called in the receive thread
   /// @throws std::runtime_error with the topic
   RawReader(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
             Quality quality, std::optional<std::size_t> payload, Writers writers, Take take);
@@ -156,11 +163,11 @@ class RawReader {
   RawReader& operator=(const RawReader&) = delete;
 
   const ReaderCounts& counts() const { return counts_; }
-  /// Writers that came so far, those that left included. Of any thread.
+  /// Number of writers that have matched so far, including those that left. Any thread may call it.
   int writers_came() const noexcept { return writers_came_; }
   const std::string& topic() const { return topic_; }
   std::string type() const { return wire_type(type_.m_typename); }
-  /// Writers that there are.
+  /// Number of writers that are matched now.
   int matched() const noexcept;
 
  private:
@@ -176,8 +183,8 @@ class RawReader {
   ReaderCounts counts_;
   std::atomic<int> writers_came_{0};
   std::uint64_t first_writer_ = 0;
-  std::vector<std::uint64_t> scratch_;  // one message
-  Entity of_topic_, entity_;            // last: what it fills outlives it
+  std::vector<std::uint64_t> scratch_;  // storage for one message
+  Entity of_topic_, entity_;            // last member: destroyed before the members that its listener fills
 };
 
 template <class M>

@@ -8,13 +8,13 @@
 namespace sightline::dds {
 namespace {
 
-constexpr double earth_radius = 6371000.0;  // of PX4's projection [m]
+constexpr double earth_radius = 6371000.0;  // of PX4's map projection [m]
 
-/// Axes of NED in ENU: half a turn about north-east.
+/// NED axes in ENU: half a turn about north-east.
 const Quaternion ned_to_enu = {0.0, std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0.0};
 const Quaternion frd_to_flu = {0.0, 1.0, 0.0, 0.0};
 
-/// q or -q, the one with w >= 0.
+/// q or -q, whichever has w >= 0.
 Quaternion upper(const Quaternion& q) { return q.w < 0 ? Quaternion{-q.w, -q.x, -q.y, -q.z} : q; }
 
 Motion turned(const Motion& motion, double heading) {

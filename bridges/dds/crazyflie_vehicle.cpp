@@ -16,11 +16,11 @@ namespace sightline::dds {
 namespace {
 
 constexpr std::int64_t level_out_after = 500'000'000,
-                       motors_off_after = 2'000'000'000;   // of the firmware [ns]
+                       motors_off_after = 2'000'000'000;   // as in the firmware [ns]
 constexpr std::int64_t flying_lasts = 2'000'000'000;       // after the motors last lifted [ns]
 constexpr double position_gain = 2.0, heading_gain = 2.0;  // [1/s]
-constexpr double furthest = 2.0;                           // of a set-point [m]
-constexpr double up_to_ground = 0.1;                       // the end of a landing is lower [m]
+constexpr double furthest = 2.0;                           // distance of a set-point from the vehicle [m]
+constexpr double up_to_ground = 0.1;                       // height below which a landing ends [m]
 
 double seconds_of(const builtin_interfaces_msg_dds__Duration_& d) { return d.sec + 1e-9 * d.nanosec; }
 double seconds_now() { return 1e-9 * static_cast<double>(monotonic_now()); }
@@ -143,7 +143,8 @@ void CrazyflieVehicle::supervise() {
     supervisor_ |= is_flying;
     lifted_at_ = now;
   }
-  // Its motors stop where a landing ends; some time later it says so, and is disarmed.
+  // As in the firmware: the motors stop at the end of a landing; is_flying clears and it disarms
+  // only later.
   if (has(is_flying) && commander_ == Commander::stopped && body_.on_ground() &&
       now - lifted_at_ > flying_lasts)
     supervisor_ = setup_.arms_itself ? arms_itself | is_armed | can_fly : can_be_armed;
@@ -178,7 +179,7 @@ void CrazyflieVehicle::move() {
     return;
   }
   if (monotonic_now() - setpoint_at_ > level_out_after) {
-    body_.follow({m.v.x, m.v.y, 0}, {}, 0.0);  // level, and on with what speed it has
+    body_.follow({m.v.x, m.v.y, 0}, {}, 0.0);  // level, with constant horizontal velocity
     return;
   }
   const Vec2<double> d = heading(rotation(m.q)), to = rotate<double>({d.x, -d.y}, setpoint_.d);
@@ -189,7 +190,7 @@ void CrazyflieVehicle::move() {
 void CrazyflieVehicle::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   supervise();
-  send_pose();  // then it goes on, from this time on
+  send_pose();  // the pose before this step, stamped now
   move();
   if (number % 10 == 0) send_status();
 }

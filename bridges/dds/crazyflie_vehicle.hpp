@@ -1,4 +1,4 @@
-/// Stands in for a Crazyflie and the server of Crazyswarm2 before it: its services, its commanders, its supervisor.
+/// Simulator of a Crazyflie behind the Crazyswarm2 server: services, commanders, supervisor.
 #pragma once
 
 #include <memory>
@@ -13,33 +13,34 @@
 
 namespace sightline::dds {
 
-/// What a stand-in was told. Of any thread.
+/// Counters of the simulated Crazyflie. Any thread may read them.
 struct CrazyflieCounts {
-  std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: while it did not fly
-  std::int64_t bad_setpoints = 0;                     ///< not finite, or further than 2 m from it
+  std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: received while not flying
+  std::int64_t bad_setpoints = 0;                     ///< not finite, or more than 2 m from the vehicle
   std::int64_t arm_requests = 0, takeoff_requests = 0, land_requests = 0;
-  std::int64_t locked_out = 0;    ///< of take-off and landing, while set-points had it
-  double levelled_after = 0.0;    ///< the last set-point [s]; 0: it never did
-  double motors_off_after = 0.0;  ///< the last set-point [s]; 0: it never did
+  std::int64_t locked_out = 0;    ///< take-off and landing requests rejected during set-points
+  double levelled_after = 0.0;    ///< time after the last set-point [s]; 0: never
+  double motors_off_after = 0.0;  ///< time after the last set-point [s]; 0: never
 };
 
-/// What a service does when it is called.
+/// Behaviour of the services when called.
 enum class Serving { well, without_answer, not_at_all };
 
-/// On the ground below where its robot starts. As the firmware's: the commander for take-off and landing gives way to set-points until
-/// they are said to have ended; without set-points it levels out after 0.5 s, and stops its motors for good after 2 s. It arms where
-/// its supervisor lets it, and takes off where it is armed and its battery good.
+/// Starts on the ground below its robot's start. Reproduces the firmware:
+/// - Set-points override the take-off and landing commander until a request ends them.
+/// - Without set-points it levels out after 0.5 s and stops its motors for good after 2 s.
+/// - It arms if its supervisor allows it, and takes off if it is armed and the battery is good.
 class CrazyflieVehicle final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
-    Vec3<double> p{};  ///< in G, on the ground [m]
+    Vec3<double> p{};  ///< position in G, on the ground [m]
     double heading = 0.0;
     Vehicle rotors = Vehicle::crazyflie();
     bool arms_itself = false;
   };
 
-  /// @param faults  of this vehicle; outlives it
+  /// @param faults  of this vehicle; must outlive it
   CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Link& link, const Setup& setup, Faults& faults);
   ~CrazyflieVehicle() override;
 
@@ -50,21 +51,21 @@ class CrazyflieVehicle final : public VehicleSimulator {
   CrazyflieCounts reported() const;
   Motion motion() const override;
   std::uint16_t supervisor() const;
-  /// What can be wrong with it.
+  /// Injects a voltage [V], a service behaviour, or a tumble.
   void set_voltage(double voltage);
   void serve(Serving serving);
   void tumble();
 
  private:
   struct Ends;
-  /// Who gives it set-points.
+  /// Source of the set-points.
   enum class Commander {
-    stopped,  ///< nobody: its motors are off
-    ended,    ///< nobody any more: the last one counts
-    plan,     ///< of take-off and landing
+    stopped,  ///< none: motors off
+    ended,    ///< set-points have ended: the last one stays in force
+    plan,     ///< take-off and landing
     others,
   };
-  /// Of take-off and landing: a smooth way to a height.
+  /// Smooth height profile of take-off and landing.
   struct Plan {
     double from = 0.0, to = 0.0, begun = 0.0, duration = 0.0;
     Vec2<double> p{};
@@ -87,7 +88,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
   Crazyswarm2Link link_;
   Setup setup_;
   Faults& faults_;
-  mutable std::mutex lock_;  // of all below: readers' thread and the one that steps
+  mutable std::mutex lock_;  // guards all members below: reader threads and the stepping thread
   CrazyflieCounts reported_;
   SimulatedBody body_;
   std::uint16_t supervisor_ = 0;

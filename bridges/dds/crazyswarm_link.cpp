@@ -18,13 +18,13 @@ namespace {
 
 constexpr Nanoseconds crazyflie_second = 1'000'000'000;
 constexpr Nanoseconds pose_old = crazyflie_second / 2, supervisor_old = 5 * crazyflie_second / 2;
-constexpr Nanoseconds setpoints_end_most = 50'000'000;  // until they count as ended, where nobody answers
-constexpr int looks_least = 5;                          // at who is there, a fifth of a second each
+constexpr Nanoseconds setpoints_end_most = 50'000'000;  // timeout of the stop answer
+constexpr int looks_least = 5;                          // discovery checks required, at 5 Hz
 constexpr Nanoseconds takeoff_patience = 2 * crazyflie_second;
-constexpr std::uint32_t remain_valid = 100;         // [ms], which new firmware ignores
+constexpr std::uint32_t remain_valid = 100;         // [ms]; new firmware ignores it
 constexpr double landing_pace = 0.3;                // [m/s]
 constexpr double landing_time_least = 1.0;          // [s]
-constexpr double touchdown_height = 0.02;           // above the ground, where motors stop [m]
+constexpr double touchdown_height = 0.02;           // above the ground, where the motors stop [m]
 constexpr double descended = 0.1, at_height = 0.1;  // [m]
 constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velocity_world", "/cmd_position",
                                                         "/cmd_vel_legacy"};
@@ -69,7 +69,8 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   down_ = down_ || (landing_ == Landing::requested && !flies);
   LinkFacts facts;
   facts.there = poses_.is_fresh(now, pose_old) && now - last_status_.arrived < supervisor_old;
-  // A firmware that arms itself is armed on the ground too: of that one it counts from our request to its landing.
+  // A self-arming firmware is armed on the ground, too; it counts as armed only from our request to
+  // its landing.
   facts.armed = has(is_armed) && (!has(arms_itself) || (phase_ != Phase::ground && !down_));
   facts.landed = !flies;
   const bool may_arm = has(arms_itself) ? has(can_fly) : has(can_be_armed);
@@ -78,7 +79,8 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && status_reader_->writers_came() > speakers_;
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
-  // In flight it counts what the firmware makes of the voltage, which sags with each push.
+  // In flight the firmware's low-battery state decides, because the voltage sags with each thrust
+  // peak.
   if (last_status_.pm_state >= battery_low) facts.unfit = LinkReason::battery_low;
   const double seconds = 1e-9 * static_cast<double>(now - requested_at_);
   facts.airborne = flies && phase_ >= Phase::takeoff && height() > crazyflie_.takeoff_height - at_height &&
@@ -133,7 +135,8 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
   }
 }
 
-/// The server may take up requests in another order than they came in: the second waits for the first. One that never flew is disarmed.
+/// The server may execute requests out of order, so the second request waits for the answer to the
+/// first. A vehicle that never flew is disarmed.
 void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
   const bool said = last_status_.arrived > requested_at_;
   if (landing_ == Landing::requested && said && !has(is_flying) && has(is_armed) && !has(arms_itself) &&
@@ -153,9 +156,9 @@ void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
 void CrazyswarmLinkEnd::send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept {
   request(output.request, now);
   if (landing_ == Landing::setpoints_end && !output.heartbeat)
-    landing_ = Landing::none;  // it is not ours any more
+    landing_ = Landing::none;  // it has left our control
   go_on_landing(now);
-  // A set-point after the request to land would end the landing.
+  // A set-point after the land request would end the landing.
   if (output.setpoint == Setpoint::none || phase_ != Phase::setpoints) return;
   if (output.setpoint == Setpoint::task) {
     holds_ = false;
@@ -189,7 +192,7 @@ void CrazyswarmLinkEnd::send_state(const TrajectoryPoint& point) noexcept {
 void CrazyswarmLinkEnd::watch(std::span<const SeenWriter> writers) {
   for (ServiceCaller* caller : {&takeoff_, &land_, &arm_, &setpoints_stop_, &emergency_})
     caller->watch(writers);
-  // By then it is known who else is there.
+  // By then, discovery has found the other writers.
   const bool here =
       full_state_->matched() > 0 && takeoff_.there() && land_.there() && setpoints_stop_.there();
   looks_ = here ? looks_ + 1 : 0;

@@ -1,4 +1,4 @@
-/// The link to a Crazyflie behind the server of Crazyswarm2.
+/// Link to a Crazyflie behind the Crazyswarm2 server.
 #pragma once
 
 #include <atomic>
@@ -14,26 +14,28 @@
 
 namespace sightline::dds {
 
-/// Bits of supervisor_info, as the firmware has them.
+/// Bits of supervisor_info, as in the firmware.
 enum SupervisorBit : std::uint16_t {
   can_be_armed = 1,
   is_armed = 2,
-  arms_itself = 4,  ///< the firmware, where its checks pass: of Crazyflies with brushed motors
+  arms_itself = 4,  ///< the firmware arms itself after its checks: Crazyflies with brushed motors
   can_fly = 8,
   is_flying = 16,  ///< until 2 s after the motors last lifted
   is_tumbled = 32,
   is_locked = 64,
   is_crashed = 128,
 };
-/// pm_state, of which all but this one is no state to fly in: charging, charged, low, shutting down.
+/// Values of pm_state. Flight is allowed only in on_battery; the others are charging, charged, low,
+/// shutting down.
 inline constexpr std::uint8_t on_battery = 0;
 inline constexpr std::uint8_t battery_low = 3;
 
-/// A Crazyflie has no modes and asks nobody who steers it: whatever is sent to it last counts. So what it is at is what it was asked
-/// for, as far as its status agrees. Set-points lock out its commander for take-off and landing until they are said to have ended.
+/// A Crazyflie has no flight modes and no exclusive controller: the last command received is in
+/// force. The mode is therefore the last requested one, if the status agrees.
+/// Set-points lock out the take-off and landing commander until a request ends them.
 class CrazyswarmLinkEnd final : public LinkEnd {
  public:
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @throws std::runtime_error if a topic cannot be created
   CrazyswarmLinkEnd(Port participant, const Link& link);
 
   bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
@@ -52,7 +54,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
     float voltage = 0.0F;
   };
   enum class Phase : std::uint8_t { ground, arming, takeoff, setpoints, landing };
-  /// Of a landing: first the set-points end, then it lands.
+  /// Landing sequence: the set-points end first, then the land request follows.
   enum class Landing : std::uint8_t { none, setpoints_end, requested };
 
   bool has(SupervisorBit bit) const noexcept { return (last_status_.supervisor & bit) != 0; }
@@ -69,26 +71,26 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   PosesFrom from_;
   LinkOrigin origin_;
 
-  Mailbox<Status> status_;  // filled by the thread that receives
+  Mailbox<Status> status_;  // filled by the receive thread
 
-  std::atomic<bool> received_{false};  // by watch()
+  std::atomic<bool> received_{false};  // set by watch()
   std::atomic<int> rivals_{0};
   int looks_ = 0;
 
-  // Of the control thread.
+  // Control thread only.
   Status last_status_{};
   Phase phase_ = Phase::ground;
   Landing landing_ = Landing::none;
   Nanoseconds requested_at_ = 0;
-  double land_from_ = 0.0;  // its height when it was to land [m]
+  double land_from_ = 0.0;  // height at the landing request [m]
   bool holds_ = false, down_ = false, disarms_ = false;
-  TrajectoryPoint hold_{};  // where it was when it was to hold
-  int speakers_ = -1;       // that had come when it was asked to arm; -1: it was not yet
+  TrajectoryPoint hold_{};  // pose at the hold request
+  int speakers_ = -1;       // status writers matched at the arm request; -1: none requested yet
 
   std::unique_ptr<RawWriter> full_state_;
   ServiceCaller takeoff_, land_, arm_, setpoints_stop_, emergency_;
   PoseSubscriber poses_;
-  std::unique_ptr<RawReader> status_reader_;  // last: it ends before what it fills
+  std::unique_ptr<RawReader> status_reader_;  // last member: destroyed before the members it fills
 };
 
 }  // namespace sightline::dds

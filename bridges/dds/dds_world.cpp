@@ -17,9 +17,9 @@
 namespace sightline::dds {
 namespace {
 
-constexpr std::int64_t looks_each = 200'000'000;  // before a flight
+constexpr std::int64_t looks_each = 200'000'000;  // examination interval before a flight [ns]
 
-/// Refuses what would not be what the scenario says.
+/// Rejects scenarios that the fleet cannot follow.
 const Scenario& flown(const Scenario& scenario) {
   if (!scenario.fleet)
     throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
@@ -36,9 +36,10 @@ const Scenario& flown(const Scenario& scenario) {
   return scenario;
 }
 
-/// A part waits for robots of others, and for its own to land that fly without it.
+/// Waiting times of a part: for robots of other parts, and for its own robots that already fly to
+/// land.
 constexpr double ready_of_part = 120.0, begins_together = 20.0;  // [s]
-/// Of a robot that holds: how long the task waits until it has ceased to rise, and when it has.
+/// The task waits at most stands_within until each holding robot moves slower than `standing`.
 constexpr double stands_within = 2.0, standing = 0.03;  // [s], [m/s]
 
 LinkTimes times_of_task(LinkTimes times, const Scenario& scenario) {
@@ -47,7 +48,7 @@ LinkTimes times_of_task(LinkTimes times, const Scenario& scenario) {
   return times;
 }
 
-/// Where [safety] lets a robot fly, or drive.
+/// Bounds from [safety]: flying robots have a floor and a ceiling, ground robots have none.
 GoalSpace goal_space(const Scenario& scenario, const Model& model) {
   GoalSpace space;
   if (!scenario.safety) return space;
@@ -60,7 +61,7 @@ GoalSpace goal_space(const Scenario& scenario, const Model& model) {
 
 constexpr double never_seen = -std::numeric_limits<double>::infinity();
 
-/// Of the whole program [s].
+/// CPU time of the whole program [s].
 double cpu_seconds() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -154,11 +155,11 @@ Measured DdsWorld::measure(double t) noexcept {
   begun_ = seen_ = true;
   ++periods_;
   wakes_.add(1e-9 * static_cast<double>(now - origin_ - due));
-  // What has no link is at rest, and where the scenario says.
+  // Bodies without a link are at rest where the scenario places them.
   std::fill(stamps_.begin(), stamps_.end(), t);
   for (Robot& robot : robots_) {
     SeenMotion seen;
-    // Of one that is localized by vision, no place is measured.
+    // A vision-localized robot has no measured position.
     const bool came = robot.end->look(seen) && !robot.estimated;
     if (came) robot.model.write(seen.motion, &measured_[robot.x]);
     stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
@@ -171,7 +172,8 @@ Measured DdsWorld::measure(double t) noexcept {
 
 bool DdsWorld::apply(double, std::span<const double> estimated, const sightline::Command& u, double,
                      std::int64_t periods) noexcept {
-  // Of missed periods nothing can be told any more.
+  // Without a measurement since the last call, these periods were missed; no command can be sent
+  // for them.
   if (!std::exchange(seen_, false)) {
     periods_ += periods, missed_ += periods;
     return true;
@@ -280,7 +282,7 @@ void DdsWorld::steps_until(LinkOrder order, const Interrupts& interrupts, const 
   }
 }
 
-/// Tells other parts where the robots are while they do not fly the task.
+/// Publishes to other parts where the robots are while they do not fly the task.
 void DdsWorld::stand(LinkOrder order) noexcept {
   for (Robot& robot : robots_) {
     SeenMotion seen;
@@ -294,7 +296,7 @@ void DdsWorld::stand(LinkOrder order) noexcept {
   talk_->stand(phase, measured_);
 }
 
-/// The parts that are heard begin together, if none lets the others wait for long.
+/// Waits for a common start with the parts that are received, at most begins_together.
 void DdsWorld::begin_together(const Interrupts& interrupts, const PrintMessage& print) {
   const Nanoseconds until = monotonic_now() + std::llround(1e9 * begins_together);
   const auto flies = [&] { return each_is({LinkState::holding}) && interrupts == 0 && !calls_.to_land(); };
@@ -313,7 +315,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
     return interrupts > 0 || !refusals_.empty() || calls_.to_land() ||
            !each_is({S::waiting, S::ready, S::arming, S::taking_off, S::holding});
   };
-  // The periods of those who wait are long enough to look around: nothing is sent to them.
+  // Examination takes part of a period, which is safe because waiting robots receive no set-points.
   std::int64_t looked = 0;
   const auto look_around = [&] {
     if (monotonic_now() - looked <= looks_each) return;
@@ -345,7 +347,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
       return out() || calls_.started();
     });
   }
-  preflight_.clear();  // they may have been ready for long
+  preflight_.clear();  // they may have been ready for long, so earlier findings may be outdated
   if (each_is({S::ready}) && preflight_.all_clear() && !out()) {
     if (arming == Arming::dry_run) {
       report_all("all are ready, none is armed: a dry run", print);

@@ -1,4 +1,4 @@
-/// A fleet on its links, as a world.
+/// World of a fleet that is connected by DDS links.
 #pragma once
 
 #include <array>
@@ -25,9 +25,10 @@ namespace sightline::dds {
 
 class DdsWorld final : public LinkedWorld {
  public:
-  /// @param domain  of the scenario's [fleet]
-  /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where a topic cannot be had
-  /// @param voice   silent: it listens alone, and nobody notices
+  /// @param domain   of the scenario's [fleet]
+  /// @param publish  off: receives only; its sole writers request message layouts of PX4 vehicles
+  /// @throws std::invalid_argument if the scenario cannot be flown, std::runtime_error if a topic
+  ///   cannot be created
   DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, const LinkTimes& times = {},
            PublishMode publish = PublishMode::on);
   ~DdsWorld() override;
@@ -50,7 +51,7 @@ class DdsWorld final : public LinkedWorld {
   LinkTiming timing() const override;
   PartExchange* exchange() noexcept override { return talk_.get(); }
 
-  /// Before a flight, by the thread that flies: what is found of the robots, and where they say that they are.
+  /// Before a flight, on the flying thread: findings about the robots, and their reported poses.
   std::vector<Finding> examine() { return preflight_.examine(); }
   std::vector<RobotPose> poses();
 
@@ -64,11 +65,11 @@ class DdsWorld final : public LinkedWorld {
     std::unique_ptr<LinkEnd> end;
     RobotState model;
     LinkMachine machine;
-    std::size_t body, x, u;              // its place in the team, where its state and its inputs begin
-    std::shared_ptr<GoalTrack> track{};  // none: it takes no goals
+    std::size_t body, x, u;              // index in the team; offsets of state and input
+    std::shared_ptr<GoalTrack> track{};  // null: accepts no goals
     std::unique_ptr<GoalSubscriber> goals{};
     LinkState reported = LinkState::waiting;
-    bool estimated = false, knows = false, knew = false;  // localized by view; where it is, now and once
+    bool estimated = false, knows = false, knew = false;  // localized by vision; pose known now; known once
   };
 
   std::vector<Robot> made_robots(PublishMode publish) const;
@@ -77,9 +78,9 @@ class DdsWorld final : public LinkedWorld {
   void step_all(LinkOrder order, std::span<const double> estimated, std::span<const double> u) noexcept;
   void report_changes(const PrintMessage& print);
   void report_news();
-  /// To the person, and to those who look on.
+  /// Prints the sentence and publishes it to the flight log.
   void report_all(const std::string& sentence, const PrintMessage& print);
-  /// Steps at the period until `done`; at once where that is so.
+  /// Steps once per period until `done` returns true; returns at once if it is true already.
   template <class Done>
   void steps_until(LinkOrder order, const Interrupts& interrupts, const PrintMessage& print, Done&& done);
   void stand(LinkOrder order) noexcept;
@@ -89,32 +90,32 @@ class DdsWorld final : public LinkedWorld {
   bool in_our_hands() const;
 
   Scenario scenario_;
-  const Team& team_;  // of it
+  const Team& team_;  // of scenario_
   std::vector<double> start_, measured_, stamps_;
   std::int64_t period_;  // [ns]
   LinkTimes times_;
   std::string node_;
   std::shared_ptr<Domain> domain_;
-  std::vector<Robot> robots_;  // in the order of the team, whose first bodies they are
+  std::vector<Robot> robots_;  // in team order; robots are the first bodies of the team
   SeenBodies bodies_;
-  std::unique_ptr<PredictionExchange> talk_;  // of a part of a team
+  std::unique_ptr<PredictionExchange> talk_;  // null unless the team is planned in parts
   LinkTelemetry telemetry_;
   Preflight preflight_;
   OperatorCalls calls_;
-  std::unique_ptr<OperatorServices> services_;  // none where it only listens
-  std::atomic<bool> rival_{false};              // another program has our name
+  std::unique_ptr<OperatorServices> services_;  // null with PublishMode::off
+  std::atomic<bool> rival_{false};              // another program uses this node name
   std::vector<std::string> refusals_;           // of a fleet that was ready
-  std::unique_ptr<FlightPublisher> topics_;     // none where nobody is to see the flight
-  std::int64_t origin_ = 0;                     // time 0 of the loop, of the monotonic clock [ns]
-  bool settled_ = false;                        // all hold, and stand
+  std::unique_ptr<FlightPublisher> topics_;     // null if nothing of the flight is published
+  std::int64_t origin_ = 0;                     // time 0 of the loop, monotonic clock [ns]
+  bool settled_ = false;                        // all hold, and the wait for standstill is over
   bool begun_ = false, seen_ = false;
   std::int64_t periods_ = 0, missed_ = 0;
   DelayHistogram wakes_;
   double begun_cpu_ = 0.0;
-  std::optional<double> cpu_;  // at the end of the task, of one core
+  std::optional<double> cpu_;  // average load of the task [cores]
   std::atomic<bool> done_{false};
-  std::mutex news_;            // of the next
-  PrintMessage news_go_to_{};  // while the task is flown
+  std::mutex news_;            // guards news_go_to_
+  PrintMessage news_go_to_{};  // set during the task
   ServiceThread watcher_{"the watch over writers"};
 };
 

@@ -1,4 +1,4 @@
-/// How long something took, many times: counts by length, in steps of 1.6 to 3.2 %.
+/// Lock-free histogram of durations, with bins of 1.6 to 3.2 % relative width.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +9,16 @@
 
 namespace sightline::dds {
 
-/// One thread adds, and allocates nothing; any asks. From 1 us to 134 s; what is shorter or longer counts as these.
+/// One thread adds without allocation; any thread reads. Range: 1 us to 134 s; durations outside
+/// count in the first or last bin.
 class DelayHistogram {
  public:
-  /// @param seconds  not finite: not counted
+  /// @param seconds  ignored if not finite
   void add(double seconds) noexcept {
     if (!std::isfinite(seconds)) return;
     const double us = std::clamp(1e6 * seconds, 1.0, 0.999 * static_cast<double>(std::int64_t{1} << octaves));
     int exponent = 0;
-    const double part = std::frexp(us, &exponent);  // in [0.5, 1)
+    const double part = std::frexp(us, &exponent);  // mantissa in [0.5, 1)
     const int place = (exponent - 1) * steps + static_cast<int>((2 * part - 1) * steps);
     counts_[static_cast<std::size_t>(place)].fetch_add(1, std::memory_order_relaxed);
   }
@@ -31,7 +32,8 @@ class DelayHistogram {
     for (const auto& one : counts_) n += one.load(std::memory_order_relaxed);
     return n;
   }
-  /// What that share of them did not exceed [s], rounded up by at most 3.2 %; 0 where nothing was counted.
+  /// Quantile [s]: the upper edge of the bin that holds it, at most 3.2 % too large; 0 if the
+  /// histogram is empty.
   /// @param share  in [0, 1]
   double within(double share) const noexcept {
     const auto wanted = static_cast<std::int64_t>(std::ceil(share * static_cast<double>(count())));

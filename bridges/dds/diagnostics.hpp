@@ -1,4 +1,4 @@
-/// How links and solver are, as diagnostics of ROS 2 say it.
+/// State of links and solver as ROS 2 diagnostics.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sightline::dds {
 
-/// Numbers as in diagnostic_msgs/DiagnosticStatus.
+/// Values as in diagnostic_msgs/DiagnosticStatus.
 enum class Health : std::uint8_t { ok, warn, error, stale };
 
 struct Diagnosis {
@@ -21,7 +21,7 @@ struct Diagnosis {
   std::vector<std::pair<std::string, std::string>> values{};
 };
 
-/// What the loop did since the last diagnosis.
+/// Loop statistics since the last diagnosis.
 struct LoopShown {
   bool begun = false;
   SolverRecord last{};
@@ -30,10 +30,10 @@ struct LoopShown {
 };
 
 /// @param name    of the robot
-/// @param age     of what is known of it [s]
-/// @param fresh   older than this is told [s]
-/// @param level   of its supervisor
-/// @param counts  of its link, in words
+/// @param age     of the newest pose [s]
+/// @param fresh   an older pose gives a warning [s]
+/// @param level   the supervisor's fallback level for this robot
+/// @param counts  message counts of the link, as text
 Diagnosis diagnose_link(std::string_view name, const RobotShown& shown, double age, double fresh,
                         FallbackLevel level, const std::string& counts);
 Diagnosis diagnose_solver(std::string_view solver, const LoopShown& loop);

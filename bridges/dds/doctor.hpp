@@ -1,4 +1,4 @@
-/// Listens to a fleet before a flight: the ends of its links, silent.
+/// Receive-only examination of a fleet before a flight.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace sightline::dds {
 
-/// Beside readers it has one writer for each vehicle of PX4, by which it asks for layouts of messages.
+/// Creates one writer per PX4 vehicle, to request its message layouts; everything else only reads.
 class DdsDoctor final : public FleetDoctor {
  public:
   /// @throws as DdsWorld

@@ -15,10 +15,11 @@ namespace sightline::dds {
 namespace {
 
 std::atomic<std::int64_t> complaint_count{0};
-std::mutex complaint_lock;  // of the line below; threads of Cyclone DDS and those who ask
+std::mutex complaint_lock;  // guards complaint_line against Cyclone DDS threads and callers
 std::string complaint_line;
 
-// Bad packets bring a line each: they are counted, and who flies says how many there were.
+// Each bad packet produces a log line. The lines are counted instead of printed; the flight reports
+// their number.
 void count_complaint(void*, const dds_log_data_t* line) {
   ++complaint_count;
   const std::scoped_lock lock(complaint_lock);
@@ -26,7 +27,8 @@ void count_complaint(void*, const dds_log_data_t* line) {
   while (!complaint_line.empty() && complaint_line.back() == '\n') complaint_line.pop_back();
 }
 
-// What is larger is not put together from its pieces: more than payload_max, since it is counted there.
+// Larger messages are not reassembled from fragments. The limit exceeds payload_max, because
+// readers count messages above that one.
 constexpr std::size_t sample_max = 4 * payload_max;
 
 std::string of_return(dds_return_t code) { return dds_strretcode(-code); }
@@ -50,7 +52,7 @@ std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_p
   }
   for (const std::string& peer : network.peers) peers += fmt::format(R"(<Peer Address="{}"/>)", peer);
   if (receive_priority) {
-    // One thread receives all, the one that can be named.
+    // A single receive thread, because only this one can be named.
     one_receiver = "<MultipleReceiveThreads>false</MultipleReceiveThreads>";
     threads = fmt::format(
         R"(<Threads><Thread Name="recv"><Scheduling><Class>realtime</Class><Priority>{}</Priority></Scheduling></Thread></Threads>)",
@@ -75,7 +77,8 @@ Domain::Domain(const FleetNetwork& network, std::optional<int> receive_priority,
         number_, fmt::join(network.interfaces, ", "), of_return(code),
         complaints() > before ? " (" + last_complaint() + ")" : "", network.participants));
   };
-  // Where this fails a participant would still be made, by defaults that multicast on all interfaces.
+  // Must throw here: dds_create_participant() would otherwise create a domain with defaults, which
+  // multicast on all interfaces.
   domain_ = dds_create_domain(static_cast<dds_domainid_t>(number_),
                               domain_xml(network, receive_priority, who).c_str());
   if (domain_ < 0) throw refused(domain_);

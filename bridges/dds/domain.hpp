@@ -1,4 +1,5 @@
-/// A domain of DDS that hears and asks no more than it is told to: loopback, unicast, a bounded number of programs.
+/// DDS domain restricted to the configured network: given interfaces, unicast by default, a bounded
+/// number of participants.
 #pragma once
 
 #include <dds/dds.h>
@@ -12,17 +13,20 @@
 
 namespace sightline::dds {
 
-/// The configuration of Cyclone DDS for a network. Nothing is left to its defaults or to CYCLONEDDS_URI that could send elsewhere.
-/// @param receive_priority  of SCHED_FIFO, of the thread that receives; none: an ordinary one
-/// @param who  whose keys it has, where the network has keys
+/// Cyclone DDS configuration of a network. Sets every option that could send elsewhere; defaults
+/// and CYCLONEDDS_URI do not apply.
+/// @param receive_priority  SCHED_FIFO priority of the receive thread; none: an ordinary thread
+/// @param who  program whose keys apply, if the network has keys
 std::string domain_xml(const FleetNetwork& network, std::optional<int> receive_priority = {},
                        Identity who = Identity::flyer);
 
-/// The domain and one participant in it; both end with it. One of a number at a time in a program.
+/// Owner of a domain and one participant in it. A program can hold one Domain per domain number at
+/// a time.
 class Domain {
  public:
-  /// @throws std::runtime_error where it cannot be had: no such interface, or another one of this number in the program
-  /// @throws std::invalid_argument as check_keys(), where the network has keys
+  /// @throws std::runtime_error if the interface does not exist or the program already has this
+  ///   domain
+  /// @throws std::invalid_argument as check_keys(), if the network has keys
   explicit Domain(const FleetNetwork& network, std::optional<int> receive_priority = {},
                   Identity who = Identity::flyer);
   ~Domain();
@@ -30,7 +34,7 @@ class Domain {
   Domain& operator=(const Domain&) = delete;
 
   dds_entity_t participant() const { return participant_; }
-  /// One more, as of another program; ends with the domain.
+  /// One more participant, as a second program would have; deleted with the domain.
   dds_entity_t another_participant() const;
 
  private:
@@ -38,9 +42,9 @@ class Domain {
   dds_entity_t domain_ = 0, participant_ = 0;
 };
 
-/// What Cyclone DDS complained of since the program began: messages that could not be read, above all.
+/// Number of log lines of Cyclone DDS since program start; most report unreadable messages.
 std::int64_t complaints();
-/// The last of it, a line.
+/// The last such line.
 std::string last_complaint();
 
 }  // namespace sightline::dds

@@ -13,7 +13,7 @@
 namespace sightline::dds {
 namespace {
 
-constexpr double reordered_by = 0.025;  // [s]
+constexpr double reordered_by = 0.025;  // delay of a reordered message [s]
 
 }  // namespace
 

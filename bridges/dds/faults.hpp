@@ -1,4 +1,4 @@
-/// What goes wrong at a robot that is stood in for: in what it says, and on the way out.
+/// Fault injection for simulated robots: in their reported motion and in their messages.
 #pragma once
 
 #include <atomic>
@@ -17,34 +17,34 @@ namespace sightline::dds {
 
 class FaultyWriter;
 
-/// How many messages it happened to.
+/// Number of messages affected by each fault.
 struct FaultCounts {
   std::int64_t dropped = 0, duplicated = 0, reordered = 0, not_finite = 0;
   bool operator==(const FaultCounts&) const = default;
 };
 
-/// Of one robot, for as long as it is stood in for. The same seed, faults and messages give the same counts.
+/// Faults of one simulated robot. Equal seeds, faults and messages give equal counts.
 class Faults {
  public:
   explicit Faults(std::uint64_t seed) : seed_(seed), random_(seed, StreamId::fault, 0) {}
   Faults(const Faults&) = delete;
   Faults& operator=(const Faults&) = delete;
 
-  // Of any thread.
+  // Any thread may call these.
   void begin(LinkFaultKind kind, double size);
   void begin(LinkFaultKind kind) { begin(kind, text_of(kind).fallback); }
   void end(LinkFaultKind kind);
   bool on(LinkFaultKind kind) const { return of(kind).on; }
   double size(LinkFaultKind kind) const { return of(kind).size; }
 
-  // Of the thread that steps the robot.
-  /// Whether it began or ended since this was asked last.
+  // Stepping thread only.
+  /// Whether the fault began or ended since the last call.
   bool changed(LinkFaultKind kind);
-  /// What its estimator says of a motion: frozen, off, not finite.
+  /// The motion as the faulty estimator reports it: frozen, offset, not finite.
   Motion said(Motion motion);
-  /// How often it told that it jumped.
+  /// Number of jumps that the estimator has reported.
   int resets() const { return resets_; }
-  /// Sends what was late and is due.
+  /// Sends the delayed messages that are due.
   void pass_on();
   FaultCounts counts() const;
 
@@ -54,7 +54,7 @@ class Faults {
     std::atomic<bool> on{false};
     std::atomic<double> size{0.0};
     std::atomic<int> changes{0};
-    int seen = 0;  // of the changes
+    int seen = 0;  // number of changes already handled
   };
   One& of(LinkFaultKind kind) { return all_[static_cast<std::size_t>(kind)]; }
   const One& of(LinkFaultKind kind) const { return all_[static_cast<std::size_t>(kind)]; }
@@ -64,20 +64,22 @@ class Faults {
   std::array<One, link_fault_kinds> all_{};
   std::optional<Motion> frozen_;
   int resets_ = 0;
-  mutable std::mutex lock_;  // of those below
+  mutable std::mutex lock_;  // guards the members below
   std::vector<FaultyWriter*> writers_;
   int writers_made_ = 0;
   FaultCounts counts_;
 };
 
-/// "12 messages lost, 3 twice, ..."; empty: none.
+/// "12 messages lost, 3 sent twice, ..."; empty: none.
 std::string in_words(const FaultCounts& counts);
 
-/// A writer whose messages are lost, late, twice or out of order, as the faults say. Of any thread.
+/// Writer whose messages are lost, delayed, duplicated or reordered as the faults specify. Any
+/// thread may call it.
 class FaultyWriter {
  public:
-  /// @param type  strings and sequences in its messages are not copied: they stay as they are while the writer lives
-  /// @param faults  outlives it
+  /// @param type    strings and sequences in its messages are not copied: they must stay unchanged
+  ///   while the writer lives
+  /// @param faults  must outlive it
   /// @throws std::runtime_error as RawWriter
   FaultyWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
                Quality quality, Faults& faults);
@@ -95,9 +97,9 @@ class FaultyWriter {
 
   Faults& faults_;
   std::size_t size_;
-  std::mutex lock_;  // of all below
+  std::mutex lock_;  // guards the members below
   RandomStream random_;
-  std::deque<Late> late_;  // in the order in which they were written
+  std::deque<Late> late_;  // in the order of writing
   RawWriter writer_;
 };
 

@@ -16,7 +16,8 @@ namespace {
 
 constexpr auto acquaintance = std::chrono::seconds(1);
 
-/// Whether the program that publishes this topic flies the robot. PX4 adds the version of a message to the name of its topic.
+/// Whether only a program that flies the robot publishes this topic. PX4 appends a message's
+/// version to its topic name.
 bool flies(std::string_view topic, const Link& link) {
   if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
     for (const char* name : {"/fmu/in/trajectory_setpoint", "/fmu/in/offboard_control_mode"}) {
@@ -34,7 +35,7 @@ bool flies(std::string_view topic, const Link& link) {
 
 void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
   if (!scenario.fleet) return;
-  std::string part;  // its topic
+  std::string part;  // prediction topic of our own part
   if (plans_apart(scenario)) part = wire_topic(prediction_topic(scenario.name, scenario.partition->part));
   WriterList list(domain.participant());
   const auto until = std::chrono::steady_clock::now() + acquaintance;

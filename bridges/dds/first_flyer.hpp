@@ -1,4 +1,4 @@
-/// One flyer for each robot.
+/// Guard against a second flyer program for the same robot.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace sightline::dds {
 
-/// Refuses a fleet of whose robots one is told what to do by another program already. To be asked before anything is made that
-/// writes to them: a second flyer then leaves the first one's flight alone. Waits for 1 s, in which programs find each other; two that
-/// begin at the same time both see nobody here, and are kept from arming by their links.
+/// Throws if another program already commands a robot of the fleet. Call it before any writer
+/// exists, so that a second flyer cannot disturb the first one's flight.
+/// Waits 1 s for discovery. Two programs that start at the same time do not discover each other
+/// here; their links then prevent arming.
 /// @throws std::runtime_error  agent.NAME: ...
 void refuse_second_flyer(const Scenario& scenario, const Domain& domain);
 

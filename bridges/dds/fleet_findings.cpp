@@ -14,15 +14,15 @@
 namespace sightline::dds {
 namespace {
 
-constexpr double times_fresh = 2.5;        // of the time between two poses
-constexpr double late_most = 0.05;         // of latency, where nothing says what is fresh [s]
+constexpr double times_fresh = 2.5;        // multiple of the pose interval
+constexpr double late_most = 0.05;         // maximum latency if the scenario has no `fresh` limit [s]
 constexpr double drift_most = 1e-3;        // [s/s]
-constexpr double another_time = 1e5;       // clocks that differ by more are not meant to be the same [s]
-constexpr double references_apart = 2.0;   // of origins by satellite [m]
+constexpr double another_time = 1e5;       // a larger clock difference means unrelated clocks [s]
+constexpr double references_apart = 2.0;   // maximum difference between satellite and configured origins [m]
 constexpr double same_origin = 1e-6;       // [m]
-constexpr std::int64_t poses_needed = 20;  // before their rate is judged
+constexpr std::int64_t poses_needed = 20;  // before the rate is judged
 
-/// To centimetres, without a zero that is negative.
+/// Rounds to 0.01; adding 0.0 turns -0.0 into 0.0.
 double rounded(double x) { return std::round(100 * x) / 100 + 0.0; }
 
 struct Placed {
@@ -37,7 +37,7 @@ const LadderTimes* times_of(const Scenario& scenario) {
 void examine_rate(const Scenario& scenario, const ArrivalFigures& f, FindingList& to) {
   const LadderTimes* const times = times_of(scenario);
   const double needed = times_fresh / f.rate;
-  const bool rare = times != nullptr && needed > times->fresh * 1.02;  // what is said is rounded
+  const bool rare = times != nullptr && needed > times->fresh * 1.02;  // 2 % for rounding
   to.add(Aspect::rate, rare ? Light::red : Light::green,
          "{:.0f} poses a second, the longest gap {:.3f} s, the last {:.3f} s old{}", f.rate, f.gap_longest,
          f.age,
@@ -96,7 +96,8 @@ void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<d
                         : fmt::format(", {}: is its origin right?", fmt::join(beyond, " and ")));
 }
 
-/// The nearest pair of each kind that is too near, or the nearest of all.
+/// The nearest pair that violates its minimum distance; without a violation, the nearest pair of
+/// all.
 class NearestPair {
  public:
   explicit NearestPair(const Scenario& scenario) : scenario_(scenario) {}
@@ -154,7 +155,7 @@ void examine_distances(const Scenario& scenario, std::span<const ExaminedRobot> 
            fmt::join(shared, ", "));
 }
 
-// Where vehicles say where on earth their local frames begin, these lie as the fleet says.
+// Compares the vehicles' geodetic references with the configured origins.
 void examine_origins(std::span<const ExaminedRobot> robots, FindingList& to) {
   const ExaminedRobot* first = nullptr;
   int compared = 0;

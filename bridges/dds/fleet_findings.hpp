@@ -1,4 +1,5 @@
-/// What is found of a fleet before a flight: of each robot by its link, of its poses, and of all together.
+/// Findings about a fleet before a flight: per robot by its link and poses, and for all robots
+/// together.
 #pragma once
 
 #include <span>
@@ -12,17 +13,18 @@
 
 namespace sightline::dds {
 
-/// Clocks that differ by more are told apart [s].
+/// Clock differences above this limit are reported [s].
 inline constexpr double clocks_apart = 0.03;
 
 struct ExaminedRobot {
   std::string name;
   const Link* link;
   LinkEnd* end;
-  const TagSubscriber* tags = nullptr;  ///< that robots see who are localized by view; none: nobody is
+  const TagSubscriber* tags = nullptr;  ///< tag observations of vision-localized robots; null: there are none
 };
 
-/// All of them, robot by robot, then those of the fleet. By the one thread that looks at the ends; it allocates.
+/// Findings per robot, then those of the fleet. Call it on the one thread that examines the link
+/// ends; allocates.
 std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const ExaminedRobot> robots,
                                    const Surroundings& around);
 

@@ -31,23 +31,23 @@ namespace {
 constexpr std::chrono::milliseconds tick_time{20};
 constexpr std::int64_t ticks_of_scene = 5, ticks_of_diagnostics = 50;
 constexpr std::size_t moments_kept = 32;
-constexpr std::size_t said_max = 1000;  // sentences that wait
+constexpr std::size_t said_max = 1000;  // maximum number of queued sentences
 constexpr int lines_a_second = 50;
 constexpr std::uint32_t marker_lifetime = 500'000'000;  // [ns]
 constexpr std::uint8_t log_info = 20, log_warn = 30, log_error = 40;
 constexpr double fresh_by_default = 0.1;  // [s]
 
-/// Of a period, what is shown.
+/// Published data of one period.
 struct PublishedSample {
   double t = 0.0;            // [s]
-  Nanoseconds shown_at = 0;  // of the monotonic clock
+  Nanoseconds shown_at = 0;  // monotonic clock
   std::vector<double> x, path;
   bool has_path = false;
   double path_time = 0.0, path_step = 0.0;  // [s]
   SolverRecord solver{};
   double update_us = 0.0;
   std::vector<FallbackLevel> levels;
-  std::vector<PoseEstimate> estimates;  // of each body
+  std::vector<PoseEstimate> estimates;  // per body
   int event_count = 0;
   std::vector<Event> events{};
 };
@@ -67,7 +67,7 @@ void copy_what_fits(const std::vector<T>& from, std::vector<T>& to) noexcept {
   std::copy_n(from.begin(), std::min(from.size(), to.size()), to.begin());
 }
 
-/// What a topic of the flyer is written by, and how often it was.
+/// Writer of one published topic, with its message count.
 template <class M>
 struct Outlet {
   Outlet(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
@@ -114,15 +114,15 @@ class FlightPublisher::Thread {
           path(participant, ROS_TYPE(nav_msgs_msg_dds__Path_), begin + "/path", of_shown),
           frame(begin.substr(1)) {}
     std::string name;
-    std::size_t x;  // where its state begins
+    std::size_t x;  // state offset
     Mailbox<RobotShown> box{};
     RobotShown now{};
-    Nanoseconds shown = 0;  // the stamp of the last pose
+    Nanoseconds shown = 0;  // stamp of the last pose
     std::optional<LinkState> reported{};
     Outlet<geometry_msgs_msg_dds__PoseStamped_> pose;
     Outlet<nav_msgs_msg_dds__Path_> path;
-    std::string frame;  // of /tf
-    // Of one that is localized by vision, and of one with a camera.
+    std::string frame;  // in /tf
+    // Only for robots that are localized by vision, and for robots with a camera.
     std::optional<Outlet<geometry_msgs_msg_dds__PoseWithCovarianceStamped_>> estimate{};
     double estimated = 0.0;  // stamp of the last [s]
     std::optional<Outlet<sensor_msgs_msg_dds__CameraInfo_>> camera_info{};
@@ -172,7 +172,7 @@ class FlightPublisher::Thread {
   std::vector<std::string> said_;
   std::atomic<std::int64_t> written_{0}, ran_{0}, worked_{0};  // [1], [ns], [ns]
   std::atomic<bool> done_{false};
-  ServiceThread thread_{"the topics of the flight"};  // last: it uses all of it
+  ServiceThread thread_{"the topics of the flight"};  // last member: uses all others
 };
 
 FlightPublisher::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Counts counts)
@@ -342,13 +342,13 @@ void FlightPublisher::Thread::send_poses() {
   transforms_.write(message);
 }
 
-/// Upright: nothing is said of roll and pitch, whose variances are 0.
+/// The attitude is upright; roll and pitch are not estimated, so their variances are 0.
 void FlightPublisher::Thread::send_estimate(std::size_t robot) {
   RobotTopics& its = *robots_[robot];
   const PoseEstimate& now = last_.estimates[robot];
   if (!its.estimate || !now.known || now.stamp == its.estimated) return;
   its.estimated = now.stamp;
-  constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, turn about z
+  constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, rotation about z
   const SinCos<double> heading = sincos(now.psi);
   RosStrings strings;
   geometry_msgs_msg_dds__PoseWithCovarianceStamped_ message{};
@@ -364,7 +364,7 @@ void FlightPublisher::Thread::send_cameras() {
   for (auto& robot : robots_) {
     if (!robot->camera_info) continue;
     RosStrings strings;
-    std::vector<double> distortion(5);  // none
+    std::vector<double> distortion(5);  // no distortion
     auto message = camera_info(robot->camera.camera, strings, distortion);
     message.header = {stamp_of(realtime_now()), strings(robot->camera.frame)};
     robot->camera_info->write(message);
@@ -393,7 +393,7 @@ void FlightPublisher::Thread::send_paths() {
   }
 }
 
-/// Of a robot where it was seen last; of what is no robot, as the loop takes it to be.
+/// State of a body: a robot's newest motion; otherwise the loop's estimate.
 std::optional<Sight<double>> FlightPublisher::Thread::sight_of(int body) const {
   if (size(body) < robots_.size()) {
     const RobotShown& now = robots_[size(body)]->now;

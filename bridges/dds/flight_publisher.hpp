@@ -1,4 +1,5 @@
-/// What others see of a flight: poses, planned paths, markers, /tf, diagnostics and log lines, as rviz, Foxglove and rosbag2 read them.
+/// Publishes a flight as topics: poses, planned paths, markers, /tf, diagnostics and log lines, for
+/// rviz, Foxglove and rosbag2.
 #pragma once
 
 #include <cstdint>
@@ -14,41 +15,43 @@
 
 namespace sightline::dds {
 
-/// What its flyer knows of a robot.
+/// The flyer's knowledge of one robot.
 struct RobotShown {
   bool seen = false;
-  SeenMotion last{};  ///< where it was seen
+  SeenMotion last{};  ///< newest measured motion
   LinkState state = LinkState::waiting;
   LinkReason reason = LinkReason::as_requested;
   LinkFacts facts{};
 };
 
-/// The part of a topic's name that stands for a robot: what ROS 2 does not allow in its name becomes _.
+/// Topic name part for a robot: - becomes _, and a name that is empty or begins with a digit gets
+/// the prefix _.
 std::string topic_part(std::string_view robot);
 
-/// What its topics are published by. Readers of both kinds match.
+/// Qualities of service of the topics; they match reliable and best-effort readers.
 inline constexpr Quality of_shown = {true, false, 1}, of_transforms = {true, false, 100},
                          of_log_lines = {true, true, 1000};
 
-/// Publishes by a thread of its own, at bounded rates: poses and /tf each 20 ms at most, paths and markers each 0.1 s, diagnostics each
-/// second, at most 50 log lines a second.
+/// Publishes on its own thread at bounded rates: poses and /tf at most every 20 ms, paths and
+/// markers every 0.1 s, diagnostics every second, at most 50 log lines per second.
 class FlightPublisher {
  public:
-  /// In words, what a robot's link counted; by its thread.
+  /// Returns the message counts of a robot's link as text; called on the publishing thread.
   using Counts = std::function<std::string(std::size_t robot)>;
-  /// @throws std::invalid_argument for robots whose topics would have one name, std::runtime_error where a topic cannot be had
+  /// @throws std::invalid_argument if two robots have equal topic names, std::runtime_error if a
+  ///   topic cannot be created
   FlightPublisher(const Scenario& scenario, dds_entity_t participant, Counts counts);
-  ~FlightPublisher();  ///< Once the last is published.
+  ~FlightPublisher();  ///< Waits until the last message is published.
   FlightPublisher(const FlightPublisher&) = delete;
   FlightPublisher& operator=(const FlightPublisher&) = delete;
 
-  // By the control thread: they allocate nothing and wait for nobody. What finds no room is not shown.
+  // Control thread only: no allocation, no waiting. If the queue is full, a Sample is dropped.
   void show(std::size_t robot, const RobotShown& shown) noexcept;
   void show(const Sample& sample) noexcept;
 
-  /// A sentence for the log; before and after the task, by any thread.
+  /// Adds a log line; any thread, before and after the task.
   void say(std::string_view sentence);
-  /// Messages so far and the part of a core that they took, in words.
+  /// Message counts and the average load [cores], as text.
   std::string counts() const;
 
  private:

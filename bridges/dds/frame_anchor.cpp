@@ -5,7 +5,7 @@
 namespace sightline::dds {
 namespace {
 
-constexpr Nanoseconds clock_turned_back = 1'000'000'000;  // what is older by more is of a clock that was set
+constexpr Nanoseconds clock_turned_back = 1'000'000'000;  // an older stamp means that the clock was set back
 
 }  // namespace
 

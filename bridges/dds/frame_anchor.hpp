@@ -1,4 +1,4 @@
-/// Keeps the frame of a robot's odometry where it was, when its estimator says that it jumped.
+/// Keeps a robot's odometry frame fixed across estimator jumps that the robot reports.
 #pragma once
 
 #include <atomic>
@@ -7,21 +7,24 @@
 
 namespace sightline::dds {
 
-/// A jump that the estimator counts is none of the robot: its frame moved. The pose goes on where it was, moved on by its velocity, and
-/// so distances to others stay what they were known to be; how far the frame moved in sum says how long that can be
-/// trusted. A heading is believed as it comes, since velocities are asked for in the frame and not in the body.
+/// A reported jump moves the odometry frame, not the robot. The pose continues from the last one,
+/// extrapolated by its velocity, so distances to other robots stay valid.
+/// The accumulated frame displacement bounds how long this can be trusted. Headings pass unchanged:
+/// velocities are commanded in the frame, not in the body.
 class FrameAnchor {
  public:
-  /// From now on; what moves before is the estimator that finds its place. Of any thread.
+  /// Begins to compensate. Earlier jumps are those of the estimator's initialisation and pass. Any
+  /// thread may call it.
   void hold() noexcept { held_ = true; }
 
-  /// Puts a motion into the frame as it was. Of the thread that receives; allocates nothing.
+  /// Transforms a motion into the original frame. Receive thread only; allocates nothing.
   /// @param resets   jumps so far, as the robot counts them
-  /// @param sampled  by its clock
-  /// @return false for one that is not finite, or not newer than the last by a clock that runs on: it says nothing
+  /// @param sampled  by the robot's clock
+  /// @return false if the motion is not finite, or not newer than the last one (a clock that was
+  ///   set back by more than 1 s restarts the order)
   bool follow(Motion& local, int resets, Nanoseconds sampled) noexcept;
 
-  /// All jumps in sum [m]. Of any thread.
+  /// Accumulated length of all jumps [m]. Any thread may call it.
   double moved() const noexcept { return moved_; }
   int jumps() const noexcept { return jumps_; }
 
@@ -29,11 +32,11 @@ class FrameAnchor {
   std::atomic<bool> held_{false};
   std::atomic<double> moved_{0.0};
   std::atomic<int> jumps_{0};
-  // Of the thread that receives.
+  // Receive thread only.
   bool begun_ = false;
   int resets_ = 0;
   Nanoseconds sampled_ = 0;
-  Motion last_{};  // in the frame as it was
+  Motion last_{};  // in the original frame
   Vec3<double> shift_{};
 };
 

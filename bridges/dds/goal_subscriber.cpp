@@ -14,14 +14,14 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-// A person sends few messages, which must not be lost.
+// An operator sends few messages, and none may be lost.
 constexpr Quality of_goals = {.reliable = true, .depth = 1};
 
 double seconds(const builtin_interfaces_msg_dds__Time_& from, const builtin_interfaces_msg_dds__Time_& to) {
   return 1e-9 * static_cast<double>(of_ros(to.sec, to.nanosec) - of_ros(from.sec, from.nanosec));
 }
 
-/// Of a pose that is finite and has an attitude; else one whose place is not.
+/// Waypoint of a pose; its position is not finite if the pose has no valid attitude.
 Waypoint waypoint_of(const geometry_msgs_msg_dds__Pose_& pose) {
   const auto& [p, o] = pose;
   const Quaternion q = normalised({o.w, o.x, o.y, o.z});

@@ -1,4 +1,5 @@
-/// Where a person sends a robot: goals and paths from topics, from the thread that receives to the control thread.
+/// Goals and paths that an operator sends to a robot, from the receive thread to the control
+/// thread.
 #pragma once
 
 #include <array>
@@ -15,30 +16,32 @@
 
 namespace sightline::dds {
 
-/// Where goals may lie; infinite where nothing bounds them.
+/// Bounds of admissible goals; infinite where unbounded.
 struct GoalSpace {
-  double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m]
-  double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
-  double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m]
+  double world = std::numeric_limits<double>::infinity();    ///< maximum |p_x| and |p_y| [m]
+  double floor = -std::numeric_limits<double>::infinity();   ///< minimum height [m]
+  double ceiling = std::numeric_limits<double>::infinity();  ///< maximum height [m]
 };
 
-/// Of one robot. What is refused changes nothing.
+/// Goals of one robot. A rejected message changes nothing.
 class GoalSubscriber {
  public:
-  /// The least time between two messages that are taken; of those between, the last is [s].
+  /// Minimum time between two accepted messages [s]; of the messages in between, the last one is
+  /// accepted.
   static constexpr double least_time = 0.1;
 
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @throws std::runtime_error if a topic cannot be created
   GoalSubscriber(dds_entity_t participant, const GoalsFrom& from, const GoalSpace& space);
 
-  /// By the control thread, each period: puts the newest message into the track, as of now. Allocates nothing.
+  /// Control thread, each period: writes the newest message into the track, with time t. Allocates
+  /// nothing.
   void pass_on(double t, GoalTrack& track) noexcept;
-  /// Before a flight: what came until now does not count.
+  /// Before a flight: discards all messages received so far.
   void forget() noexcept { passed_ = newest_.count(); }
 
-  /// By one thread: what was refused for a reason that was not told yet, a sentence each.
+  /// Single thread: one sentence for each rejection reason that occurs for the first time.
   std::vector<std::string> news();
-  /// What was received and refused, in words. After the flight.
+  /// Counts of accepted and rejected messages, as text. Call it after the flight.
   std::string counts() const;
 
  private:
@@ -58,15 +61,15 @@ class GoalSubscriber {
 
   GoalsFrom from_;
   GoalSpace space_;
-  std::mutex puts_;  // of the threads that receive, one for each topic
+  std::mutex puts_;  // the receive threads, one per topic
   Mailbox<Message> newest_;
   std::array<std::atomic<std::int64_t>, refusals> refused_{};
   std::atomic<std::int64_t> taken_{0};
-  std::array<std::int64_t, refusals> received_{};  // by news()
-  Message message_{};                              // of the control thread, as what follows
+  std::array<std::int64_t, refusals> received_{};  // used by news()
+  Message message_{};                              // control thread only, as the members below
   std::uint64_t passed_ = 0;
   double passed_at_ = -1.0;
-  std::unique_ptr<RawReader> goal_, path_;  // last: they end before what they fill
+  std::unique_ptr<RawReader> goal_, path_;  // last member: destroyed before the members they fill
 };
 
 }  // namespace sightline::dds

@@ -17,7 +17,7 @@ struct Arrived {
   Nanoseconds at, delay;
 };
 
-/// The least delay of some, and when it was.
+/// The arrival with the least delay.
 Arrived fastest_of(const Arrived* begin, const Arrived* end) {
   return *std::min_element(begin, end, [](const Arrived& a, const Arrived& b) { return a.delay < b.delay; });
 }
@@ -26,7 +26,7 @@ Arrived fastest_of(const Arrived* begin, const Arrived* end) {
 
 ArrivalFigures LatencyMonitor::figures(Nanoseconds now, Nanoseconds real_ahead) const {
   const std::uint64_t end = count_.load(std::memory_order_acquire);
-  // The oldest place may be written again meanwhile.
+  // The writer may overwrite the oldest slots during the copy, so 64 are left out.
   const std::uint64_t kept = std::min<std::uint64_t>(end, places - 64);
   std::vector<Arrived> all;
   for (std::uint64_t i = end - kept; i < end; ++i) {

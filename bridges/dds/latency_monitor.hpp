@@ -1,4 +1,4 @@
-/// When the messages of one topic came, and how old they were then.
+/// Arrival times and delays of the messages of one topic.
 #pragma once
 
 #include <array>
@@ -9,24 +9,25 @@
 
 namespace sightline::dds {
 
-/// Times in s. All zero where nothing came.
+/// Times in [s]. All zero if nothing arrived.
 struct ArrivalFigures {
-  std::int64_t count = 0;    ///< within the window
+  std::int64_t count = 0;    ///< messages within the window
   double rate = 0.0;         ///< [1/s]
-  double gap_longest = 0.0;  ///< between two messages, the time since the last one included
-  double age = 0.0;          ///< since the last one
-  // Arrival by our real-time clock less the stamp: delay and difference of the clocks, negative where theirs is ahead.
+  double gap_longest = 0.0;  ///< longest time between two messages, including the time since the last one
+  double age = 0.0;          ///< time since the last message
+  // Local real-time clock at arrival minus stamp: delay plus clock offset, negative if the sender's
+  // clock is ahead.
   double delay_least = 0.0, delay_median = 0.0, delay_p99 = 0.0;
-  double drift = 0.0;  ///< of the least delay, by halves of the window [s/s]; 0 of less than 4 s
+  double drift = 0.0;  ///< change of the least delay between the halves of the window [s/s]; 0 below 4 s
 };
 
-/// One thread notes, and allocates nothing; any asks.
+/// One thread adds without allocation; any thread reads.
 class LatencyMonitor {
  public:
   static constexpr Nanoseconds window = 10'000'000'000;
 
   /// @param sampled  by the sender's clock
-  /// @param arrived  by our monotonic clock
+  /// @param arrived  by the local monotonic clock
   void note(Nanoseconds sampled, Nanoseconds arrived) noexcept {
     const std::uint64_t n = count_.load(std::memory_order_relaxed);
     arrived_[n % places].store(arrived, std::memory_order_relaxed);
@@ -34,9 +35,9 @@ class LatencyMonitor {
     count_.store(n + 1, std::memory_order_release);
   }
 
-  /// Of the last 10 s, at most 2048 messages.
+  /// Figures of the last 10 s, at most 1984 messages.
   /// @param now         of the monotonic clock
-  /// @param real_ahead  our real-time clock less the monotonic one
+  /// @param real_ahead  local real-time clock minus monotonic clock
   ArrivalFigures figures(Nanoseconds now, Nanoseconds real_ahead) const;
 
  private:

@@ -1,4 +1,4 @@
-/// Our end of the link to one robot, whatever it speaks.
+/// Local end of the link to one robot, independent of its protocol.
 #pragma once
 
 #include <cstdint>
@@ -17,36 +17,38 @@
 
 namespace sightline::dds {
 
-/// look(), facts() and send() are the control thread's: they allocate, lock, throw and print nothing. The others may.
+/// look(), facts() and send() run on the control thread: they do not allocate, lock, throw or
+/// print. The other functions may.
 class LinkEnd {
  public:
   virtual ~LinkEnd() = default;
 
-  /// The newest motion. @return false where there was none yet
+  /// Copies the newest motion. @return false if there is none yet
   virtual bool look(SeenMotion& seen) noexcept = 0;
   virtual LinkFacts facts(Nanoseconds now) noexcept = 0;
-  /// Sends what is to be sent; `command` counts for Setpoint::task.
+  /// Sends `output`; `command` applies to Setpoint::task.
   virtual void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept = 0;
 
-  /// Takes note of who else is there; a few times a second, by one thread.
+  /// Updates the knowledge of other writers; a few times per second, on one thread.
   virtual void watch(std::span<const SeenWriter> writers) = 0;
-  /// What is found of it before a flight: what it is flown by, and what keeps it from being armed. By the thread that looks; it
-  /// may allocate.
+  /// Findings before a flight: the topics the robot is flown by, and the reasons that prevent
+  /// arming. Runs on the examining thread; may allocate.
   virtual void examine(const Surroundings& around, FindingList& to) = 0;
-  /// Ends what serves examine() alone: before it is to arm.
+  /// Ends the readers and writers that only examine() needs; called before arming.
   virtual void stop_examining() {}
-  /// By what it is known where it is, and how it moves.
+  /// Subscriber of the robot's pose and motion.
   virtual PoseSubscriber& subscriber() noexcept = 0;
-  /// Where on earth its local frame begins, where it says.
+  /// Geodetic origin of its local frame, if the robot reports one.
   virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
-  /// What was received and refused, in words.
+  /// Counts of received and rejected messages, as text.
   virtual std::string counts() const = 0;
-  /// From the stamps of its poses to us, where its clock is ours; none otherwise.
+  /// Delays from pose stamp to arrival, if the robot shares the local clock; null otherwise.
   virtual const DelayHistogram* arrivals() const noexcept { return nullptr; }
 };
 
-/// Of the kind that the link says.
-/// @throws std::invalid_argument for a model that is not flown so, std::runtime_error where a topic cannot be had
+/// Creates the end for the kind of the link.
+/// @throws std::invalid_argument if the link does not support the model, std::runtime_error if a
+///   topic cannot be created
 std::unique_ptr<LinkEnd> made_end(const Port& at, const Link& link, std::string_view name, const Model& model,
                                   const FleetNetwork& network);
 

@@ -11,22 +11,22 @@ std::string_view word_of(const std::array<std::string_view, n>& words, Enum valu
   return place < n ? words[place] : "?";
 }
 
-/// What makes a row hold.
+/// Condition of a row.
 enum class When {
-  emergency,  // order
+  emergency,  // orders from here
   handed_over,
   to_land,
-  to_take_off,  // and the autopilot has heard us long enough
+  to_take_off,  // and the minimum time in ready has passed
   to_hold,
   to_task,
-  ready,  // facts
+  ready,  // facts from here
   armed,
   armed_to_land,
   disarmed,
   disarmed_on_ground,
   refused,
   failsafe,
-  taken,  // by a mode that is not ours
+  taken,  // another mode is active
   taken_after_takeoff,
   not_offboard,
   offboard,
@@ -34,8 +34,8 @@ enum class When {
   restarted,
   unfit,
   lost,
-  late,        // longer than the state may last
-  unanswered,  // offboard was asked for, and the time for it is over
+  late,        // the maximum time of the state has passed
+  unanswered,  // offboard was requested and its time limit has passed
 };
 
 }  // namespace
@@ -157,7 +157,7 @@ void LinkMachine::request(Request request, double t, LinkOutput& output) noexcep
   output.request = request;
 }
 
-// The first row that holds is taken. Nothing leads out of done and pilot.
+// The first row whose condition holds is taken. No row leaves done or pilot.
 const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;

@@ -1,4 +1,5 @@
-/// What a robot on a link is at, from the ground into flight and back, as a table. No messages, no clock, no memory but its own.
+/// State machine of a robot on a link, from the ground into flight and back, as a table. Uses no
+/// messages, no clock and no shared memory.
 #pragma once
 
 #include <array>
@@ -8,122 +9,122 @@
 namespace sightline::dds {
 
 enum class LinkState : std::uint8_t {
-  waiting,     ///< for its topics, and for its own checks
-  ready,       ///< could be armed; the autopilot hears us
-  arming,      ///< was asked to arm
-  taking_off,  ///< was asked to take off, then to take set-points
+  waiting,     ///< waits for its topics and for its own checks
+  ready,       ///< can be armed; the autopilot receives our messages
+  arming,      ///< arm request sent
+  taking_off,  ///< take-off request sent, then the set-point request
   flying,      ///< flies the task
   holding,     ///< flies with zero velocity
-  landing,     ///< was asked to land
+  landing,     ///< land request sent
   done,        ///< nothing is sent any more
-  pilot,       ///< somebody else has it; nothing is sent, for good
+  pilot,       ///< another operator or a failsafe controls it; nothing is sent any more
 };
 inline constexpr int link_states = 9;
 std::string_view to_string(LinkState state);
 
-/// Why it left its last state.
+/// Reason of the last transition.
 enum class LinkReason : std::uint8_t {
   as_requested,
-  not_ready,       ///< it was not there, or not ready, in time
-  arming_refused,  ///< its answer
-  no_answer,       ///< to the request to arm
+  not_ready,       ///< absent or not ready in time
+  arming_refused,  ///< by its answer
+  no_answer,       ///< to the arm request
   refused,         ///< take-off or set-points, by its answer
-  too_long,        ///< the way into flight
+  too_long,        ///< take-off took too long
   disarmed,
-  silent,  ///< its messages ceased
+  silent,  ///< its messages stopped
   pilot,
   failsafe,  ///< of its autopilot
-  no_task,   ///< nobody flew it
-  no_end,    ///< the task was longer than any
+  no_task,   ///< the task did not start in time
+  no_end,    ///< the task exceeded its maximum time
   did_not_land,
-  handed_over,  ///< to its autopilot, on a person's request
+  handed_over,  ///< to its autopilot, on the operator's request
   contested,    ///< another program writes set-points to it
-  restarted,    ///< another one speaks in its place since it was armed
+  restarted,    ///< a new writer replaced the robot's since arming
   battery_low,
   estimator_invalid,
-  moved,      ///< its estimator jumped further than is followed
-  emergency,  ///< a person had its motors stopped
+  moved,      ///< its estimator jumped further than is compensated
+  emergency,  ///< the operator stopped its motors
 };
 inline constexpr int link_reasons = 20;
-/// A part of a sentence: "it was disarmed".
+/// Part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 
-/// What the autopilot does now.
+/// Current mode of the autopilot.
 enum class AutopilotMode : std::uint8_t {
-  other,     ///< nothing of ours, as any mode before take-off
-  takeoff,   ///< ours: takes off, or waits in the air after it
-  offboard,  ///< takes our set-points
+  other,     ///< any other mode, as before take-off
+  takeoff,   ///< takes off, or waits in the air after it
+  offboard,  ///< follows our set-points
   land,
 };
 
-/// What is known of a robot at one time.
+/// State of a robot at one time, as reported and measured.
 struct LinkFacts {
-  bool there = false;    ///< its messages are young
-  bool checked = false;  ///< and say that it may be armed
+  bool there = false;    ///< its messages are recent
+  bool checked = false;  ///< its messages allow arming
   bool armed = false;
-  bool airborne = false;  ///< as high as its take-off ends
+  bool airborne = false;  ///< at the height where its take-off ends
   bool landed = true;
-  bool refused = false;  ///< what was asked last, by its answer
+  bool refused = false;  ///< it rejected the last request
   bool failsafe = false;
-  bool contested = false;  ///< another program writes set-points to it
-  bool restarted = false;  ///< another one speaks in its place since it was asked to arm
-  LinkReason unfit =
-      LinkReason::as_requested;  ///< why it cannot go on flying, by what it says of itself; as_asked: it can
+  bool contested = false;                       ///< another program writes set-points to it
+  bool restarted = false;                       ///< a new writer replaced the robot's since the arm request
+  LinkReason unfit = LinkReason::as_requested;  ///< reported reason to end the flight; as_requested: none
   AutopilotMode mode = AutopilotMode::other;
 };
 
-/// What a robot is to do, in this order but for the last three, which may come at any time.
+/// Order to a robot. The orders follow this sequence; the last three may come at any time.
 enum class LinkOrder : std::uint8_t {
-  check,      ///< get ready, no more
+  check,      ///< prepare only
   take_off,   ///< arm and take off
-  hold,       ///< take set-points, hold; also out of the task
+  hold,       ///< follow set-points, hold; also after the task
   task,       ///< fly the task
-  land,       ///< and stay on the ground
-  hand_over,  ///< send nothing any more
-  emergency,  ///< stop the motors of what is in our hands, once, and send nothing any more
+  land,       ///< land and stay on the ground
+  hand_over,  ///< stop sending
+  emergency,  ///< stop the motors of robots in our control, once, then stop sending
 };
 
 enum class Setpoint : std::uint8_t { none, zero, task };
 enum class Request : std::uint8_t { none, arm, take_off, offboard, land, emergency };
 
-/// What is to be sent in this period.
+/// Output of one period.
 struct LinkOutput {
   bool heartbeat = false;
   Setpoint setpoint = Setpoint::none;
   Request request = Request::none;
 };
 
-/// Times of the table [s].
+/// Time limits of the state machine [s].
 struct LinkTimes {
-  double ready = 10.0;      ///< waiting, until it is ready
-  double listened = 1.5;    ///< to a robot, until what is found of it counts: a battery speaks once a second
-  double received = 1.2;    ///< ready, at least: PX4 wants to hear more than 1 s
-  double called = 3600.0;   ///< ready, until it is to take off
-  double arming = 2.0;      ///< from the request to arm until it is
-  double takeoff = 30.0;    ///< until it is where it takes set-points
-  double offboard = 2.0;    ///< until it does, from the request on
-  double holding = 30.0;    ///< at most
-  double task = 3600.0;     ///< at most
-  double landing = 60.0;    ///< at most
-  double land_again = 0.5;  ///< from one request to land to the next
+  double ready = 10.0;      ///< waiting: maximum time until ready
+  double listened = 1.5;    ///< minimum observation before findings count: battery messages come at 1 Hz
+  double received = 1.2;    ///< ready: minimum time; PX4 requires a heartbeat for more than 1 s
+  double called = 3600.0;   ///< ready: maximum time until the take-off order
+  double arming = 2.0;      ///< from the arm request until armed
+  double takeoff = 30.0;    ///< until it can accept set-points
+  double offboard = 2.0;    ///< from the set-point request until it follows set-points
+  double holding = 30.0;    ///< maximum
+  double task = 3600.0;     ///< maximum
+  double landing = 60.0;    ///< maximum
+  double land_again = 0.5;  ///< between two land requests
 };
 
-/// One robot. step() is called each period and takes at most one row of the table. It asks once to arm, once to take off, once to take
-/// set-points and once for an emergency, in all its life; landing it asks again. Set-points go out only while the autopilot takes them.
+/// State machine of one robot. step() runs each period and takes at most one row of the table.
+/// In its lifetime it sends one request each for arming, take-off, set-points and emergency; it
+/// repeats the land request. It sends set-points only while the autopilot accepts them.
 class LinkMachine {
  public:
   explicit LinkMachine(const LinkTimes& times = {}) : times_(times) {}
 
-  /// @param t  [s], rises; the first is the beginning
+  /// @param t  [s], increasing; the first call is the beginning
   LinkOutput step(double t, const LinkFacts& facts, LinkOrder order) noexcept;
 
   LinkState state() const noexcept { return state_; }
-  /// The first reason that was none of ours; as_asked: all went as it should.
+  /// The first reason other than as_requested; as_requested: no such transition.
   LinkReason reason() const noexcept { return reason_; }
-  double since() const noexcept { return since_; }  ///< in this state [s]
-  /// Whether somebody has to go on caring: it may be in flight, by us.
+  double since() const noexcept { return since_; }  ///< time in this state [s]
+  /// Whether the robot may be in flight under our control.
   bool in_our_hands() const noexcept { return state_ >= LinkState::arming && state_ <= LinkState::landing; }
-  /// The longest it stays in a state [s]; that it stays in done and pilot for good is no flight.
+  /// Maximum time in a state [s]. The states done and pilot are final and not limited.
   double longest(LinkState state) const noexcept;
 
  private:
@@ -139,7 +140,7 @@ class LinkMachine {
   LinkReason reason_ = LinkReason::as_requested;
   bool begun_ = false, took_off_ = false;
   double since_ = 0.0, requested_at_ = 0.0;
-  std::array<bool, 6> requested_{};  // by Request
+  std::array<bool, 6> requested_{};  // indexed by Request
 };
 
 }  // namespace sightline::dds

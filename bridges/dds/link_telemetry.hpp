@@ -1,4 +1,5 @@
-/// What estimators of robots that are localized by view are told over links: motions, sightings, and poses of those that are seen.
+/// Estimator inputs of vision-localized robots over links: odometry, detections, and broadcast
+/// poses of observed bodies.
 #pragma once
 
 #include <memory>
@@ -12,34 +13,36 @@
 
 namespace sightline::dds {
 
-/// Where the frame that a robot's odometry is in lies in G, as the robot believes that it is.
-/// @param odometry  of the robot, in its frame
-/// @param age       of it: the heading turned on since [s]
-/// @param believed  place and heading of the robot in G
+/// Pose in G of the robot's odometry frame, according to its pose estimate.
+/// @param odometry   of the robot, in its odometry frame
+/// @param age        of the odometry [s]; the heading is extrapolated by its rate
+/// @param estimated  position and heading of the robot in G
 LinkOrigin carried_frame(const Motion& odometry, double age, const Motion& estimated);
-/// A command in G, in that frame.
+/// A command in G, expressed in that frame.
 Command in_local(const LinkOrigin& frame, const Command& command);
 
-/// Of a fleet; none of it without a robot that is localized by view. Motions are those of the robots' own odometry. Bodies that are seen tell
-/// their poses by what is measured of them, with the errors that [estimate.broadcast] says.
+/// Telemetry of a fleet; empty without a vision-localized robot. Motions come from the robots' own
+/// odometry.
+/// Observed bodies broadcast their measured poses, with the error model of [estimate.broadcast].
 class LinkTelemetry {
  public:
-  static constexpr std::size_t motions_most = 16;  ///< of a robot, in one period
+  static constexpr std::size_t motions_most = 16;  ///< per robot and period
 
-  /// @param intake  of each robot by its odometry, in the order of the links; they outlive this
-  /// @throws std::invalid_argument for a robot whose filter needs what no link tells, std::runtime_error where /tf cannot be had
+  /// @param subscribers  odometry of each robot, in link order; must outlive this
+  /// @throws std::invalid_argument if a robot's filter needs an input that no link provides,
+  ///   std::runtime_error if /tf cannot be read
   LinkTelemetry(const Scenario& scenario, const std::vector<PoseSubscriber*>& subscribers,
                 dds_entity_t participant);
 
   bool empty() const noexcept { return robots_.empty(); }
   MeasuredMost most() const noexcept;
-  /// Leaves out what came before the first period.
+  /// Discards everything that arrived before the first period.
   void begin() noexcept;
-  /// Adds what came since the last time; of the control thread, allocates nothing.
+  /// Adds everything that arrived since the last call; control thread, allocates nothing.
   /// @param origin  time 0, of the monotonic clock
   void measure(Nanoseconds origin, Measured& now) noexcept;
 
-  /// None where nobody is localized by view.
+  /// Null if no robot is localized by vision.
   const TagSubscriber* tags() const { return tags_.get(); }
 
  private:
@@ -50,7 +53,7 @@ class LinkTelemetry {
   };
   struct TelemetryEmitter {
     BodyId body{};
-    double last = 0.0;  // stamp of the last that it told [s]
+    double last = 0.0;  // stamp of the last broadcast [s]
     bool reported = false;
   };
 

@@ -1,4 +1,4 @@
-/// The newest of something, from one thread to others, without locks.
+/// Lock-free mailbox that holds the newest value.
 #pragma once
 
 #include <array>
@@ -9,8 +9,9 @@
 
 namespace sightline::dds {
 
-/// One thread puts, any number of threads look. Nobody waits: a look that meets writes again and again gives the value of an
-/// earlier look (a sequence lock whose words are atomic).
+/// One thread writes, any number of threads read; neither waits. A sequence lock with atomic words:
+/// a read that collides with writes 64 times returns false and leaves `value` unchanged, so the
+/// reader keeps its previous value.
 template <class T>
 class Mailbox {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -18,19 +19,21 @@ class Mailbox {
   using Words = std::array<std::uint64_t, words>;
 
  public:
-  /// By one thread.
+  /// Writing thread only.
   void put(const T& value) noexcept {
     Words raw{};
     std::memcpy(raw.data(), &value, sizeof value);
     const std::uint64_t n = puts_.load(std::memory_order_relaxed);
     puts_.store(n + 1, std::memory_order_relaxed);
-    // Who sees one of the words sees that they are being written.
+    // Release, paired with the reader's acquire: a reader that loads a new word also loads the odd
+    // count.
     for (std::size_t i = 0; i < words; ++i) raw_[i].store(raw[i], std::memory_order_release);
     puts_.store(n + 2, std::memory_order_release);
   }
 
-  /// Copies the newest into `value`.
-  /// @return false, and `value` stays, where nothing was put yet, or where each of 64 looks met a write
+  /// Copies the newest value into `value`.
+  /// @return false, with `value` unchanged, if nothing was put yet or 64 reads collided with a
+  ///   write
   bool look(T& value) const noexcept {
     for (int tries = 0; tries < 64; ++tries) {
       const std::uint64_t n = puts_.load(std::memory_order_acquire);
@@ -45,11 +48,11 @@ class Mailbox {
     return false;
   }
 
-  /// Values put so far.
+  /// Number of values put so far.
   std::uint64_t count() const noexcept { return puts_.load(std::memory_order_acquire) / 2; }
 
  private:
-  std::atomic<std::uint64_t> puts_{0};  // odd while one is under way
+  std::atomic<std::uint64_t> puts_{0};  // odd while a write is in progress
   std::array<std::atomic<std::uint64_t>, words> raw_{};
 };
 

@@ -16,7 +16,7 @@
 namespace sightline::dds {
 namespace {
 
-/// What the simple types of IDL are: bytes, their number in a type description, what PX4 calls them.
+/// Simple IDL types: size in bytes, type number in ROS 2 type descriptions, PX4 name.
 struct Simple {
   std::string_view word;
   std::size_t bytes;
@@ -59,7 +59,7 @@ std::string without_release(std::string_view structure) {
   return std::string(name);
 }
 
-/// "px4_msgs/msg/VehicleStatus" of px4_msgs::msg::dds_::VehicleStatus_16_.
+/// px4_msgs::msg::dds_::VehicleStatus_16_ -> px4_msgs/msg/VehicleStatus.
 std::string ros_name(std::string_view idl_name) {
   const std::size_t first = idl_name.find("::"), second = idl_name.find("::", first + 2),
                     last = idl_name.rfind("::");
@@ -73,7 +73,7 @@ class IdlParser {
 
   std::vector<MessageType> parse() {
     while (!token_.empty()) {
-      if (token_ == "#") {  // an include: all messages of ours have one list
+      if (token_ == "#") {  // skips #include: all messages share one list
         rest_of_line();
       } else if (token_ == "module") {
         next();
@@ -201,7 +201,7 @@ const MessageType& named(const std::string& ros_name) {
   return *found;
 }
 
-/// Nested types, theirs too, by their names.
+/// Collects the names of nested types, recursively.
 void collect(const MessageType& type, std::set<std::string>& names) {
   for (const Field& field : type.fields)
     if (field.nested() && names.insert(field.type).second) collect(named(field.type), names);

@@ -1,4 +1,4 @@
-/// What the messages are made of, read from the IDL that they are compiled from: names, sizes and hashes on the wire.
+/// Message types parsed from the compiled IDL: names, sizes and hashes on the wire.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace sightline::dds {
 enum class Many { one, array, sequence };
 
 struct Field {
-  std::string type;  ///< of IDL: "float", "string"; or a message, "std_msgs/msg/Header"
+  std::string type;  ///< IDL type "float", "string", or a message type "std_msgs/msg/Header"
   std::string name;
   Many many = Many::one;
   std::size_t length = 1;  ///< of an array
@@ -23,23 +23,24 @@ struct Field {
 };
 
 struct MessageType {
-  std::string idl_name;  ///< px4_msgs::msg::dds_::VehicleStatus_16_; what a descriptor is called
-  std::string name;      ///< px4_msgs/msg/VehicleStatus, as ROS 2 says it
+  std::string idl_name;  ///< px4_msgs::msg::dds_::VehicleStatus_16_; the name in the descriptor
+  std::string name;      ///< ROS 2 name, px4_msgs/msg/VehicleStatus
   std::vector<Field> fields;
 };
 
-/// The messages of an IDL: modules of ROS 2's form, structs of numbers, strings, arrays, sequences and structs before them.
-/// @throws std::invalid_argument with the line, for what is none of that
+/// Parses the messages of an IDL text: modules of ROS 2's form; structs of numbers, strings,
+/// arrays, sequences and earlier structs.
+/// @throws std::invalid_argument with the line, for anything else
 std::vector<MessageType> parse_idl(std::string_view idl);
 
-/// All that the bridge speaks, parsed once.
+/// All message types of the bridge, parsed once.
 const std::vector<MessageType>& message_types();
-/// Among them.
+/// One of message_types().
 /// @param idl_name  as MessageType::idl_name
-/// @throws std::invalid_argument for none of them
+/// @throws std::invalid_argument if there is none of this name
 const MessageType& message_type(std::string_view idl_name);
 
-/// The name of the type on the wire: without the ending that says a release, px4_msgs::msg::dds_::VehicleStatus_.
+/// Type name on the wire, without the release suffix: px4_msgs::msg::dds_::VehicleStatus_.
 std::string wire_type(std::string_view idl_name);
 /// "rt/a/b" of the topic /a/b.
 std::string wire_topic(std::string_view topic);
@@ -47,15 +48,15 @@ std::string wire_topic(std::string_view topic);
 std::string wire_request(std::string_view service);
 std::string wire_reply(std::string_view service);
 
-/// Where each field begins in a payload of XCDR1, without its header, and where the last one ends [bytes]; none of a message with
-/// strings, sequences or other messages in it.
+/// Offset of each field in an XCDR1 payload without header, followed by the end of the last field
+/// [bytes]. None for a message with strings, sequences or nested messages.
 std::optional<std::vector<std::size_t>> payload_layout(const MessageType& type);
-/// Of such a message [bytes], before it is filled up to a multiple of 4.
+/// Payload size of such a message [bytes], before padding to a multiple of 4.
 std::optional<std::size_t> payload_size(const MessageType& type);
 
-/// RIHS01_ and 64 hexadecimal digits: the type's hash from ROS 2 Iron on (REP 2016).
+/// ROS 2 type hash since Iron (REP 2016): RIHS01_ and 64 hexadecimal digits.
 std::string type_hash(const MessageType& type);
-/// The hash of PX4's message_format_response, FNV-1a over "type name\n" of each field.
+/// Hash of PX4's message_format_response: FNV-1a over "type name\n" of each field.
 std::uint32_t px4_hash(const MessageType& type);
 
 }  // namespace sightline::dds

@@ -32,7 +32,7 @@ std::optional<MotionSample> MotionSamples::take(const SeenMotion& seen, Nanoseco
   sample.yaw_rate = gap || !explained ? reported : turned / sample.dt;
   sample.v_V = in_V(seen.motion, psi);
   if (!gap) sample.v_V = 0.5 * (sample.v_V + in_V(before.motion, psi_then));
-  // R_VB = turn_y(pitch) turn_x(roll), at the beginning
+  // R_VB = turn_y(pitch) turn_x(roll), at the beginning of the sample
   sample.pitch = std::atan2(-then.x.z, std::hypot(then.y.z, then.z.z));
   sample.roll = std::atan2(then.y.z, then.z.z);
   return sample;

@@ -1,4 +1,4 @@
-/// What an estimator is told of a robot's motion, from the odometry of the robot.
+/// Motion inputs of the pose estimator from a robot's odometry.
 #pragma once
 
 #include <optional>
@@ -8,17 +8,20 @@
 
 namespace sightline::dds {
 
-/// Of one robot; one thread, allocates nothing. A sample lasts from one message to the next. Its velocity in V is the mean of both, its yaw
-/// rate what the heading turned by. Neither the place nor the heading of the odometry's frame enters.
+/// Samples of one robot; single thread, allocates nothing. A sample spans two consecutive messages.
+/// Its velocity in V is the mean of both, its yaw rate the heading change per time. Position and
+/// heading of the odometry frame have no influence.
 ///
-/// A turn that the rate of the heading does not explain is a correction of the autopilot's estimator: the rate counts then. After a gap
-/// the sample is as short as the ones before, and the filter knows how long nothing was told.
+/// If the heading rate does not explain the heading change, the autopilot's estimator corrected its
+/// heading; the reported rate then applies.
+/// After a gap the sample has the default length, so the filter also receives the duration without
+/// data.
 class MotionSamples {
  public:
   static constexpr double shortest = 1e-3, longest = 0.1;  ///< between two messages [s]
-  static constexpr double unexplained = 0.2;               ///< [rad]
+  static constexpr double unexplained = 0.2;               ///< heading change [rad]
 
-  /// @param seen    in the order in which they came; one that is not newer than the last says nothing
+  /// @param seen    in order of arrival; one that is not newer than the last gives no sample
   /// @param origin  time 0 of the samples, of the monotonic clock
   std::optional<MotionSample> take(const SeenMotion& seen, Nanoseconds origin) noexcept;
 

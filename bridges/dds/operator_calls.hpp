@@ -1,4 +1,4 @@
-/// What a person may ask of a flight while it goes on, and what is answered. No messages.
+/// Operator requests during a flight and their answers; no messages.
 #pragma once
 
 #include <atomic>
@@ -7,10 +7,10 @@
 
 namespace sightline::dds {
 
-/// Where a flight is, for who asks.
+/// Phase of a flight, as reported to the operator.
 enum class FlightPhase : std::uint8_t {
-  checking,    ///< robots are waited for
-  waiting,     ///< all are ready, and a person is to let them take off
+  checking,    ///< waits for robots to become ready
+  waiting,     ///< all are ready; waits for the operator's start request
   taking_off,  ///< until all hold
   task,
   landing,
@@ -22,19 +22,19 @@ struct CallAnswer {
   std::string_view message{};
 };
 
-/// By any thread, without locks. What was asked twice is done once.
+/// Any thread may call these; lock-free. A repeated request has no further effect.
 class OperatorCalls {
  public:
-  CallAnswer start() noexcept;      ///< take off, where that waits for a person
+  CallAnswer start() noexcept;      ///< take off, if that waits for the operator
   CallAnswer stop() noexcept;       ///< end the task: all land
   CallAnswer land() noexcept;       ///< at any time
-  CallAnswer emergency() noexcept;  ///< stop the motors of all that this program armed
+  CallAnswer emergency() noexcept;  ///< stop the motors of all robots that this program armed
 
-  // Of the flight.
+  // Called by the flight.
   void is_at(FlightPhase phase) noexcept { phase_.store(phase); }
   FlightPhase phase() const noexcept { return phase_.load(); }
   bool started() const noexcept { return started_.load(); }
-  bool to_land() const noexcept { return land_.load(); }  ///< an emergency is one
+  bool to_land() const noexcept { return land_.load(); }  ///< true in an emergency, too
   bool is_emergency() const noexcept { return emergency_.load(); }
 
  private:

@@ -18,15 +18,15 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr std::size_t messages_kept = 16;  // at least
+constexpr std::size_t messages_kept = 16;  // minimum queue length
 constexpr Quality of_predictions = {false, false, 1};
-constexpr Nanoseconds agreed_in = 300'000'000;       // time for all to hear when the task begins [ns]
+constexpr Nanoseconds agreed_in = 300'000'000;       // time for all parts to receive the start time [ns]
 constexpr Nanoseconds begins_soon = 10'000'000'000;  // [ns]
 
-/// The difference of the two clocks: realtime minus monotonic.
+/// Clock difference: real-time minus monotonic.
 Nanoseconds realtime_ahead() noexcept { return realtime_now() - monotonic_now(); }
 
-/// With all the room that it will ever need; copies of a vector have no room beyond what they hold.
+/// A message with all vectors sized for good; copies of a vector have no spare capacity.
 PartMessage full_message(std::size_t robots, std::size_t stages, std::size_t parts) {
   PartMessage message;
   message.predictions.resize(robots);
@@ -41,7 +41,7 @@ int place_of(const std::vector<PlannedPart>& parts, std::string_view name) {
   return static_cast<int>(found - parts.begin());
 }
 
-/// Into the room that is there.
+/// Copies into existing capacity.
 void copy(std::span<const Prediction> from, std::span<Prediction> to) noexcept {
   for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i) {
     to[i].who = from[i].who;
@@ -107,7 +107,7 @@ PredictionExchange::~PredictionExchange() {
   thread_.join();
 }
 
-/// In the thread that receives. What is not of the shape that the scenario says is counted and dropped.
+/// Receive thread. Messages of another shape than the scenario's are counted and dropped.
 void PredictionExchange::take(OtherPart& from, const void* raw, const Arrival& arrival) {
   const auto& message = *static_cast<const sightline_msgs_msg_dds__Prediction_*>(raw);
   const bool fits = message.part != nullptr && from.name == message.part && message.stamp > 0 &&
@@ -139,7 +139,7 @@ void PredictionExchange::take(OtherPart& from, const void* raw, const Arrival& a
       prediction.sights.push_back(sight_from<double>(robot.sights._buffer + k * sight_size));
     if (whole && prediction.is_finite()) continue;
     ++from.garbled;
-    return;  // the slot is claimed again
+    return;  // the slot stays unpublished; the next claim() reuses it
   }
   std::fill(slot->echoes.begin(), slot->echoes.end(), Echo{});
   for (std::uint32_t i = 0; i < message.echoes._length; ++i) {
@@ -153,7 +153,7 @@ void PredictionExchange::take(OtherPart& from, const void* raw, const Arrival& a
   from.came->publish();
 }
 
-/// By which it comes later than it did, where that is simulated; below zero: it is lost.
+/// Simulated additional delay; negative: the message is lost.
 Nanoseconds PredictionExchange::delay_of(const PartMessage& message) const noexcept {
   if (exchange_.flown_by == MessagesBy::network) return 0;
   const auto chance = [&](MessageChance what) {
@@ -163,7 +163,7 @@ Nanoseconds PredictionExchange::delay_of(const PartMessage& message) const noexc
   return std::llround(1e9 * (exchange_.delay + exchange_.jitter * chance(MessageChance::jitter)));
 }
 
-/// Takes all that came, and looks who is heard.
+/// Processes all received messages, then updates the state of each part.
 void PredictionExchange::drain() noexcept {
   const Nanoseconds ahead = realtime_ahead(), now = realtime_now();
   for (std::size_t i = 0; i < others_.size(); ++i) {
@@ -258,7 +258,8 @@ bool PredictionExchange::all_hold() const noexcept {
 
 void PredictionExchange::agree(PartPhase phase) noexcept {
   if (phase != PartPhase::holding || !all_hold()) return begins_.reset();
-  // In the middle of a period: clocks that differ by less than half of one find the same.
+  // In the middle of a period, so that clocks that differ by less than half a period select the
+  // same period.
   if (!begins_) begins_ = next_multiple(monotonic_now() + agreed_in, period_) + period_ / 2;
   for (std::size_t i = 0; i < others_.size(); ++i) {
     const int part = static_cast<int>(i);
@@ -328,7 +329,7 @@ std::vector<std::string> PredictionExchange::counts() const {
   return lines;
 }
 
-/// The thread that writes.
+/// Main function of the writing thread.
 void PredictionExchange::write_all() {
   std::vector<std::vector<double>> numbers(robots_.size());
   std::vector<sightline_msgs_msg_dds__RobotPrediction_> robots(robots_.size());

@@ -1,4 +1,5 @@
-/// The exchange of one part of a team with the others, over DDS: rt/sightline/TEAM/PART/prediction, best effort, the newest counts.
+/// Exchange of predictions between the parts of a team over DDS: rt/sightline/TEAM/PART/prediction,
+/// best effort, newest message only.
 #pragma once
 
 #include <atomic>
@@ -17,20 +18,21 @@
 
 namespace sightline::dds {
 
-/// How far a part is.
+/// Flight phase of a part.
 enum class PartPhase : std::uint8_t { ground, rising, holding, task, landing };
 
-/// "/sightline/TEAM/PART/prediction", a topic of ROS.
+/// ROS topic "/sightline/TEAM/PART/prediction".
 std::string prediction_topic(std::string_view team, std::string_view part);
 
-/// receive(), send(), stand() and the questions are the control thread's: they allocate, lock, throw and print nothing. Messages are
-/// written by a thread of its own.
+/// receive(), send(), stand(), all_hold(), begins(), receives_from() and is_received() run on the
+/// control thread: they do not allocate, lock, throw or print. A separate thread writes the
+/// messages.
 class PredictionExchange final : public PartExchange {
  public:
-  /// @param scenario  of a part
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @param scenario  of one part
+  /// @throws std::runtime_error if a topic cannot be created
   PredictionExchange(const Scenario& scenario, dds_entity_t participant);
-  ~PredictionExchange();  ///< Once the last is sent.
+  ~PredictionExchange();  ///< Waits until the last message is sent.
   PredictionExchange(const PredictionExchange&) = delete;
   PredictionExchange& operator=(const PredictionExchange&) = delete;
 
@@ -38,38 +40,39 @@ class PredictionExchange final : public PartExchange {
   void begin(Nanoseconds origin) noexcept { origin_ = origin; }
   void receive(double t, Subteam& receiver) noexcept override;
   void send(double t, std::span<const Prediction> predictions) noexcept override;
-  /// Beside the task: where the own robots are, going on as they move; they keep no distances. Takes what came, too.
+  /// Outside the task: publishes where the part's robots are, extrapolated by their velocity; these
+  /// robots keep no distances. Also processes the received messages.
   void stand(PartPhase phase, std::span<const double> states) noexcept;
-  /// Whether no part that is heard is still on its way to where it holds.
+  /// Whether every part that is received has reached its holding phase.
   bool all_hold() const noexcept;
-  /// When the task begins, by the monotonic clock, as agreed with those that hold: once all do, each says when, and the earliest
-  /// that one of them said counts. None before.
+  /// Start of the task by the monotonic clock, as agreed with the parts that hold. Once all hold,
+  /// each part proposes a time and the earliest proposal applies. None before.
   std::optional<Nanoseconds> begins() const noexcept { return begins_; }
-  /// The parts that it waits for, in words.
+  /// Names of the parts that it waits for, as text.
   std::string awaited() const;
 
   bool receives_from(BodyId robot, BodyId other) const noexcept override;
   bool is_received(BodyId body) const noexcept override;
 
-  /// What became of other parts since the last call, a sentence each; by one thread.
+  /// State changes of other parts since the last call, one sentence each; single thread.
   std::vector<std::string> news();
-  /// What was sent, received and lost, a line for each part.
+  /// Counts of sent, received and lost messages, one line per part.
   std::vector<std::string> counts() const;
 
  private:
   struct OtherPart {
     std::string name;
-    std::vector<BodyId> robots;  // of our team, in the order of the part
+    std::vector<BodyId> robots;  // indices in our team, in the part's order
     std::vector<std::string> names;
-    std::unique_ptr<SpscQueue<PartMessage>> came;  // filled by the thread that receives
+    std::unique_ptr<SpscQueue<PartMessage>> came;  // filled by the receive thread
     PartMessage newest;
     bool has_newest = false;
     bool used = false;                                // the planner has it
-    std::atomic<PeerState> state{PeerState::silent};  // at the last look
+    std::atomic<PeerState> state{PeerState::silent};  // at the last drain()
     std::atomic<std::int64_t> offset{0};              // of its clock [ns]
     PeerState received = PeerState::silent;
     std::atomic<std::int64_t> garbled{0};
-    std::unique_ptr<RawReader> reader{};  // last: it ends before what it fills
+    std::unique_ptr<RawReader> reader{};  // last member: destroyed before the members it fills
   };
 
   void take(OtherPart& from, const void* message, const Arrival& arrival);
@@ -86,9 +89,9 @@ class PredictionExchange final : public PartExchange {
   Nanoseconds period_;
   std::size_t stages_;
   std::vector<std::string> parts_;
-  std::vector<std::unique_ptr<OtherPart>> others_;  // of each part; of our own: nothing
-  std::vector<int> part_of_;                        // of each body; -1: of none
-  std::vector<BodyId> robots_;                      // our own
+  std::vector<std::unique_ptr<OtherPart>> others_;  // one per part; our own entry stays empty
+  std::vector<int> part_of_;                        // per body; -1: in no part
+  std::vector<BodyId> robots_;                      // of our own part
   std::vector<double> no_input_;
   ExchangeOptions exchange_;
   Peers peers_;
@@ -97,8 +100,8 @@ class PredictionExchange final : public PartExchange {
   std::uint64_t session_, number_ = 0;
   std::atomic<std::int64_t> sent_{0};
   RawWriter writer_;
-  SpscQueue<PartMessage> waiting_;                       // to be written
-  ServiceThread thread_{"the messages to other parts"};  // last: it uses all of it
+  SpscQueue<PartMessage> waiting_;                       // messages to be written
+  ServiceThread thread_{"the messages to other parts"};  // last member: uses all others
 };
 
 }  // namespace sightline::dds

@@ -1,4 +1,4 @@
-/// Who of a fleet may take off: by what is found of it before a flight.
+/// Take-off clearance of a fleet, from the findings before a flight.
 #pragma once
 
 #include <string>
@@ -10,33 +10,33 @@
 
 namespace sightline::dds {
 
-/// One thread; it allocates.
+/// Single thread; allocates.
 class Preflight {
  public:
-  /// @param robots    whose ends outlive it, as scenario and bodies do
-  /// @param listened  to a robot, until what is found of it counts [s]
-  /// @throws std::runtime_error where nobody says who is there
+  /// @param robots    their ends, the scenario and the bodies must outlive this
+  /// @param listened  minimum observation of a robot before its findings count [s]
+  /// @throws std::runtime_error if the domain's writers cannot be read
   Preflight(const Scenario& scenario, std::vector<ExaminedRobot> robots, const SeenBodies& bodies,
             dds_entity_t participant, double listened);
 
-  /// What is found now: of each robot, of the fleet, of other bodies.
+  /// Current findings: of each robot, of the fleet, of other bodies.
   std::vector<Finding> examine();
-  /// Clears those whom nothing that is found keeps on the ground.
+  /// Clears the robots that no finding keeps on the ground.
   void clear();
   bool is_clear(std::size_t robot) const { return robots_[robot].clear; }
   bool all_clear() const;
-  /// What keeps the fleet on the ground, a sentence each.
+  /// Reasons that keep the fleet on the ground, one sentence each.
   std::vector<std::string> refusals();
 
  private:
   struct Robot {
     bool clear = false;
-    Nanoseconds received = 0;  // when its first pose was there, of the monotonic clock; 0: none was
+    Nanoseconds received = 0;  // arrival of its first pose, monotonic clock; 0: none yet
   };
 
   const Scenario& scenario_;
   std::vector<ExaminedRobot> examined_;
-  std::vector<Robot> robots_;  // in their order
+  std::vector<Robot> robots_;  // in the order of examined_
   const SeenBodies& bodies_;
   DiscoveryMonitor discovery_;
   Nanoseconds listened_;

@@ -18,7 +18,7 @@ namespace {
 constexpr int requested_most = 5;
 constexpr Nanoseconds battery_old = 5'000'000'000;
 constexpr std::string_view transmitter_flag = "manual_control_signal_lost";
-// What is so before each flight by set-points, or says nothing of a flight by them.
+// Flags that are set before every offboard flight, or are irrelevant to one.
 constexpr std::array<std::string_view, 4> usual_flags = {transmitter_flag, "offboard_control_signal_lost",
                                                          "auto_mission_missing", "gcs_connection_lost"};
 constexpr std::array<std::string_view, 5> warnings = {"none", "low", "critical", "an emergency", "failed"};
@@ -55,7 +55,8 @@ std::string Px4Diagnostics::topic_of(std::string_view message, int release) cons
   return px4_topic(link_.name_space, Px4Side::out, message, release);
 }
 
-// The begin of a message is that of all layouts: its reader has all of them, and their sizes.
+// Reads only the common beginning of a message: each reader accepts all layouts and records their
+// sizes.
 void Px4Diagnostics::read_signs(dds_entity_t participant) {
   int version = -1;
   std::string before;
@@ -126,7 +127,7 @@ Px4Diagnostics::Looks Px4Diagnostics::looks_like(const Surroundings& around) con
     }
     return {"a release that is not known", fmt::format("vehicle_status of {} bytes", size)};
   }
-  // Of releases to come: a topic that none of those that are known has.
+  // Releases after 1.18: a vehicle_status topic version that no known release has.
   const std::string begin = wire_topic(link_.name_space + "/fmu/out/vehicle_status_v");
   for (const SeenWriter& writer : around.writers) {
     const bool ours = std::any_of(signs_.begin(), signs_.end(), [&](const std::unique_ptr<Sign>& one) {

@@ -1,4 +1,5 @@
-/// What a vehicle of PX4 says beside what it is flown by: which release it is, what it takes, its battery, why it does not fly.
+/// Diagnostics of a PX4 vehicle beyond its flight topics: release, accepted message layouts,
+/// battery, failsafe flags.
 #pragma once
 
 #include <array>
@@ -17,23 +18,24 @@
 
 namespace sightline::dds {
 
-/// What it says of its battery; `arrived` 0: nothing yet.
+/// Battery state as the vehicle reports it; `arrived` 0: nothing received yet.
 struct Px4Battery {
   Nanoseconds arrived = 0;
-  float remaining = 0.0F, voltage = 0.0F;  ///< of 1, [V]
+  float remaining = 0.0F, voltage = 0.0F;  ///< fraction in [0, 1]; [V]
   std::uint8_t warning = 0;
   bool connected = false;
 };
 
-/// Its readers take nothing from the control thread. All else is of one thread, before a flight.
+/// Its readers do not affect the control thread. All functions run on one thread, before a flight.
 class Px4Diagnostics {
  public:
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @throws std::runtime_error if a topic cannot be created
   Px4Diagnostics(dds_entity_t participant, const Px4Link& link);
 
-  /// Adds release, battery and pilot. Each time it asks which layouts the vehicle takes, five times in all: nothing that it obeys.
+  /// Adds findings about release, battery and pilot. Each call requests the vehicle's message
+  /// layouts, at most five times; the vehicle does not act on these requests.
   void examine(const Surroundings& around, const Px4Battery& battery, FindingList& to);
-  /// The flags of its failsafe that are set, " (mag_invalid, ..)"; empty: none.
+  /// Failsafe flags that are set, " (mag_invalid, ..)"; empty: none.
   std::string failing() const;
 
  private:
@@ -43,22 +45,22 @@ class Px4Diagnostics {
 
   struct Flags {
     Nanoseconds arrived = 0;
-    std::array<bool, flags_most> set{};  // in the order of their names
+    std::array<bool, flags_most> set{};  // in the order of flag_names_
   };
   struct Answer {
     bool came = false, success = false;
     std::uint32_t hash = 0;
   };
-  /// A topic by which a release is known, of messages of any size.
+  /// A topic that identifies a release; accepts messages of any size.
   struct Sign {
     std::string message;
     int version;
     dds_topic_descriptor_t descriptor;
-    std::atomic<std::uint32_t> size{0};  // of the last one [bytes]; 0: none came
+    std::atomic<std::uint32_t> size{0};  // of the last message [bytes]; 0: none received
     std::unique_ptr<RawReader> reader{};
   };
   struct Looks {
-    std::string release, by;  // "1.16", "vehicle_status_v1"; empty: nothing came
+    std::string release, by;  // "1.16", "vehicle_status_v1"; empty: nothing received
   };
 
   void read_signs(dds_entity_t participant);
@@ -76,16 +78,16 @@ class Px4Diagnostics {
   Px4Layout flags_layout_;
   std::vector<std::string> flag_names_;
   std::vector<std::size_t> flag_places_;
-  std::size_t transmitter_ = 0;  // its place among the flags
+  std::size_t transmitter_ = 0;  // index of the transmitter flag
   int requested_ = 0;
 
-  // Filled by the thread that receives.
+  // Filled by the receive thread.
   Mailbox<Flags> flags_;
   std::array<Mailbox<Answer>, sent.size()> answers_;
   std::vector<std::unique_ptr<Sign>> signs_;
 
   std::unique_ptr<RawWriter> request_;
-  std::vector<std::unique_ptr<RawReader>> readers_;  // last: they end before what they fill
+  std::vector<std::unique_ptr<RawReader>> readers_;  // last member: destroyed before the members they fill
 };
 
 }  // namespace sightline::dds

@@ -1,4 +1,4 @@
-/// Messages of PX4 whose layout differs between releases, by the names of their fields.
+/// PX4 messages whose layout differs between releases, accessed by field name.
 #pragma once
 
 #include <dds/dds.h>
@@ -13,22 +13,23 @@
 
 namespace sightline::dds {
 
-/// Of all messages of PX4 that are spoken, each layout once.
+/// Descriptors of all PX4 messages of the bridge, each layout once.
 std::span<const dds_topic_descriptor_t* const> px4_descriptors();
 
-/// One message in the layout of a release. In memory a message lies as on the wire.
+/// Layout of one message in a release. The layout in memory equals that on the wire.
 class Px4Layout {
  public:
-  /// @param message  "VehicleStatus", "VehicleLocalPosition", "FailsafeFlags", "BatteryStatus" or a message of one layout
-  /// @throws std::invalid_argument for one that nobody speaks
+  /// @param message  "VehicleStatus", "VehicleLocalPosition", "FailsafeFlags", "BatteryStatus" or a
+  ///   message with a single layout
+  /// @throws std::invalid_argument if the bridge does not support the message
   Px4Layout(std::string_view message, int release);
 
   const MessageType& type() const { return type_; }
   const dds_topic_descriptor_t& descriptor() const { return descriptor_; }
   std::size_t size() const { return places_.back(); }  ///< on the wire [bytes]
   bool has(std::string_view field) const;
-  /// Where the field begins [bytes].
-  /// @throws std::invalid_argument for a field that it does not have
+  /// Offset of the field [bytes].
+  /// @throws std::invalid_argument if the message has no such field
   std::size_t place(std::string_view field) const;
 
  private:
@@ -37,7 +38,7 @@ class Px4Layout {
   std::vector<std::size_t> places_;
 };
 
-/// A number at a place of a message.
+/// Reads a number at a byte offset of a message.
 template <class Number>
 Number read_at(const void* message, std::size_t place) noexcept {
   Number number;
@@ -45,13 +46,13 @@ Number read_at(const void* message, std::size_t place) noexcept {
   return number;
 }
 
-/// A message to be filled by the names of its fields; all zero.
+/// A message whose fields are set by name; initially all zero.
 class Px4Message {
  public:
   explicit Px4Message(const Px4Layout& layout)
       : layout_(layout), words_((layout.descriptor().m_size + 7) / 8) {}
 
-  /// Of the type that the layout says.
+  /// `Number` must match the field's type in the layout.
   template <class Number>
   void set(std::string_view field, Number number) {
     std::memcpy(reinterpret_cast<char*>(words_.data()) + layout_.place(field), &number, sizeof number);

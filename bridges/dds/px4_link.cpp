@@ -21,17 +21,17 @@ namespace {
 constexpr Nanoseconds px4_second = 1'000'000'000;
 constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
 constexpr Nanoseconds newcomers_wait = 50'000'000;
-constexpr Nanoseconds beat_every = 35'000'000;  // PX4 wants to hear 2 in a second
-constexpr double turn_most = 0.2;               // between its heading and the one that is seen [rad]
-constexpr double least_height = 0.3;            // in the air, where nobody says so [m]
+constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
+constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
+constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
-constexpr std::uint8_t our_system = 200, our_component = 191;  // a companion computer
+constexpr std::uint8_t our_system = 200, our_component = 191;  // component ID of a companion computer
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 
 Vec3<double> px4_vec(const float* v) { return {v[0], v[1], v[2]}; }
 
-/// A reader of one of its messages.
-/// @param taking  gives what takes messages of that layout
+/// Reader of one of the vehicle's messages.
+/// @param taking  returns the callback for messages of the given layout
 template <class Taking>
 std::unique_ptr<RawReader> px4_reader(dds_entity_t participant, const Px4Link& link, const Px4Layout& layout,
                                       std::string_view message, Quality quality, Writers writers,
@@ -44,7 +44,8 @@ std::unique_ptr<RawReader> px4_reader(dds_entity_t participant, const Px4Link& l
 
 }  // namespace
 
-/// Readers and writers, of the layouts of its release; and what is sent of those that differ.
+/// Readers and writers with the layouts of the release, and the sent messages whose layout differs
+/// between releases.
 struct Px4LinkEnd::Ends {
   explicit Ends(int release)
       : mode_layout("OffboardControlMode", release),
@@ -108,13 +109,13 @@ void Px4LinkEnd::read_state(dds_entity_t participant) {
             alt = in.place("ref_alt")](const void* m, const Arrival& a) {
       Position position{a.monotonic};
       for (std::size_t i = 0; i < valid_names.size(); ++i)
-        position.valid[i] = read_at<bool>(m, valid + i);  // one after the other
+        position.valid[i] = read_at<bool>(m, valid + i);  // adjacent fields
       position.global = read_at<bool>(m, xy) && read_at<bool>(m, z);
       position.reference = {read_at<double>(m, lat), read_at<double>(m, lon), read_at<float>(m, alt)};
       position_.put(position);
     };
   });
-  // Of each release it is the beginning that is read, of whatever size.
+  // Accepts any size: only the beginning is read, which all releases share.
   const Px4Layout flags("EstimatorStatusFlags", release_);
   ends_->alignment = std::make_unique<RawReader>(
       participant, flags.descriptor(),
@@ -170,7 +171,7 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   }
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
   latency_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
-  // What is not finite is counted there.
+  // take() counts motions that are not finite.
   const bool finite = is_finite(local);
   if (finite && !anchor_.follow(local, m.reset_counter, sampled)) {
     odometry_.note(sampled, arrival.monotonic);
@@ -236,7 +237,8 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   return facts;
 }
 
-/// How far its estimator is turned from what others see, anticlockwise [rad]; 0 where one of them says nothing.
+/// Heading of its estimator minus the externally observed one, anticlockwise [rad]; 0 if one of
+/// them is missing.
 double Px4LinkEnd::turned_from_seen() noexcept {
   SeenMotion own, seen;
   if (!seen_ || !seen_->look(seen) || !odometry_.look(own)) return 0.0;
@@ -252,7 +254,7 @@ void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanosecon
   requested_ = which;
   requested_at_ = now;
   const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
-  // To where it is, and as high as it is set up to.
+  // NaN: the current position, and the configured altitude.
   const float rest = takes_off ? px4_nan : 0.0F;
   Px4Message& c = ends_->order;
   c.set("timestamp", stamp());
@@ -264,7 +266,7 @@ void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanosecon
   c.set("target_system", last_status_.system);
   c.set("target_component", std::uint8_t{1});
   c.set("source_system", our_system);
-  c.set("source_component", our_component);  // its low byte, where it has two
+  c.set("source_component", our_component);  // low byte, if the field has two
   c.set("from_external", true);
   (void)ends_->command->write(c.data());
 }
@@ -276,7 +278,8 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     ends_->mode.set("velocity", true);
     (void)ends_->heartbeat->write(ends_->mode.data());
   }
-  // Who has just come may be the vehicle itself after a restart: whether it is, is known a moment later.
+  // A new reader may be the vehicle itself after a restart; its status shows that only a moment
+  // later.
   const bool known = now - ends_->setpoint->reader_came() > newcomers_wait;
   if (output.setpoint != Setpoint::none && known) {
     px4_msgs_msg_dds__TrajectorySetpoint_ s{};
@@ -292,7 +295,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       s.yawspeed = static_cast<float>(-c.r);
       if (stamps_ == Stamps::of_this_machine) s.timestamp = answered_;
     }
-    // Another mode may have been said since the period began.
+    // A newer status may report another mode since the period began.
     if (says_offboard_) {
       ++sent_;
       (void)ends_->setpoint->write(&s);

@@ -1,4 +1,4 @@
-/// The link to a vehicle of PX4 behind its uXRCE-DDS agent, releases 1.14 to 1.18.
+/// Link to a PX4 vehicle behind its uXRCE-DDS agent, releases 1.14 to 1.18.
 #pragma once
 
 #include <algorithm>
@@ -18,22 +18,23 @@
 
 namespace sightline::dds {
 
-// What PX4 calls its states and commands.
+// PX4's values of states and commands.
 enum class NavState : std::uint8_t { position = 2, hold = 4, takeoff = 17, land = 18, offboard = 14 };
 inline constexpr std::uint8_t px4_disarmed = 1, px4_armed = 2;
 enum class Px4Command : std::uint32_t { land = 21, takeoff = 22, set_mode = 176, arm_disarm = 400 };
 inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F;
-inline constexpr float px4_force = 21196.0F;  // of arm_disarm: in the air, too
+inline constexpr float px4_force = 21196.0F;  // param2 of arm_disarm: also in the air
 inline constexpr std::uint8_t px4_frame_ned = 1, px4_velocity_body = 3;
 inline constexpr std::uint8_t px4_battery_good = 0, px4_battery_critical = 2;  // BatteryStatus.warning
 
-/// Whose stamps are put on what is sent.
+/// Source of the stamps of sent messages.
 enum class Stamps { none, of_this_machine };
 
 class Px4LinkEnd final : public LinkEnd {
  public:
-  /// @param stamps  of_this_machine where the agent runs on it; PX4 takes what has none as of now
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @param stamps  of_this_machine if the agent runs on this machine; PX4 treats a message without
+  ///   stamp as current
+  /// @throws std::runtime_error if a topic cannot be created
   Px4LinkEnd(Port participant, const Link& link, Stamps stamps);
   ~Px4LinkEnd() override;
 
@@ -65,7 +66,7 @@ class Px4LinkEnd final : public LinkEnd {
     bool good() const noexcept { return std::find(valid.begin(), valid.end(), false) == valid.end(); }
   };
   static constexpr std::array<std::string_view, 4> valid_names = {"xy", "z", "v_xy", "v_z"};
-  /// What its estimator has found; all, where it does not say.
+  /// Alignment of the vehicle's estimator; true for all if it does not report any.
   struct Alignment {
     Nanoseconds arrived = 0;
     bool tilt = true, heading = true;
@@ -103,24 +104,24 @@ class Px4LinkEnd final : public LinkEnd {
   int release_;
   Stamps stamps_;
 
-  // Filled by the thread that receives.
+  // Filled by the receive thread.
   Mailbox<Status> status_;
   Mailbox<Position> position_;
   Mailbox<Alignment> alignment_;
   Mailbox<Landed> landed_;
   Mailbox<Px4Battery> battery_;
   Mailbox<Ack> ack_;
-  Mailbox<std::uint64_t> sampled_;  // when the newest pose was, by its clock [us]
+  Mailbox<std::uint64_t> sampled_;  // stamp of the newest pose, vehicle clock [us]
   FrameAnchor anchor_;
   DelayHistogram latency_;
 
-  std::atomic<bool> says_offboard_{false};  // in the last status that came
+  std::atomic<bool> says_offboard_{false};  // according to the newest status
 
-  // By watch().
-  std::atomic<bool> received_{false};  // it reads what we write
+  // Set by watch().
+  std::atomic<bool> received_{false};  // the vehicle's reader is matched with our writers
   std::atomic<int> rivals_{0};
 
-  // Of the control thread: the last that was seen, for when a mailbox is being written.
+  // Control thread: last values, for reads that collide with a write.
   Status last_status_{};
   Position last_position_{};
   Alignment last_alignment_{};
@@ -129,14 +130,14 @@ class Px4LinkEnd final : public LinkEnd {
   Ack last_ack_{};
   Px4Command requested_{};
   Nanoseconds requested_at_ = 0, beat_at_ = 0;
-  std::uint64_t answered_ = 0;                        // sampled_ of the pose that commands answer
+  std::uint64_t answered_ = 0;                        // sampled_ of the pose that the next command answers
   std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
-  int speakers_ = -1;  // that had come when it was asked to arm; -1: it was not yet
+  int speakers_ = -1;  // status writers matched at the arm request; -1: none requested yet
 
   PoseSubscriber odometry_;
-  std::unique_ptr<PoseSubscriber> seen_;   // by others, where they say where it is
-  std::unique_ptr<Px4Diagnostics> aside_;  // until it is to arm
-  std::unique_ptr<Ends> ends_;             // last: readers end before what they fill
+  std::unique_ptr<PoseSubscriber> seen_;   // poses from others, if the link uses them
+  std::unique_ptr<Px4Diagnostics> aside_;  // until arming
+  std::unique_ptr<Ends> ends_;             // last member: readers end before the members they fill
 };
 
 }  // namespace sightline::dds

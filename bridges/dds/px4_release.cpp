@@ -11,7 +11,7 @@ namespace {
 
 constexpr int versions_since = 16;
 
-/// From which release on a message has a version.
+/// First release in which a message has a version.
 struct Versioned {
   std::string_view message;
   int release, version;
@@ -22,7 +22,7 @@ constexpr std::array<Versioned, 5> versioned = {{{"VehicleStatus", 16, 1},
                                                  {"VehicleCommandAck", 18, 1},
                                                  {"BatteryStatus", 17, 1}}};
 
-/// Of messages that are younger than the first release.
+/// First release of messages that are newer than px4_first.
 struct Since {
   std::string_view message;
   int release;
@@ -37,7 +37,7 @@ constexpr std::array<Since, 9> since = {{{"GotoSetpoint", 15},
                                          {"RoverThrottleSetpoint", 16},
                                          {"RoverSpeedSetpoint", 17}}};
 
-/// The release that ends the name in the IDL, or the first.
+/// The release suffix of the IDL name; px4_first without one.
 int layout_since(std::string_view idl_name) {
   idl_name.remove_suffix(1);
   int release = px4_first;

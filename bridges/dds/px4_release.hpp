@@ -1,4 +1,4 @@
-/// What the releases of PX4 call their topics, and which layout their messages have.
+/// Topic names and message layouts of the PX4 releases.
 #pragma once
 
 #include <array>
@@ -9,20 +9,20 @@
 
 namespace sightline::dds {
 
-/// PX4 1.N; the least and the greatest that are known.
+/// First and last supported minor release, PX4 1.N.
 inline constexpr int px4_first = 14, px4_last = 18;
 inline constexpr std::array<std::string_view, px4_last - px4_first + 1> px4_releases = {
     "1.14", "1.15", "1.16", "1.17", "1.18"};
 
-/// From here on a vehicle answers which layouts it takes.
+/// First release whose vehicles answer requests for their message layouts.
 inline constexpr int px4_answers_formats_from = 15;
 
-/// The layout of a message in a release: the last one that is not newer.
+/// Layout of a message in a release: the newest one that is not newer than the release.
 /// @param message  "VehicleStatus"
-/// @throws std::invalid_argument for a message that the release does not have
+/// @throws std::invalid_argument if the release does not have the message
 const MessageType& px4_type(std::string_view message, int release);
 
-/// Its version, which ends the name of its topic from 1.16 on; 0: nothing does.
+/// Version of the message, the suffix of its topic from 1.16 on; 0: no suffix.
 int px4_version(std::string_view message, int release);
 
 enum class Px4Side { out, in };

@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t vehicle_second = 1'000'000'000;
 constexpr std::int64_t checks_take = vehicle_second;    // after its start
 constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
-constexpr double fastest = 10.0;                        // that a set-point may ask [m/s]
+constexpr double fastest = 10.0;                        // limit of a set-point [m/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
 std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
@@ -61,7 +61,7 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
   ends_->status = writer("VehicleStatus");
   ends_->ack = writer("VehicleCommandAck");
   ends_->position = writer("VehicleLocalPosition");
-  send_status();  // who was here before it started knows at once that it is disarmed
+  send_status();  // readers from before its start learn at once that it is disarmed
   ends_->command = reader("VehicleCommand", 16, [this](const Px4Layout& in) {
     return [this, command = in.place("command"), param1 = in.place("param1"), param2 = in.place("param2"),
             target = in.place("target_system"),
@@ -90,7 +90,7 @@ void Px4Vehicle::set_nav(NavState nav) {
 void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
                             std::uint8_t source) {
   const std::scoped_lock lock(lock_);
-  if (target != 0 && target != setup_.system) return;  // for another one: silence
+  if (target != 0 && target != setup_.system) return;  // for another system: no acknowledgement
   const bool ready = checks_ && monotonic_now() - booted_ > checks_take;
   std::uint8_t result = unsupported;
   switch (static_cast<Px4Command>(command)) {
@@ -132,7 +132,7 @@ void Px4Vehicle::on_setpoint(const void* message) {
   const std::scoped_lock lock(lock_);
   ++reported_.setpoints;
   if (nav_ != NavState::offboard) ++reported_.setpoints_outside;
-  // What asks it to hold answers no pose.
+  // A zero velocity (hold) answers no pose.
   const bool answers = s.velocity[0] != 0 || s.velocity[1] != 0 || s.velocity[2] != 0;
   if (answers && s.timestamp > 0 && s.timestamp < last_microsecond)
     answers_.add(1e-9 * static_cast<double>(realtime_now() - of_microseconds(s.timestamp)));
@@ -173,7 +173,7 @@ void Px4Vehicle::move() {
   if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
     arming_ = px4_disarmed;
     failsafe_ = false;
-    nav_ = NavState::hold;  // as before: in the mode that lands PX4 would not arm again
+    nav_ = NavState::hold;  // as before take-off: PX4 does not arm in the land mode
     send_slow();
     send_status();
   }
@@ -187,7 +187,7 @@ void Px4Vehicle::step(std::int64_t number) {
     set_nav(NavState::land);
   }
   suffer();
-  send_odometry();  // then it goes on, from this time on
+  send_odometry();  // the motion before this step, stamped now
   move();
   if (number % 20 == 0) send_status();
   if (number % 10 == 5) send_slow();

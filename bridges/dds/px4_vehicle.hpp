@@ -1,4 +1,5 @@
-/// Stands in for a vehicle of PX4: its arming and modes, its answers, its messages in the layout of its release.
+/// Simulator of a PX4 vehicle: arming, modes, acknowledgements, and messages in the layout of its
+/// release.
 #pragma once
 
 #include <array>
@@ -18,30 +19,30 @@
 
 namespace sightline::dds {
 
-/// What a stand-in was told. Of any thread.
+/// Counters of the simulated vehicle. Any thread may read them.
 struct Px4VehicleCounts {
-  std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: while it was in another mode than offboard
+  std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: received in another mode than offboard
   std::int64_t bad_setpoints = 0;                     ///< not finite, or faster than 10 m/s
   std::int64_t heartbeats = 0, arm_requests = 0, offboard_requests = 0;
   std::int64_t kills = 0;  ///< requests to disarm in the air
   double answer_median = 0.0,
          answer_p99 = 0.0;      ///< from the stamp of a pose to the set-point that answers it [s]
-  double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: there was none
+  double failsafe_after = 0.0;  ///< from the last heartbeat to its failsafe [s]; 0: none occurred
 };
 
-/// A vehicle on the ground below where its robot starts.
+/// A vehicle that starts on the ground below its robot's start.
 class Px4Vehicle final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
-    Vec3<double> p{};  ///< in G, on the ground [m]
+    Vec3<double> p{};  ///< position in G, on the ground [m]
     double heading = 0.0;
     double altitude = 1.0;  ///< of its take-off [m]
     std::uint8_t system = 1;
-    std::optional<Vehicle> rotors{};  ///< none: the lag
+    std::optional<Vehicle> rotors{};  ///< none: point mass with velocity lag
   };
 
-  /// @param faults  of this vehicle; outlives it
+  /// @param faults  of this vehicle; must outlive it
   Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup, Faults& faults);
   ~Px4Vehicle() override;
 
@@ -52,9 +53,9 @@ class Px4Vehicle final : public VehicleSimulator {
   Px4VehicleCounts reported() const;
   Motion motion() const override;  ///< in G
   bool armed() const;
-  /// Whether its checks before a flight fail.
+  /// Makes its preflight checks fail.
   void fail_checks(bool fails);
-  /// Battery, failsafe flags, answers about layouts.
+  /// Battery, failsafe flags, layout responses.
   Px4VehicleDiagnostics& aside() { return aside_; }
 
  private:
@@ -74,7 +75,7 @@ class Px4Vehicle final : public VehicleSimulator {
 
   int release_;
   Setup setup_;
-  mutable std::recursive_mutex lock_;  // of all below: readers' thread and the one that steps
+  mutable std::recursive_mutex lock_;  // guards all members below: reader threads and the stepping thread
   Px4VehicleCounts reported_;
   DelayHistogram answers_;
   std::uint8_t arming_ = px4_disarmed;

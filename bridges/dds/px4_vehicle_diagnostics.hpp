@@ -1,4 +1,4 @@
-/// What a stand-in for a vehicle of PX4 says beside what it is flown by: battery, failsafe flags, and which layouts it takes.
+/// Simulated PX4 diagnostics beyond the flight topics: battery, failsafe flags, layout responses.
 #pragma once
 
 #include <atomic>
@@ -14,20 +14,21 @@
 
 namespace sightline::dds {
 
-/// The setters are of any thread; send() is of the one that steps.
+/// Any thread may call the setters; only the stepping thread calls send().
 class Px4VehicleDiagnostics {
  public:
-  /// @param faults  of the vehicle; outlives it
+  /// @param faults  of the vehicle; must outlive it
   Px4VehicleDiagnostics(dds_entity_t participant, const Px4Link& link, Faults& faults);
 
-  /// Once a second, and where the battery changes: battery, failsafe flags, estimator's flags.
+  /// Sends battery, failsafe and estimator flags; called once per second and when the battery
+  /// changes.
   void send();
 
   void set_battery(float remaining) { remaining_ = remaining; }   ///< 0 to 1
-  void lose_transmitter(bool lost) { transmitter_lost_ = lost; }  ///< of its pilot
-  /// What its estimator has found: what is level, its heading.
+  void lose_transmitter(bool lost) { transmitter_lost_ = lost; }  ///< the pilot's transmitter
+  /// Alignment of its estimator in tilt and heading.
   void set_alignment(bool tilt, bool heading) { tilt_ = tilt, heading_ = heading; }
-  /// It answers as if what it takes were of that release.
+  /// Responds with the layouts of that release.
   void take_layouts_of(int release) { takes_ = release; }
 
  private:
@@ -40,7 +41,7 @@ class Px4VehicleDiagnostics {
   std::atomic<bool> transmitter_lost_{false}, tilt_{true}, heading_{true};
   Px4Layout battery_, flags_, estimator_;
   std::unique_ptr<FaultyWriter> battery_writer_, flags_writer_, estimator_writer_, response_;
-  std::unique_ptr<RawReader> request_;  // last: it ends before what it answers by
+  std::unique_ptr<RawReader> request_;  // last member: destroyed before the writer it responds with
 };
 
 }  // namespace sightline::dds

@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::string_view rate_state = "r";
 
-/// The nearest to `to` within that distance of `from`.
+/// The point nearest to `to` within distance `most` of `from`.
 Vec3<double> near(const Vec3<double>& to, const Vec3<double>& from, double most) noexcept {
   const Vec3<double> way = to - from;
   const double length = norm(way);
   return length > most ? from + (most / length) * way : to;
 }
 
-/// The nearest heading to `to` within that angle of `from` [rad].
+/// The heading nearest to `to` within angle `most` of `from` [rad].
 Vec2<double> near(const Vec2<double>& to, const Vec2<double>& from, double most) noexcept {
   const Vec2<double> between = rotate<double>({from.x, -from.y}, to);
   const double turn = std::clamp(std::atan2(between.y, between.x), -most, most);
@@ -66,7 +66,8 @@ void RobotState::write(const Motion& motion, double* x) noexcept {
   set(roles_.angle, std::atan2(d.y, d.x));
   set(rate_, motion.r);
   for (const int state : roles_.velocities) x[state] = 0.0;
-  // Each velocity state by the part of the velocity along which it moves the robot; they are at right angles to each other.
+  // Projects the velocity onto each velocity state's direction of motion; these directions are
+  // orthogonal.
   const Vec3<double> still = model_.sight(x, rest_.data()).v;
   std::copy_n(x, scratch_.size(), scratch_.begin());
   for (const int state : roles_.velocities) {
@@ -106,13 +107,13 @@ TrajectoryPoint RobotState::lead(const double* x, const double* u, double period
   if (!model_.normalise(lead_.data())) std::copy_n(x, lead_.size(), lead_.begin());
   const Motion robot = motion(x, u), ran = motion(lead_.data(), u);
   const Vec2<double> ran_d = heading(rotation(ran.q)), d = near(ran_d, heading(rotation(robot.q)), lead_d);
-  // A heading that is held back holds the velocity back with it.
+  // If the heading is limited, the velocity turns with it.
   const Vec2<double> back = rotate<double>({ran_d.x, -ran_d.y}, d),
                      v = rotate<double>(back, {ran.v.x, ran.v.y});
   write({near(ran.p, robot.p, lead_p), upright(d), near({v.x, v.y, ran.v.z}, robot.v, lead_v), ran.r},
         lead_.data());
 
-  // Velocities at three times have the acceleration in the midst, and its rate.
+  // Velocities at three times give acceleration and jerk by one-sided differences.
   const Sight<double> now = model_.sight(lead_.data(), u);
   const auto later = [&](double t) {
     std::copy(lead_.begin(), lead_.end(), scratch_.begin());
@@ -129,9 +130,10 @@ TrajectoryPoint RobotState::lead(const double* x, const double* u, double period
           .r = heading_rate(lead_.data(), u)};
 }
 
-// Of each velocity state s' = alpha (s - s_end), as far as that goes: alpha by one m/s more.
+// Steady state of s' = alpha (s - s_end) for each velocity state s; alpha is the change of s' per 1
+// m/s.
 Vec3<double> RobotState::end_velocity(const double* x, const double* u) noexcept {
-  constexpr double slowest = -0.01;  // [1/s]
+  constexpr double slowest = -0.01;  // alpha of the slowest state with a steady state [1/s]
   std::copy_n(x, scratch_.size(), scratch_.begin());
   model_.f(x, u, rates_.data());
   for (const int state : roles_.velocities) {

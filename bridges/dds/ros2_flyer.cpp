@@ -15,7 +15,7 @@ namespace sightline::dds {
 namespace {
 
 constexpr std::int64_t patience_of_flyer = 500'000'000;  // [ns]
-constexpr double fastest_flyer = 10.0;                   // that it may be asked [m/s]
+constexpr double fastest_flyer = 10.0;                   // limit of a command [m/s]
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void Ros2Flyer::on_twist(const void* twist) {
   commanded_at_ = monotonic_now();
 }
 
-/// A velocity in G: of one that tilts, by its lean.
+/// Follows a velocity in G; with normalised commands, by tilt.
 void Ros2Flyer::follow(const Vec3<double>& v, double r) {
   if (link_.commands == FlightCommands::velocity) return body_.follow(v, {}, r);
   const Motion& m = body_.motion();
@@ -106,7 +106,7 @@ void Ros2Flyer::follow(const Vec3<double>& v, double r) {
 void Ros2Flyer::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   const Motion& m = body_.motion();
-  odometry_.send(m);  // then it goes on, from this time on
+  odometry_.send(m);  // the motion before this step, stamped now
   switch (state_) {
     case Ros2State::landed:
       body_.rest();

@@ -1,4 +1,4 @@
-/// Stands in for a multirotor on plain topics of ROS 2.
+/// Simulator of a multirotor on plain ROS 2 topics.
 #pragma once
 
 #include <memory>
@@ -14,26 +14,27 @@
 
 namespace sightline::dds {
 
-/// What a stand-in was told. Of any thread.
+/// Counters of the simulated multirotor. Any thread may read them.
 struct Ros2FlyerCounts {
-  std::int64_t commands = 0, bad = 0;  ///< cmd_vel; those that are not finite, or faster than 10
-  std::int64_t commands_outside = 0;   ///< other than zero, while it did not fly
+  std::int64_t commands = 0, bad = 0;  ///< cmd_vel messages; bad: not finite, or a component sum >= 10
+  std::int64_t commands_outside = 0;   ///< nonzero, while not flying
   std::int64_t takeoffs = 0, landings = 0;
 };
 
-/// On the ground below where its robot starts. In flight it follows cmd_vel, and hovers 0.5 s after the last.
+/// Starts on the ground below its robot's start. In flight it follows cmd_vel, and hovers 0.5 s
+/// after the last one.
 class Ros2Flyer final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
-    Vec3<double> p{};  ///< in G, on the ground [m]
+    Vec3<double> p{};  ///< position in G, on the ground [m]
     double heading = 0.0;
     double altitude = 1.0;  ///< of its take-off [m]
     std::optional<Vehicle>
-        rotors{};  ///< none: the point of SimulatedBody, or an ar_drone where commands are normalised
+        rotors{};  ///< none: SimulatedBody's point mass; ar_drone if commands are normalised
   };
 
-  /// @param faults  of this robot; outlives it
+  /// @param faults  of this robot; must outlive it
   Ros2Flyer(dds_entity_t participant, const Ros2Link& link, const Setup& setup, Faults& faults);
 
   void step(std::int64_t number) override;
@@ -43,7 +44,7 @@ class Ros2Flyer final : public VehicleSimulator {
   Ros2FlyerCounts reported() const;
   Motion motion() const override;
   Ros2State state() const;
-  /// What can be wrong with it: it is landed by somebody, its services refuse or do not answer.
+  /// Injects a landing by another operator, or rejected service calls.
   void land_by_itself();
   void throw_invalid(bool refuses);
 
@@ -56,18 +57,18 @@ class Ros2Flyer final : public VehicleSimulator {
 
   Ros2Link link_;
   Setup setup_;
-  mutable std::mutex lock_;  // of all below
+  mutable std::mutex lock_;  // guards all members below
   Ros2FlyerCounts reported_;
   Vehicle rotors_;
   SimulatedBody body_;
   Ros2State state_ = Ros2State::landed;
   bool refuses_ = false;
-  std::array<double, 4> wanted_{};  // as cmd_vel has it
+  std::array<double, 4> wanted_{};  // as in cmd_vel
   std::int64_t commanded_at_ = 0;
   Ros2Odometry odometry_;
   std::unique_ptr<FaultyWriter> state_writer_;
   std::vector<std::unique_ptr<ServiceServer>> services_;
-  std::vector<std::unique_ptr<RawReader>> readers_;  // last: they end before what they fill
+  std::vector<std::unique_ptr<RawReader>> readers_;  // last member: destroyed before the members they fill
 };
 
 }  // namespace sightline::dds

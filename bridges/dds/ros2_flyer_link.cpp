@@ -18,7 +18,7 @@ namespace {
 
 constexpr Nanoseconds flyer_state_old = 2'500'000'000, quiet_for = 500'000'000;
 constexpr double flyer_height = 0.3, standing_height = 0.15;  // above its start [m]
-constexpr double quiet_climb = 0.15;                          // slower is neither [m/s]
+constexpr double quiet_climb = 0.15;                          // slower vertical motion counts as level [m/s]
 constexpr double flyer_descended = 0.1;                       // [m]
 
 bool accepts_trigger(const void* response) {
@@ -53,7 +53,7 @@ Signal::Signal(Port participant, const std::string& name, FlightCalls calls) : n
 }
 
 void Signal::send() noexcept {
-  const std_msgs_msg_dds__Empty_ nothing{};  // the requests of both services are as empty
+  const std_msgs_msg_dds__Empty_ nothing{};  // the requests of both services are empty, too
   if (service_)
     (void)service_->call(&nothing);
   else
@@ -96,7 +96,7 @@ LinkFacts Ros2FlyerLinkEnd::facts(Nanoseconds now) noexcept {
   facts.contested = facts.contested || takeoff_.rivals() + land_.rivals() > 0;
   facts.restarted = speakers_ >= 0 && says() && reader_->writers_came() > speakers_;
   facts.refused = phase_ == Phase::takeoff && takeoff_.answer() == Answer::refused;
-  // What it does by itself in flight, somebody else has asked for.
+  // A state change that we did not request comes from another operator.
   const bool taken = says() && (is(Ros2State::landed) || is(Ros2State::landing)),
              lands = taken || height < land_from_ - flyer_descended || stands;
   facts.mode = phase_ == Phase::takeoff     ? AutopilotMode::takeoff
@@ -126,8 +126,8 @@ void Ros2FlyerLinkEnd::send(const LinkOutput& output, const Command& command, Na
       if (phase_ != Phase::landing) land_from_ = motion().p.z - ground_;
       phase_ = Phase::landing;
       [[fallthrough]];
-    case Request::emergency:  // it has nothing that stops motors
-      steer({}, 0.0);         // some drivers keep the last one
+    case Request::emergency:  // the link cannot stop motors
+      steer({}, 0.0);         // some drivers keep the last command
       land_.send();
       break;
   }

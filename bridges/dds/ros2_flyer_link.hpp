@@ -1,4 +1,4 @@
-/// The link to a multirotor on plain topics of ROS 2: an odometry, a cmd_vel, and what takes it off and lands it.
+/// Link to a multirotor on plain ROS 2 topics: odometry, cmd_vel, take-off and landing calls.
 #pragma once
 
 #include <atomic>
@@ -12,21 +12,21 @@
 
 namespace sightline::dds {
 
-/// What its state says, an Int8.
+/// Values of its state topic, an Int8.
 enum class Ros2State : std::int8_t { landed = 0, flying = 1, taking_off = 2, landing = 3 };
 
-/// A call without words: a message on a topic, or a service.
+/// A call without arguments: a message on a topic, or a service.
 class Signal {
  public:
   Signal(Port participant, const std::string& name, FlightCalls calls);
 
   bool there() const noexcept { return service_ ? service_->there() : received_.load(); }
-  /// The same of a silent end too, whose writer nobody is matched with.
+  /// The same, also valid with PublishMode::off, where no writer is matched.
   bool there(const Surroundings& around) const {
     return service_ ? service_->there() : topic_->received(around.readers);
   }
   void send() noexcept;
-  /// None of a topic.
+  /// Answer::none for a topic.
   Answer answer() const noexcept { return service_ ? service_->answer() : Answer::none; }
   void watch(std::span<const SeenWriter> writers);
   int rivals() const noexcept { return rivals_; }
@@ -36,19 +36,22 @@ class Signal {
   std::string name_;
   std::unique_ptr<RawWriter> topic_;
   std::unique_ptr<ServiceCaller> service_;
-  std::atomic<bool> received_{false};  // by watch()
+  std::atomic<bool> received_{false};  // set by watch()
   std::atomic<int> rivals_{0};
 };
 
-/// What flies takes off and lands, and its inputs are what its cmd_vel is in.
-/// @throws std::invalid_argument for a robot that this link does not go with
+/// Checks that the link suits the robot: a flying robot needs take-off and landing calls, and
+/// inputs of the kind that cmd_vel carries.
+/// @throws std::invalid_argument otherwise
 void check_commands(const Ros2Link& link, std::string_view name, const Model& model);
 
-/// It has no arming: it is ours from the request to take off until it stands again. Where it does not say its state, it flies where it
-/// is higher than 0.3 m above its start and neither climbs nor sinks, and stands where it rests below 0.15 m.
+/// The link has no arming: the robot is in our control from the take-off request until it stands
+/// again.
+/// Without a state topic, it flies if it is above 0.3 m over its start and neither climbs nor
+/// sinks. It stands if it rests below 0.15 m.
 class Ros2FlyerLinkEnd final : public Ros2LinkEnd {
  public:
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @throws std::runtime_error if a topic cannot be created
   Ros2FlyerLinkEnd(Port participant, const Link& link);
 
   LinkFacts facts(Nanoseconds now) noexcept override;
@@ -66,18 +69,18 @@ class Ros2FlyerLinkEnd final : public Ros2LinkEnd {
   bool says() const noexcept { return reader_ != nullptr; }
   bool is(Ros2State state) const noexcept { return last_state_.is == static_cast<std::int8_t>(state); }
 
-  Mailbox<State> state_;  // filled by the thread that receives
+  Mailbox<State> state_;  // filled by the receive thread
 
-  // Of the control thread.
+  // Control thread only.
   State last_state_{};
   Phase phase_ = Phase::ground;
   bool down_ = false;
   double ground_ = 0.0, land_from_ = 0.0;  // heights [m]
-  Nanoseconds moved_at_ = 0;               // up or down, last
-  int speakers_ = -1;                      // that had come when it was ours; -1: it was not yet
+  Nanoseconds moved_at_ = 0;               // last time of vertical motion
+  int speakers_ = -1;                      // state writers matched at the arm request; -1: none requested yet
 
   Signal takeoff_, land_;
-  std::unique_ptr<RawReader> reader_;  // last: it ends before what it fills
+  std::unique_ptr<RawReader> reader_;  // last member: destroyed before the members it fills
 };
 
 }  // namespace sightline::dds

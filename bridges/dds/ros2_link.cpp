@@ -50,7 +50,7 @@ void Ros2LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   }
   const auto& p = m.pose.pose.position;
   const auto& o = m.pose.pose.orientation;
-  const auto& v = m.twist.twist.linear;  // in the body
+  const auto& v = m.twist.twist.linear;  // in the body frame
   Motion local = {{p.x, p.y, p.z}, normalised({o.w, o.x, o.y, o.z}), {}, m.twist.twist.angular.z};
   local.v = rotation(local.q).to_G({v.x, v.y, v.z});
   const Nanoseconds sampled = of_ros(m.header.stamp.sec, m.header.stamp.nanosec);

@@ -1,4 +1,4 @@
-/// The link to a robot that drives by cmd_vel and says where it is by an odometry, on plain topics of ROS 2.
+/// Link to a robot that is driven by cmd_vel and reports odometry, on plain ROS 2 topics.
 #pragma once
 
 #include <atomic>
@@ -11,11 +11,11 @@
 
 namespace sightline::dds {
 
-/// It has no arming: it is ours once it was asked, until it stands again. Such robots stop by themselves about 0.5 s after the last
-/// cmd_vel.
+/// The link has no arming: the robot is in our control from the first request until it stands
+/// again. Such robots stop about 0.5 s after the last cmd_vel.
 class Ros2LinkEnd : public LinkEnd {
  public:
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @throws std::runtime_error if a topic cannot be created
   Ros2LinkEnd(Port participant, const Link& link);
 
   bool look(SeenMotion& seen) noexcept final { return poses_.look(seen); }
@@ -27,7 +27,8 @@ class Ros2LinkEnd : public LinkEnd {
   std::string counts() const override { return poses_.counts(); }
 
  protected:
-  /// Sends a velocity, forward, to the left and up, and a rate of the heading: all that a Twist has room for, in its own units.
+  /// Sends a velocity (forward, left, up) and a heading rate: the components of a Twist, in the
+  /// units of the link.
   void steer(const Vec3<double>& v, double r) noexcept;
   const Ros2Link& link() const { return ros2_; }
   const Motion& motion() noexcept { return poses_.newest().motion; }
@@ -38,10 +39,10 @@ class Ros2LinkEnd : public LinkEnd {
   Ros2Link ros2_;
   PosesFrom from_;
 
-  std::atomic<bool> received_{false};  // by watch()
+  std::atomic<bool> received_{false};  // set by watch()
   std::atomic<int> rivals_{0};
 
-  bool ours_ = false, stops_ = false;  // of the control thread
+  bool ours_ = false, stops_ = false;  // control thread only
 
   std::unique_ptr<RawWriter> cmd_vel_;
   PoseSubscriber poses_;

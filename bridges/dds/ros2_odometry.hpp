@@ -1,4 +1,4 @@
-/// The odometry that stand-ins on ROS 2 send.
+/// Odometry messages of the ROS 2 simulators.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace sightline::dds {
 
 class Ros2Odometry {
  public:
-  /// In the frames that the link wants, "odom" and "base_link" where it wants none.
+  /// Uses the frames of the link; "odom" and "base_link" if the link names none.
   Ros2Odometry(dds_entity_t participant, const Ros2Link& link, const LinkOrigin& origin, Faults& faults);
   /// @param motion  in G
   void send(const Motion& motion);
@@ -20,7 +20,7 @@ class Ros2Odometry {
   LinkOrigin origin_;
   Faults& faults_;
   std::string frame_, body_frame_;
-  std::unique_ptr<FaultyWriter> writer_;  // none where others see it
+  std::unique_ptr<FaultyWriter> writer_;  // null if the poses come from others
 };
 
 }  // namespace sightline::dds

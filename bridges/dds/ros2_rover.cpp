@@ -15,7 +15,7 @@ namespace {
 
 constexpr double rover_lag = 0.1;                        // [s]
 constexpr std::int64_t patience_of_rover = 500'000'000;  // [ns]
-constexpr double fastest_rover = 10.0;                   // that it may be asked [m/s]
+constexpr double fastest_rover = 10.0;                   // limit of a command [m/s]
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// Stands in for a robot that drives by cmd_vel.
+/// Simulator of a ground robot that is driven by cmd_vel.
 #pragma once
 
 #include <memory>
@@ -12,16 +12,16 @@
 
 namespace sightline::dds {
 
-/// It follows velocities with a lag of 0.1 s, and stops 0.5 s after the last of them.
+/// Follows velocities with a lag of 0.1 s, and stops 0.5 s after the last one.
 class Ros2Rover final : public VehicleSimulator {
  public:
   struct Setup {
     LinkOrigin origin{};
     Motion start{};         ///< in G
-    bool sideward = false;  ///< drives sideward too
+    bool sideward = false;  ///< also drives sideways
   };
 
-  /// @param faults  of this robot; outlives it
+  /// @param faults  of this robot; must outlive it
   Ros2Rover(dds_entity_t participant, const Ros2Link& link, const Setup& setup, Faults& faults);
 
   void step(std::int64_t number) override;
@@ -37,9 +37,9 @@ class Ros2Rover final : public VehicleSimulator {
 
   Ros2Link link_;
   Setup setup_;
-  mutable std::mutex lock_;  // of all below
+  mutable std::mutex lock_;  // guards all members below
   Motion motion_;
-  Vec2<double> v_{}, v_wanted_{};  // forward, to the left [m/s]
+  Vec2<double> v_{}, v_wanted_{};  // forward, left [m/s]
   double r_wanted_ = 0.0;
   std::int64_t commanded_at_ = 0, commands_ = 0, bad_ = 0;
   bool stopped_itself_ = false;

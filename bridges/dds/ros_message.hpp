@@ -1,4 +1,4 @@
-/// Filling in messages of ROS 2: the memory behind their strings and sequences, and their times.
+/// Helpers to fill ROS 2 messages: storage of strings and sequences, time stamps.
 #pragma once
 
 #include <algorithm>
@@ -21,16 +21,16 @@ extern "C" {
 
 namespace sightline::dds {
 
-/// Strings of a message until it is written.
+/// Owner of a message's strings until it is written.
 class RosStrings {
  public:
   char* operator()(std::string text) { return kept_.emplace_back(std::move(text)).data(); }
 
  private:
-  std::deque<std::string> kept_;  // whose elements stay where they are
+  std::deque<std::string> kept_;  // a deque, because its elements keep their addresses
 };
 
-/// A sequence of a message over elements that are kept elsewhere.
+/// Sets a message's sequence to elements that the caller owns.
 template <class Sequence, class T>
 void set_sequence(Sequence& sequence, std::vector<T>& elements) {
   sequence._buffer = elements.data();
@@ -47,8 +47,8 @@ inline geometry_msgs_msg_dds__Pose_ ros_pose(const Vec3<double>& p, const Quater
   return {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
 }
 
-/// A pinhole; its header is the caller's.
-/// @param distortion  five zeros that outlive the message
+/// CameraInfo of a pinhole camera; the caller fills the header.
+/// @param distortion  five zeros; must outlive the message
 inline sensor_msgs_msg_dds__CameraInfo_ camera_info(const Camera& camera, RosStrings& strings,
                                                     std::vector<double>& distortion) {
   const std::array<double, 9> K = intrinsics(camera);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::time_t keys_hold = 3600;  // from now on, at least [s]
+constexpr std::time_t keys_hold = 3600;  // minimum remaining validity of the keys [s]
 
 using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
 using PrivateKey = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
@@ -58,7 +58,7 @@ void check_certificate(const fs::path& folder) {
   const fs::path own = folder / "cert.pem", authority = folder / "identity_ca.cert.pem",
                  key_file = folder / "key.pem";
   const Certificate mine = certificate(own), theirs = certificate(authority);
-  // A passphrase would be asked for on the terminal: there is none.
+  // Without this callback, OpenSSL would request a passphrase on the terminal.
   const auto no_passphrase = [](char*, int, int, void*) { return 0; };
   const PrivateKey key(PEM_read_PrivateKey(opened(key_file).get(), nullptr, no_passphrase, nullptr),
                        EVP_PKEY_free);
@@ -78,7 +78,7 @@ void check_certificate(const fs::path& folder) {
   }
 }
 
-/// As a value of XML; neither " nor $ is in the name of a folder of keys.
+/// Escapes an XML value; names of key folders contain neither " nor $.
 std::string in_xml(std::string_view text) {
   std::string escaped;
   for (const char c : text) {

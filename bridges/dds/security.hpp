@@ -1,4 +1,4 @@
-/// DDS security: the keys by which the programs of a fleet know each other, and what Cyclone DDS is told of them.
+/// DDS security: the keys of a fleet's programs and their Cyclone DDS configuration.
 #pragma once
 
 #include <filesystem>
@@ -6,25 +6,26 @@
 
 namespace sightline::dds {
 
-/// Which program of a fleet this is: each has keys of its own.
+/// Program of a fleet; each has its own keys.
 enum class Identity { flyer, vehicles };
 
-/// The libraries by which Cyclone DDS checks and encrypts. It wants whole paths; empty ones where it was built without.
+/// Paths of the Cyclone DDS security plugins; must be absolute. Empty if built without them.
 struct SecurityPlugins {
   std::string authentication, access_control, cryptography;
 };
 
-/// Those that were found when this was built.
+/// The plugins found at build time.
 SecurityPlugins plugins_found();
 
-/// Refuses what could not speak for the next hour: no plugins, a key that is not the certificate's, a certificate that its
-/// authority did not sign or that ends before. What Cyclone DDS refuses besides, such as permissions of another name, it says itself.
+/// Rejects keys that cannot work for the next hour: missing plugins, a key that does not match the
+/// certificate, a certificate that its authority did not sign or that expires earlier.
+/// Cyclone DDS itself reports other errors, such as permissions for another name.
 /// @param keys  of the fleet: folders flyer and vehicles, key_files in each
 /// @throws std::invalid_argument  fleet.security...
 void check_keys(const std::filesystem::path& keys, Identity who,
                 const SecurityPlugins& plugins = plugins_found());
 
-/// The element <Security> of Cyclone DDS' configuration.
+/// The <Security> element of the Cyclone DDS configuration.
 std::string security_xml(const std::filesystem::path& keys, Identity who,
                          const SecurityPlugins& plugins = plugins_found());
 

@@ -13,7 +13,7 @@
 namespace sightline::dds {
 namespace {
 
-constexpr Nanoseconds body_old = 500'000'000;  // before a flight
+constexpr Nanoseconds body_old = 500'000'000;  // limit of the pose age before a flight
 
 }  // namespace
 
@@ -27,7 +27,7 @@ SeenBodies::SeenBodies(const Scenario& scenario, dds_entity_t participant) {
                        size(team.state_offset(link.body)), link.poses, uncooperative->velocity,
                        link.robot ? nullptr : std::make_unique<PoseSubscriber>()});
     if (link.robot) {
-      // Of a robot of any model its own motion is told; what it is planned by is not ours.
+      // The robot's own motion is used, whatever its model; another part plans it.
       bodies_.back().robot = made_end({participant, PublishMode::off}, *link.robot, team.name(link.body),
                                       team.model(link.body), scenario.fleet->network);
       continue;

@@ -1,4 +1,5 @@
-/// Targets and obstacles that others see, and robots of other parts of the team, as a part of the world.
+/// World input from bodies that others observe: targets, obstacles, and robots of other parts of
+/// the team.
 #pragma once
 
 #include <memory>
@@ -12,31 +13,33 @@
 
 namespace sightline::dds {
 
-/// All of a fleet that have a link. measure() and are_seen() are the control thread's.
+/// All observed bodies of a fleet that have a link. Only the control thread calls measure() and
+/// are_seen().
 class SeenBodies {
  public:
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @throws std::runtime_error if a topic cannot be created
   SeenBodies(const Scenario& scenario, dds_entity_t participant);
 
-  /// Writes state and stamp of each into those of the team; the stamp of one that was never seen is minus infinity.
+  /// Writes each body's state and stamp into the team's; the stamp is minus infinity before its
+  /// first pose.
   /// @param origin  time 0 of the stamps, of the monotonic clock
   void measure(Nanoseconds origin, std::span<double> measured, std::span<double> stamps) noexcept;
-  /// Whether poses of each are there before a flight, young, of one writer and in their frame.
+  /// Before a flight: whether each body has recent poses from one writer, in its frame.
   bool are_seen(Nanoseconds now) noexcept;
 
-  /// Adds what is found of each.
+  /// Adds the findings about each body.
   void examine(std::vector<Finding>& to) const;
-  /// Adds what was received and refused, a line each.
+  /// Adds counts of received and rejected messages, one line per body.
   void counts(std::vector<std::string>& to) const;
 
  private:
   struct Body {
     std::string name;
-    std::size_t index, x;  // its place in the team, where its state begins
+    std::size_t index, x;  // index in the team; offset of the state
     PosesFrom from;
     SeenVelocity velocity;
     std::unique_ptr<PoseSubscriber> poses;
-    std::unique_ptr<LinkEnd> robot{};  // of another part: its link, to which we listen; then `poses` is none
+    std::unique_ptr<LinkEnd> robot{};  // robot of another part: its link, receive only; `poses` is then null
 
     PoseSubscriber& subscriber() const { return robot ? robot->subscriber() : *poses; }
   };

@@ -19,12 +19,12 @@ namespace {
 using RosHeader = std_msgs_msg_dds__Header_;
 using RosPose = geometry_msgs_msg_dds__Pose_;
 constexpr Quality of_tf = {.depth = 100}, of_static_tf = {true, true, 100};
-constexpr std::size_t named_most = 16;  // that are told
+constexpr std::size_t named_most = 16;  // names reported at most
 const char* const too_seldom = "never four poses within 0.4 s";
 
 Nanoseconds stamp_of(const RosHeader& header) { return of_ros(header.stamp.sec, header.stamp.nanosec); }
 
-/// Takes poses in one frame; in any where it has no name.
+/// Accepts poses in one frame; in any frame if `frame` is empty.
 struct PoseTaker {
   PoseSubscriber& subscriber;
   std::string frame;
@@ -42,9 +42,9 @@ struct PoseTaker {
   }
 };
 
-/// Which names there are, until the one that is looked for comes.
+/// Names received until the requested one arrives.
 struct OtherNames {
-  std::mutex lock;  // of both
+  std::mutex lock;  // guards both
   std::set<std::string> names;
   bool found = false;
 };
@@ -77,7 +77,7 @@ void read_named(PoseSubscriber& subscriber, dds_entity_t participant, const Pose
       }));
 }
 
-/// Of a reader of /tf and one of /tf_static, which may have threads of their own.
+/// Shared by the readers of /tf and /tf_static, which may run in different threads.
 struct SeenTransforms {
   explicit SeenTransforms(const PosesFrom& from) : chain(from.name, from.frame) {}
   std::mutex lock;

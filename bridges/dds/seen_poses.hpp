@@ -1,4 +1,4 @@
-/// Poses that others send of a body: motion capture, /tf.
+/// Subscriptions to body poses that others publish: motion capture, /tf.
 #pragma once
 
 #include "bridges/dds/pose_subscriber.hpp"
@@ -6,20 +6,22 @@
 
 namespace sightline::dds {
 
-/// Of a body whose heading nobody needs, poses may come without an attitude: single markers have none.
+/// Attitude::ignored accepts poses without attitude, such as single markers, for bodies whose
+/// heading is not used.
 enum class Attitude { needed, ignored };
 
-/// Has the intake read a topic of PoseStamped, whose frame counts where `frame` names one.
-/// @throws std::runtime_error where the topic cannot be had
+/// Subscribes to a PoseStamped topic; if `frame` is not empty, only poses in that frame count.
+/// @throws std::runtime_error if the topic cannot be read
 void read_pose_stamped(PoseSubscriber& subscriber, dds_entity_t participant, const std::string& topic,
                        const std::string& frame, Attitude attitude);
 
-/// Has the intake read what `from` says, which is not the body's own odometry. The intake's origin is none: such poses are in G.
-/// @throws std::runtime_error where a topic cannot be had
+/// Subscribes to the pose source `from`, which is not the body's own odometry. The subscriber's
+/// origin is zero, because such poses are in G.
+/// @throws std::runtime_error if a topic cannot be read
 void read_seen_poses(PoseSubscriber& subscriber, dds_entity_t participant, const PosesFrom& from,
                      Attitude attitude);
 
-/// What poses in other frames are called in a sentence of the intake.
+/// Text for poses in other frames, in the findings of the subscriber.
 std::string other_frames_than(const PosesFrom& from);
 
 }  // namespace sightline::dds

@@ -1,8 +1,9 @@
-/// Services of ROS 2: callers, and servers for what stands in.
+/// ROS 2 services: callers, and servers for the vehicle simulators.
 ///
-/// The two middlewares of ROS 2 differ: that of Cyclone DDS puts a header before request and reply by which they find each other; that of
-/// Fast DDS has none on the wire, and answers a plain request plainly. A caller speaks as the server does, which the first bytes of the
-/// server's GUID say.
+/// The two ROS 2 middlewares differ. That of Cyclone DDS puts a header before each request and
+/// reply, which pairs them.
+/// That of Fast DDS has no header on the wire, and answers a plain request with a plain reply. A
+/// caller uses the server's form, which it derives from the first bytes of the server's GUID.
 #pragma once
 
 #include <atomic>
@@ -16,40 +17,42 @@
 
 namespace sightline::dds {
 
-/// Whose middleware an endpoint is of.
+/// Middleware of a DDS endpoint.
 enum class Middleware : std::uint8_t { unknown, cyclone, fast };
 Middleware middleware_of(const dds_guid_t& guid);
 
-/// The messages of a service. A message with the header has it in its first 16 bytes, then the plain one.
+/// Message types of a service. The called_ types hold the header in the first 16 bytes, then the
+/// plain message.
 struct ServiceType {
   const dds_topic_descriptor_t &request, &called_request, &response, &called_response;
 };
 
-// Those that we speak. What they are called: "takeoff" of Crazyswarm2, "Trigger" of std_srvs.
+// Services of the bridge: those of Crazyswarm2 and std_srvs.
 extern const ServiceType takeoff_service, land_service, arm_service, setpoints_stop_service, empty_service,
     trigger_service;
 
 enum class Answer : std::uint8_t { none, accepted, refused };
 
-/// Calls one service, one call at a time: of another one's reply it knows nothing.
+/// Calls one service, one call at a time: a reply to an earlier call is ignored.
 class ServiceCaller {
  public:
-  /// Whether a response says that it was done.
+  /// Whether a response reports success.
   using Accepts = bool (*)(const void* response);
 
   /// @param service  "/a/s"
-  /// @param accepts  none: whatever is answered
+  /// @param accepts  null: every response counts as success
   ServiceCaller(dds_entity_t participant, const ServiceType& type, std::string service,
                 Accepts accepts = nullptr);
 
-  /// Looks for the server and takes up its way of speaking, once and for all. Of one thread, with watch() of others.
+  /// Finds the server and adopts its middleware, once. Called by the thread that runs watch() of
+  /// the link ends.
   void watch(std::span<const SeenWriter> writers);
 
-  // Of the control thread; nothing is allocated.
+  // Control thread only; nothing is allocated.
   bool there() const noexcept { return there_.load(std::memory_order_acquire); }
-  /// Sends a request. @return false where nobody is there
+  /// Sends a request. @return false if there is no server
   bool call(const void* request) noexcept;
-  /// To the last call.
+  /// Answer to the last call.
   Answer answer() const noexcept;
 
   const std::string& service() const { return service_; }
@@ -63,18 +66,19 @@ class ServiceCaller {
   Accepts accepts_;
   Middleware server_ = Middleware::unknown;
   std::uint64_t client_ = 0;
-  std::int64_t calls_ = 0;                // of the control thread
-  std::atomic<std::int64_t> replied_{0};  // twice the call's number, and 1 where it was refused
-  std::atomic<std::int64_t> waiting_{0};  // the last call's number
+  std::int64_t calls_ = 0;                // control thread only
+  std::atomic<std::int64_t> replied_{0};  // twice the call's number, plus 1 if it was rejected
+  std::atomic<std::int64_t> waiting_{0};  // number of the last call
   std::atomic<bool> there_{false};
   std::unique_ptr<RawWriter> requests_;
-  std::unique_ptr<RawReader> replies_;  // last: it ends before what it fills
+  std::unique_ptr<RawReader> replies_;  // last member: destroyed before the members it fills
 };
 
-/// Answers one service, as a node of the middleware of Cyclone DDS.
+/// Serves one service, as a node on the middleware of Cyclone DDS.
 class ServiceServer {
  public:
-  /// Fills the response, which is zeroed; @return false for none. In the thread that receives.
+  /// Fills the response, which is zeroed. @return false to send no reply. Runs in the receive
+  /// thread.
   using Serve = std::function<bool(const void* request, void* response)>;
 
   ServiceServer(dds_entity_t participant, const ServiceType& type, const std::string& service, Serve serve);
@@ -83,7 +87,7 @@ class ServiceServer {
   Serve serve_;
   std::vector<std::uint64_t> response_;  // with its header
   std::unique_ptr<RawWriter> replies_;
-  std::unique_ptr<RawReader> requests_;  // last: it ends before what it fills
+  std::unique_ptr<RawReader> requests_;  // last member: destroyed before the members it fills
 };
 
 }  // namespace sightline::dds

@@ -16,7 +16,7 @@ namespace {
 using TriggerReply = std_srvs_srv_dds__Trigger_Response_;
 constexpr std::size_t trigger_payload = 1, guid_prefix = 12;  // [bytes]
 
-// Its words outlive the reply: they are constants.
+// The message text is a constant, so it outlives the reply.
 void fill_in(const CallAnswer& answer, TriggerReply& reply) {
   reply.success = answer.success;
   reply.message = const_cast<char*>(answer.message.data());

@@ -1,4 +1,5 @@
-/// The services by which a person starts and ends a flight from elsewhere: std_srvs/Trigger under the flyer's name.
+/// Services by which an operator starts and ends a flight: std_srvs/Trigger under the flyer's node
+/// name.
 #pragma once
 
 #include <list>
@@ -11,26 +12,28 @@
 
 namespace sightline::dds {
 
-/// Serves ~/start, ~/stop, ~/land and ~/emergency, to callers of both middlewares. One of Fast DDS is answered plainly; its rmw looks
-/// for a mark in the reply that Cyclone DDS cannot send, and waits on: what it asked for is done all the same.
+/// Serves ~/start, ~/stop, ~/land and ~/emergency to callers of both middlewares. A Fast DDS caller
+/// receives a plain reply.
+/// Its rmw needs a mark in the reply that Cyclone DDS cannot send, so the caller keeps waiting; the
+/// request is executed nevertheless.
 class OperatorServices {
  public:
   /// @param node   "/sightline"
-  /// @param calls  outlives this
-  /// @throws std::runtime_error where a topic cannot be had
+  /// @param calls  must outlive this
+  /// @throws std::runtime_error if a topic cannot be created
   OperatorServices(dds_entity_t participant, std::string node, OperatorCalls& calls);
-  OperatorServices(const OperatorServices&) = delete;  // its readers point into it
+  OperatorServices(const OperatorServices&) = delete;  // its readers hold pointers to it
   OperatorServices& operator=(const OperatorServices&) = delete;
 
-  /// Whether another program serves under this name.
+  /// Whether another program serves under this node name.
   bool has_rival(std::span<const SeenWriter> writers) const;
 
  private:
-  /// Of callers without a header.
+  /// Server for callers without a header.
   struct Plain {
     Plain(dds_entity_t participant, const std::string& service, std::function<CallAnswer()> call);
     RawWriter replies;
-    RawReader requests;  // last: it ends before what it writes by
+    RawReader requests;  // last member: destroyed before the writer it uses
   };
 
   std::string node_;

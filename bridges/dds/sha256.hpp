@@ -1,4 +1,4 @@
-/// SHA-256, for the hashes by which ROS 2 knows a type.
+/// SHA-256, for ROS 2 type hashes.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace sightline::dds {
 
-/// The hash of a text, 64 hexadecimal digits in lower case (FIPS 180-4).
+/// Hash of a text: 64 lower-case hexadecimal digits (FIPS 180-4).
 std::string sha256(std::string_view text);
 
 }  // namespace sightline::dds

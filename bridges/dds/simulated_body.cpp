@@ -39,14 +39,14 @@ void SimulatedBody::rest() noexcept {
 
 void SimulatedBody::follow(const Vec3<double>& v, const Vec3<double>& a, double r) noexcept {
   if (rotorcraft_) {
-    const Vehicle& vehicle = rotorcraft_->vehicle();  // its velocity loops make of this the acceleration too
+    const Vehicle& vehicle = rotorcraft_->vehicle();  // its loops turn v into a, too
     const Vec2<double> d = rotorcraft_->heading();
     const Vec2<double> u =
         rotate<double>({d.x, -d.y}, {v.x + a.x / vehicle.velocity_gain, v.y + a.y / vehicle.velocity_gain});
     fly({u.x, u.y, v.z + a.z / vehicle.climb_gain, r});
     return;
   }
-  // Exact under a command that is held for a period: the velocity at its end, and its mean.
+  // Exact for a command held over one period: the velocity at its end, and its mean.
   constexpr double dt = VehicleSimulator::period;
   struct Step {
     double end, mean;

@@ -1,4 +1,5 @@
-/// How a vehicle that is stood in for moves: a point that follows velocities with a lag, or a rigid body with rotors.
+/// Motion model of a simulated vehicle: a point mass with velocity lag, or a rigid body with
+/// rotors.
 #pragma once
 
 #include <memory>
@@ -9,26 +10,27 @@
 
 namespace sightline::dds {
 
-/// How fast an autopilot climbs to where its take-off ends, and sinks to the ground where it lands, as PX4 does by default [m/s].
+/// Vertical speeds of an autopilot [m/s]: climb to the take-off altitude, and descent to land
+/// (negative), as PX4's defaults.
 double takeoff_speed(double height, double altitude) noexcept;
 double landing_speed(double height) noexcept;
 
-/// In G, over the ground z = 0, by steps of VehicleSimulator::period.
+/// Motion in G above the ground z = 0, in steps of VehicleSimulator::period.
 class SimulatedBody {
  public:
-  /// On the ground.
-  /// @param rotors  none: the point, whose velocity lags by 0.3 s
+  /// Starts on the ground.
+  /// @param rotors  none: the point mass, whose velocity lags by 0.3 s
   SimulatedBody(const Vec3<double>& p, double heading, const std::optional<Vehicle>& rotors,
                 Commands commands = Commands::velocity);
 
-  /// With motors off: it stands, or falls.
+  /// One step with motors off: stands or falls.
   void rest() noexcept;
-  /// Under Commands::velocity.
+  /// One step under Commands::velocity.
   /// @param v  [m/s], in G
-  /// @param a  fed forward [m/s^2]
-  /// @param r  rate of the heading [rad/s]
+  /// @param a  feed-forward acceleration [m/s^2]
+  /// @param r  heading rate [rad/s]
   void follow(const Vec3<double>& v, const Vec3<double>& a, double r) noexcept;
-  /// Under Commands::tilt, with rotors.
+  /// One step under Commands::tilt, with rotors.
   /// @param u  of (24)
   void tilt(const std::array<double, 4>& u) noexcept;
 
@@ -36,7 +38,7 @@ class SimulatedBody {
   bool on_ground() const { return motion_.p.z < ground; }
 
  private:
-  static constexpr double ground = 0.02;  // [m]
+  static constexpr double ground = 0.02;  // height below which it counts as on the ground [m]
 
   void fly(const std::array<double, 4>& u) noexcept;
 

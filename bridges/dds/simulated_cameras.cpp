@@ -25,9 +25,9 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr double kept_for = 11.0;  // messages that may go out late [s]
+constexpr double kept_for = 11.0;  // memory kept for delayed messages [s]
 
-/// Faces of a body, those that are seen best first.
+/// Faces of a body, best visible first.
 std::vector<int> faces_by_sight(const Tags& tags, const RigidPose& pose) {
   std::vector<int> faces(size(tags.faces));
   for (int face = 0; face < tags.faces; ++face) faces[size(face)] = face;
@@ -38,7 +38,7 @@ std::vector<int> faces_by_sight(const Tags& tags, const RigidPose& pose) {
 
 }  // namespace
 
-/// All bodies where they are, as a world that knows them.
+/// World with the true states of all bodies.
 struct SimulatedCameras::Truth final : World {
   explicit Truth(const Scenario& scenario)
       : team_(scenario.team),
@@ -63,7 +63,7 @@ struct SimulatedCameras::Truth final : World {
 };
 
 struct SimulatedCameras::Eye {
-  /// A message and all that it points to.
+  /// A message and the memory it points to.
   struct Picture {
     std::deque<std::string> names;
     std::vector<geometry_msgs_msg_dds__TransformStamped_> transforms;
@@ -72,7 +72,7 @@ struct SimulatedCameras::Eye {
   Faults* faults;
   RandomStream chance;
   std::unique_ptr<FaultyWriter> writer;
-  std::deque<Picture> sent{};  // the memory behind messages that may go out late
+  std::deque<Picture> sent{};  // memory of messages that may be delayed
   std::optional<std::vector<Detection>> frozen{};
   std::int64_t pictures = 0;
 };
@@ -115,7 +115,7 @@ void SimulatedCameras::step(std::int64_t number, std::span<const Motion> robots,
   }
   times_[static_cast<std::size_t>(number) % times_.size()] = realtime_now();
   const Measured now = cameras_->measure(static_cast<double>(number) * VehicleSimulator::period);
-  // What one camera found in one picture arrives together.
+  // Detections of one image are sent as one message.
   for (const auto& eye : eyes_) {
     std::vector<Detection> found;
     for (const Detection& one : now.detections) {

@@ -1,4 +1,4 @@
-/// Stands in for the cameras of a fleet's robots, and for apriltag_ros behind them.
+/// Simulator of the robots' cameras with apriltag_ros.
 #pragma once
 
 #include <array>
@@ -16,20 +16,21 @@
 
 namespace sightline::dds {
 
-/// What each camera finds in its pictures goes out on /tf as apriltag_ros says it: a transform to each tag from the camera's optical
-/// frame, at the time of the exposure. Pictures are those of the simulation: detections with their noise, rate and latency; the tags are
-/// those that the camera sees best.
+/// Publishes the detections of each camera on /tf as apriltag_ros does: a transform from the
+/// camera's optical frame to each tag, stamped with the exposure time.
+/// The images are those of the simulation: detections with its noise, rate and latency. The
+/// reported tags are those most visible to the camera.
 class SimulatedCameras {
  public:
-  /// @param faults  of the robot of each link, which outlive this: what they do to messages they do to pictures too
+  /// @param faults  per link, of its robot; must outlive this. Message faults apply to images, too
   SimulatedCameras(dds_entity_t participant, const Scenario& scenario, const std::vector<Faults*>& faults);
   ~SimulatedCameras();
 
-  /// Sends what is due at that number of periods (VehicleSimulator::period).
-  /// @param robots  in the order of the links
-  /// @param states  of the team; those of other bodies count
+  /// Sends the messages due at this period number (VehicleSimulator::period).
+  /// @param robots  in link order
+  /// @param states  of the team; only those of other bodies are used
   void step(std::int64_t number, std::span<const Motion> robots, std::span<const double> states);
-  /// Those that it sees with, a line; empty: none.
+  /// Cameras and image counts, one line; empty: no cameras.
   std::string counts() const;
 
  private:
@@ -40,11 +41,11 @@ class SimulatedCameras {
 
   CameraOptions vision_;
   std::vector<RobotState> models_;
-  std::vector<std::size_t> places_;  // of the robots' states
-  std::vector<int> bodies_;          // and of the robots in the team
-  Truth* truth_ = nullptr;           // within cameras_
+  std::vector<std::size_t> places_;  // state offsets of the robots
+  std::vector<int> bodies_;          // body indices of the robots
+  Truth* truth_ = nullptr;           // owned by cameras_
   std::unique_ptr<CameraWorld> cameras_;
-  std::array<Nanoseconds, 256> times_{};  // of the last periods, a ring
+  std::array<Nanoseconds, 256> times_{};  // time stamps of the last periods, ring buffer
   std::vector<std::unique_ptr<Eye>> eyes_;
 };
 

@@ -40,7 +40,7 @@ SentTransform sent_transform(const std::string& parent, const std::string& child
 
 std::vector<BodyMotion> seen_motions(const Scenario& scenario) { return plant_options(scenario).motions; }
 
-/// A sequence that is lent the items of a vector.
+/// A sequence that refers to the elements of a vector.
 template <class Sequence, class Item>
 Sequence lent(std::vector<Item>& items) {
   Sequence sequence{};
@@ -153,7 +153,7 @@ void SimulatedPoses::send(std::span<const Motion> robots) {
   for (const Seen& seen : seen_) {
     if (seen.from.source != PoseSource::tf) continue;
     frames.push_back(seen.name + "_start");
-    // Within the frame where it started.
+    // Relative to the frame of its start pose.
     const LinkOrigin start = {
         seen.start.p, std::atan2(heading(rotation(seen.start.q)).y, heading(rotation(seen.start.q)).x)};
     transforms.push_back(

@@ -1,4 +1,4 @@
-/// Stands in for motion capture and for whoever else says where robots, targets and obstacles of a fleet are.
+/// Simulator of motion capture and other external pose sources for robots, targets and obstacles.
 #pragma once
 
 #include <map>
@@ -15,26 +15,26 @@
 
 namespace sightline::dds {
 
-/// Targets and obstacles move as the scenario says. Bodies on /tf are said in a frame of their own, "NAME_start", which lies in
-/// G by /tf_static.
+/// Targets and obstacles move as in the scenario. Bodies on /tf are published in their own frame
+/// "NAME_start", which /tf_static places in G.
 class SimulatedPoses {
  public:
   SimulatedPoses(dds_entity_t participant, const Scenario& scenario);
   ~SimulatedPoses();
 
-  /// Moves on by a period [s], and says where all are.
-  /// @param robots  in the order of the links
+  /// Advances by a period [s] and publishes all poses.
+  /// @param robots  in link order
   void step(double period, std::span<const Motion> robots);
-  /// Of the team; those of targets and obstacles are as they move.
+  /// States of the team; those of targets and obstacles are current.
   std::span<const double> states() const { return x_; }
-  /// Those that it speaks of, a line; empty: none.
+  /// Published bodies, one line; empty: none.
   std::string counts() const;
 
  private:
   struct Seen {
-    std::string name;   // of the scenario
-    int robot = -1;     // the link that it is; -1: none
-    std::size_t x = 0;  // where the state of another body begins
+    std::string name;   // name in the scenario
+    int robot = -1;     // link index; -1: not a robot
+    std::size_t x = 0;  // state offset of a body other than a robot
     PosesFrom from;
     Motion start{};  // in G
   };
@@ -44,8 +44,8 @@ class SimulatedPoses {
   void send(std::span<const Motion> robots);
 
   std::vector<Seen> seen_;
-  std::vector<RobotState> models_;   // of the robots, where a body may follow one
-  std::vector<std::size_t> places_;  // of their states
+  std::vector<RobotState> models_;   // of the robots, because a body may follow one
+  std::vector<std::size_t> places_;  // state offsets of the robots
   std::vector<double> x_, u_;
   Motions motions_;
   double time_ = 0.0;

@@ -1,4 +1,4 @@
-/// Who else is in the domain, and what was found of a robot.
+/// Discovered writers and readers of a domain, and findings about a robot.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,11 +15,11 @@
 
 namespace sightline::dds {
 
-/// Writers and readers of a domain at one time, ours among them.
+/// Writers and readers of a domain at one time, our own included.
 struct Surroundings {
   std::vector<SeenWriter> writers, readers;
 
-  /// Those who write a topic.
+  /// Writers of a topic.
   /// @param topic  as on the wire
   std::vector<const SeenWriter*> writers_of(std::string_view topic) const {
     std::vector<const SeenWriter*> all;
@@ -29,7 +29,7 @@ struct Surroundings {
   }
 };
 
-/// Why a topic of ours brings nothing, as the end of a sentence.
+/// Reason why no message arrives on a topic, as the end of a sentence.
 inline std::string why_nothing_comes(const RawReader& reader, const Surroundings& around) {
   const std::vector<const SeenWriter*> writers = around.writers_of(reader.topic());
   if (writers.empty()) return "it has no publisher";
@@ -39,7 +39,7 @@ inline std::string why_nothing_comes(const RawReader& reader, const Surroundings
   return "nothing comes from who writes it";
 }
 
-/// Why nobody hears us, likewise.
+/// Reason why no reader receives our messages, as the end of a sentence.
 inline std::string why_stale(const RawWriter& writer, const Surroundings& around) {
   const auto other =
       std::find_if(around.readers.begin(), around.readers.end(), [&](const SeenWriter& reader) {
@@ -49,10 +49,10 @@ inline std::string why_stale(const RawWriter& writer, const Surroundings& around
                                        : fmt::format("it is read as {}", other->type);
 }
 
-/// Looks around as often as one likes. One thread.
+/// Snapshots of the discovered endpoints, at any rate. Single thread.
 class DiscoveryMonitor {
  public:
-  /// @throws std::runtime_error where nobody says
+  /// @throws std::runtime_error if the built-in topics cannot be read
   explicit DiscoveryMonitor(dds_entity_t participant)
       : writers_(participant), readers_(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION) {}
   Surroundings look() { return {writers_.look(), readers_.look()}; }
@@ -61,7 +61,7 @@ class DiscoveryMonitor {
   WriterList writers_, readers_;
 };
 
-/// Findings of one robot, as they come.
+/// Findings about one robot, in order of insertion.
 class FindingList {
  public:
   explicit FindingList(std::string robot) : robot_(std::move(robot)) {}
@@ -70,7 +70,7 @@ class FindingList {
   void add(Aspect aspect, Light light, fmt::format_string<Args...> format, Args&&... args) {
     findings_.push_back({robot_, aspect, light, fmt::format(format, std::forward<Args>(args)...)});
   }
-  /// Adds where nothing was found of an aspect so far that is not green.
+  /// Adds a green finding if the aspect has no finding yet.
   template <class... Args>
   void add_green(Aspect aspect, fmt::format_string<Args...> format, Args&&... args) {
     if (!has(aspect)) add(aspect, Light::green, format, std::forward<Args>(args)...);
@@ -79,7 +79,7 @@ class FindingList {
     return std::any_of(findings_.begin(), findings_.end(),
                        [&](const Finding& finding) { return finding.aspect == aspect; });
   }
-  /// In the order of the aspects.
+  /// Returns the findings, sorted by aspect.
   std::vector<Finding> take() {
     std::stable_sort(findings_.begin(), findings_.end(),
                      [](const Finding& a, const Finding& b) { return a.aspect < b.aspect; });

@@ -22,7 +22,7 @@ namespace {
 using SeenTag = geometry_msgs_msg_dds__TransformStamped_;
 using SeenTags = tf2_msgs_msg_dds__TFMessage_;
 
-constexpr double unit_within = 0.01;          // length of a quaternion
+constexpr double unit_within = 0.01;          // tolerance of a quaternion's length
 constexpr std::int64_t pictures_needed = 10;  // before a camera is judged
 
 std::span<const SeenTag> tags_of_message(const void* message) {
@@ -30,7 +30,7 @@ std::span<const SeenTag> tags_of_message(const void* message) {
   return {all.transforms._buffer, all.transforms._length};
 }
 
-/// tf2 takes "/camera" for "camera".
+/// tf2 treats "/camera" as "camera".
 std::string_view bare(const char* frame) {
   const std::string_view name = text_in(frame);
   return name.starts_with('/') ? name.substr(1) : name;
@@ -42,20 +42,20 @@ bool is_a_pose(const SeenTag& tag) {
   return std::isfinite(p.x + p.y + p.z) && std::abs(length - 1) < unit_within;
 }
 
-/// Upwards in S, by how the robot leans.
+/// Vertical axis in S, from the robot's tilt.
 Vec3<double> up_in_S(const WatchedCamera& camera) noexcept {
   const Rotation B = rotation(camera.own->last().motion.q);
   const bool level = camera.camera.mount.frame == MountFrame::level || camera.own->last().stamp == 0;
   return sensor_pose(camera.camera.mount, {{}, level ? Rotation{} : B}).R.to_B({0, 0, 1});
 }
 
-/// The tags of one body in one picture.
+/// Tags of one body in one image.
 struct FoundBody {
   std::array<FoundTag, Tags::faces_max> tags;
   std::size_t count = 0;
 };
 
-/// Where the corners of a tag are in the picture that it was found in; false where one is behind the camera.
+/// Image positions of a tag's corners; false if one is not at least 0.02 m in front of the camera.
 bool find_corners(const Camera& camera, const Tags& tags, int face, const SeenTag& seen, FoundTag& found) {
   const auto& [p, q] = seen.transform;
   const RigidPose tag = from_optical({p.x, p.y, p.z}, normalised({q.w, q.x, q.y, q.z}));
@@ -71,7 +71,7 @@ bool find_corners(const Camera& camera, const Tags& tags, int face, const SeenTa
   return true;
 }
 
-/// The pose that all tags of a body say, and how sure it is.
+/// Pose from all tags of a body, with its covariance.
 bool pose_of_body(const WatchedCamera& eye, const Tags& tags, const FoundBody& body, Detection& to) noexcept {
   const Camera& camera = eye.camera.camera;
   const auto found = std::span(body.tags).first(body.count);

@@ -1,4 +1,4 @@
-/// What the cameras of robots see of others, as apriltag_ros says it on /tf.
+/// Camera detections of other robots, from the /tf messages of apriltag_ros.
 #pragma once
 
 #include <atomic>
@@ -15,40 +15,44 @@
 
 namespace sightline::dds {
 
-/// A camera whose pictures are searched by somebody else.
+/// A camera whose images an external detector processes.
 struct WatchedCamera {
   RobotCamera camera{};
-  const PoseSubscriber* own = nullptr;  ///< of its robot's odometry, by which it leans; outlives the intake
+  const PoseSubscriber* own = nullptr;  ///< its robot's odometry, for the tilt; must outlive the subscriber
 };
 
-/// A message of apriltag_ros is a picture: transforms from the camera's optical frame to the tags that were found in it, with the time of
-/// the exposure. All tags of one body give one pose: the one that fits best to where their corners are in the picture, with the covariance
-/// that the noise model of detections has for it (docs/localization.md). Stamps are of our real-time clock.
+/// Each apriltag_ros message is one image: transforms from the camera's optical frame to the
+/// detected tags, stamped with the exposure time by our real-time clock.
+/// All tags of one body give one pose: the best fit to their corners in the image. Its covariance
+/// follows from the detection noise model (docs/localization.md).
 ///
-/// Counted and left out: what is not finite or no unit quaternion; tags that no body has; a time more than 5 ms ahead of ours or 1 s old; a
-/// picture that was there already; a second writer of the same camera; tags that do not fit to one body; what finds no room.
+/// Counted and rejected:
+/// - values that are not finite, quaternions not of unit length, tags of no body;
+/// - stamps more than 5 ms ahead or 1 s old, repeated images, a second writer for the same camera;
+/// - tags that do not fit one body, and detections beyond the queue size.
 class TagSubscriber {
  public:
-  static constexpr std::size_t room = 256;                     ///< detections that wait
-  static constexpr std::size_t most = 64;                      ///< that one period takes
-  static constexpr double ahead_most = 0.005, age_most = 1.0;  ///< of a time stamp [s]
-  static constexpr double misfit_most = 3.0;                   ///< of corners [px]
+  static constexpr std::size_t room = 256;                     ///< queued detections
+  static constexpr std::size_t most = 64;                      ///< detections per period
+  static constexpr double ahead_most = 0.005, age_most = 1.0;  ///< of a stamp [s]
+  static constexpr double misfit_most = 3.0;                   ///< rms corner error [px]
 
-  /// @throws std::runtime_error where /tf cannot be had
+  /// @throws std::runtime_error if /tf cannot be read
   TagSubscriber(const Scenario& scenario, const std::vector<WatchedCamera>& cameras,
                 dds_entity_t participant);
-  TagSubscriber(const TagSubscriber&) = delete;  // its reader points into it
+  TagSubscriber(const TagSubscriber&) = delete;  // its reader holds a pointer to it
   TagSubscriber& operator=(const TagSubscriber&) = delete;
 
-  /// Of the control thread: what came since the last time, in the order of arrival. Valid until the next call.
+  /// Control thread: detections since the last call, in order of arrival. Valid until the next
+  /// call.
   /// @param origin  time 0 of the stamps, of the monotonic clock
   std::span<const Detection> take(Nanoseconds origin) noexcept;
-  /// Of the control thread: leaves out what waits.
+  /// Control thread: discards the queued detections.
   void forget() noexcept;
 
-  /// Adds what is found of a robot's camera; by the thread that looks around.
+  /// Adds the findings about a robot's camera; called by the examining thread.
   void examine(BodyId robot, const Surroundings& around, FindingList& to) const;
-  /// Of a robot's camera, what was received and refused, in words.
+  /// Counts of received and rejected detections of a robot's camera, as text.
   std::string counts(BodyId robot) const;
 
  private:
@@ -63,14 +67,14 @@ class TagSubscriber {
     LatencyMonitor arrivals{};
     std::atomic<std::int64_t> pictures{0}, garbled{0}, other_tags{0}, ahead{0}, old{0}, repeated{0},
         foreign{0}, misfits{0}, lost{0};
-    // Of the thread that receives.
+    // Receive thread only.
     std::uint64_t writer = 0;
-    std::array<Nanoseconds, 64> stamps{};  // of the last pictures, a ring
+    std::array<Nanoseconds, 64> stamps{};  // of the last images, ring buffer
     std::size_t next = 0;
   };
 
   void on_transforms(const void* message, const Arrival& arrival) noexcept;
-  /// Of one picture: which of the tags found are of which body.
+  /// Processes one image: assigns the detected tags to bodies.
   void look(Eye& eye, const void* message, Nanoseconds stamp, Nanoseconds arrived) noexcept;
   bool is_new(Eye& eye, Nanoseconds stamp) const noexcept;
   const Eye* eye_of(BodyId robot) const;
@@ -79,7 +83,7 @@ class TagSubscriber {
   std::deque<Eye> eyes_;
   SpscQueue<Seen> ring_;
   std::vector<Detection> taken_;
-  std::unique_ptr<RawReader> reader_;  // last: it ends before what it fills
+  std::unique_ptr<RawReader> reader_;  // last member: destroyed before the members it fills
 };
 
 }  // namespace sightline::dds

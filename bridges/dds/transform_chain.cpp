@@ -6,7 +6,7 @@
 namespace sightline::dds {
 namespace {
 
-/// tf2 takes "/map" for "map".
+/// tf2 treats "/map" as "map".
 std::string_view without_slash(std::string_view frame) {
   return frame.starts_with('/') ? frame.substr(1) : frame;
 }
@@ -55,9 +55,9 @@ TransformChain::Taken TransformChain::take(const FrameTransform& transform) {
   Edge* edge = edge_of(moving_, child);
   const bool known = edge != nullptr;
   if (!known) {
-    // Frames of others are not kept: of the body, or of one that the chain has come to.
+    // Keeps only the frame of the body, or the frame at which the chain ends now.
     if (moving_.size() == deepest || (child != body_ && child != ends_at())) return Taken::none;
-    // No pointer to it may be left behind.
+    // emplace_back() may invalidate the chain's pointers.
     chain_.clear();
     edge = &moving_.emplace_back();
   } else if (edge->writer != transform.writer) {

@@ -1,4 +1,4 @@
-/// Where a body is by transforms between frames, as /tf and /tf_static have them.
+/// Pose of a body from a chain of frame transforms in /tf and /tf_static.
 #pragma once
 
 #include <cstdint>
@@ -11,42 +11,45 @@
 
 namespace sightline::dds {
 
-/// A frame in another one, its parent.
+/// A frame relative to its parent frame.
 struct FrameTransform {
   std::string_view parent, child;
   Vec3<double> p{};
   Quaternion q{};
   Nanoseconds stamp = 0;     ///< by the sender's clock
-  std::uint64_t writer = 0;  ///< a number of its own for each
+  std::uint64_t writer = 0;  ///< identifier of the writer, unique per writer
 };
 
-/// The chain of parents from a body's frame up to the frame that is G. Of each frame the newest transform counts. A pose is as old as
-/// the moving transform that is nearest to the body: those above it may be corrections that come seldom. One thread.
+/// Chain of parents from a body's frame to the frame that is G; the newest transform of each frame
+/// applies.
+/// A pose has the stamp of the moving transform nearest to the body; those above may be rare
+/// corrections. Single thread.
 class TransformChain {
  public:
   static constexpr std::size_t deepest = 16,
-                               most_static = 256;  ///< frames that are kept; what is more is not
+                               most_static = 256;  ///< frames kept; further ones are ignored
 
   TransformChain(std::string body, std::string top) : body_(std::move(body)), top_(std::move(top)) {}
 
-  /// What became of a transform.
+  /// Effect of a transform.
   enum class Taken {
-    none,           ///< it is of no frame of the chain, or it does not move the body
-    second_writer,  ///< another one said this frame before: not believed
-    moved,          ///< the body is elsewhere, if the chain is whole
+    none,           ///< not in the chain, or it does not move the body
+    second_writer,  ///< another writer published this frame first; ignored
+    moved,          ///< the body moved, if the chain is complete
   };
   Taken take(const FrameTransform& transform);
-  /// One that holds for ever.
+  /// Accepts a static transform.
   void take_static(const FrameTransform& transform);
 
   struct BodyPose {
     Vec3<double> p{};
-    Quaternion q{};  ///< no_attitude, and p not a number, where one of them has none
+    Quaternion q{};  ///< no_attitude, and p not a number, if a transform has no attitude
     Nanoseconds stamp = 0;
   };
-  /// None where the chain does not reach the top.
+  /// None if the chain does not reach the top frame.
   std::optional<BodyPose> pose() const;
-  /// The frame in which the chain ends that does not reach the top, the body's own where nothing was said of it; empty: it is whole.
+  /// Frame at which an incomplete chain ends; the body's own frame if it has no transform yet;
+  /// empty if the chain is complete.
   std::string ends_at() const;
 
  private:
@@ -64,7 +67,7 @@ class TransformChain {
 
   std::string body_, top_;
   std::vector<Edge> fixed_, moving_;
-  std::vector<const Edge*> chain_;  // from the body up
+  std::vector<const Edge*> chain_;  // from the body upwards
   bool whole_ = false;
 };
 

@@ -35,7 +35,8 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
   const Sight<double> start = model.sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
   const Vec3<double> below = {start.p.x, start.p.y, 0.0};
   const double heading = std::atan2(start.d.y, start.d.x), altitude = std::max(lowest_takeoff, start.p.z);
-  // The frame of a robot whose place nobody is to know begins where it stands, and is turned as it is.
+  // A vision-localized robot has an odometry frame at its start pose: the flyer must not know the
+  // position.
   const bool drives = model.rolls();
   const LinkOrigin origin =
       link.poses.estimated() ? LinkOrigin{drives ? start.p : below, heading} : link.origin;
@@ -87,7 +88,7 @@ DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared
   std::vector<Faults*> faults;
   for (Robot& robot : robots_) faults.push_back(&robot.faults);
   cameras_ = std::make_unique<SimulatedCameras>(domain_->participant(), scenario_, faults);
-  follow_plan(0, {});  // what is wrong from the start on
+  follow_plan(0, {});  // faults that are active from the start
   for (Robot& robot : robots_) make(robot);
 }
 
@@ -150,7 +151,7 @@ void DdsVehicleSimulators::run(double duration, const Interrupts& interrupts, co
   const std::int64_t period = std::llround(1e9 * VehicleSimulator::period);
   const std::int64_t flown = std::llround(1e9 * scenario_.horizon.dt);
   const std::int64_t steps = std::llround(std::min(duration, 1e9) / VehicleSimulator::period);
-  // Between the beginnings of the periods of those who fly: which pose one has does not hang on a race.
+  // Steps lie between the flyer's period starts, so that no race decides which pose a period uses.
   const std::int64_t begin = next_multiple(monotonic_now(), flown) + std::min(period, flown) / 2;
   for (std::int64_t k = 0; k < steps && interrupts == 0; ++k) {
     sleep_until(begin + k * period);

@@ -1,4 +1,4 @@
-/// What stands in for the vehicles of a fleet, at the far ends of their links.
+/// Vehicle simulators of a fleet, at the far ends of its links.
 #pragma once
 
 #include <deque>
@@ -16,28 +16,29 @@
 
 namespace sightline::dds {
 
-/// One robot of its own: it moves, and speaks as its link's kind does.
+/// One simulated robot: moves, and sends messages as its link's kind requires.
 class VehicleSimulator {
  public:
   static constexpr double period = 0.01;  // [s]
 
   virtual ~VehicleSimulator() = default;
-  /// Moves on by a period, and says what it says at that number of periods.
+  /// Advances by one period, and sends the messages due at this period number.
   virtual void step(std::int64_t number) = 0;
-  /// Whether somebody steers it.
+  /// Whether it has received commands.
   virtual bool is_steered() const = 0;
   virtual Motion motion() const = 0;  ///< in G
-  /// What it was told and did, in words.
+  /// Counts of its commands and state, as text.
   virtual std::string counts() const = 0;
 };
 
-/// @param faults  of this robot; they outlive it. What it says goes out by FaultyWriter, poses as Faults::said() has them; restarts and
-///                a wrong release are its owner's
-/// @throws std::invalid_argument for a kind that nothing stands in for
+/// Creates the simulator for a link.
+/// @param faults  of this robot; must outlive it. Messages go through FaultyWriter, poses through
+///   Faults::said(). The owner applies restarts and a wrong release
+/// @throws std::invalid_argument if no simulator exists for the kind
 std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
                                                  const Link& link, Faults& faults);
 
-/// Those of all links, stepped by one thread.
+/// Simulators of all links, stepped by one thread.
 class DdsVehicleSimulators final : public VehicleSimulators {
  public:
   DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain);
@@ -45,7 +46,7 @@ class DdsVehicleSimulators final : public VehicleSimulators {
   void run(double duration, const Interrupts& interrupts, const PrintMessage& print) override;
   std::string toggle(std::size_t robot, LinkFaultKind kind) override;
   std::vector<std::string> counts() const override;
-  /// It ends with a restart.
+  /// The reference is valid until the robot restarts.
   VehicleSimulator& of(std::size_t robot) { return *robots_[robot].vehicle_simulator; }
   Faults& faults(std::size_t robot) { return robots_[robot].faults; }
 
@@ -57,11 +58,11 @@ class DdsVehicleSimulators final : public VehicleSimulators {
     Link link;
     std::string name;
     Faults faults;
-    std::unique_ptr<VehicleSimulator> vehicle_simulator;  // none: until it begins anew
-    Motion at{};                                          // where it is, or was last
-    std::vector<std::string> earlier;                     // what those before it did, in words
-    std::int64_t begins_anew = 0;                         // at this number of periods
-    std::optional<std::int64_t> steered_from;             // the number of periods
+    std::unique_ptr<VehicleSimulator> vehicle_simulator;  // null until the robot restarts
+    Motion at{};                                          // current or last motion
+    std::vector<std::string> earlier;                     // counts of the instances before each restart
+    std::int64_t begins_anew = 0;                         // period number of the restart
+    std::optional<std::int64_t> steered_from;             // period number of the first command
   };
   struct Planned {
     LinkFault fault;
@@ -77,10 +78,10 @@ class DdsVehicleSimulators final : public VehicleSimulators {
   std::shared_ptr<Domain> domain_;
   std::deque<Robot> robots_;
   std::vector<Planned> plan_;
-  std::vector<Motion> motions_;  // of each, as others see it
-  std::vector<Motion> places_;   // of each, as it truly is
+  std::vector<Motion> motions_;  // of each robot, as external sources report it
+  std::vector<Motion> places_;   // true motion of each robot
   SimulatedPoses poses_;
-  std::unique_ptr<SimulatedCameras> cameras_;  // last: its writers end before the faults that they ask
+  std::unique_ptr<SimulatedCameras> cameras_;  // last member: its writers end before the faults they use
 };
 
 }  // namespace sightline::dds

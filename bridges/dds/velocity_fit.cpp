@@ -7,7 +7,7 @@
 namespace sightline::dds {
 namespace {
 
-constexpr double fit_second = 1e-9;  // of a nanosecond
+constexpr double fit_second = 1e-9;  // seconds per nanosecond
 
 double fit_heading(const Quaternion& q) {
   if (q == no_attitude) return 0.0;
@@ -21,7 +21,7 @@ VelocityFit::Outcome VelocityFit::take(const Vec3<double>& p, const Quaternion& 
                                        Motion& motion) noexcept {
   Values at = {p.x, p.y, p.z, fit_heading(q)};
   if (count_ > 0) {
-    // The shorter way round from the last heading.
+    // Unwraps the heading: the shorter way from the last one.
     at[3] = newest_.at[3] + std::remainder(at[3] - newest_.at[3], 2 * std::numbers::pi);
     if (stamp <= newest_.stamp) return Outcome::repeated;
     const Nanoseconds since = stamp - newest_.stamp;
@@ -63,7 +63,8 @@ bool VelocityFit::is_near(const Values& at, double dt) const noexcept {
          std::abs(at[3] - led) < gate_turn + gate_turn_a * dt * dt;
 }
 
-/// y = A + B u + C (u^2 - (S3/S2) u - S2/n) with u = t - mean(t): the three are orthogonal over the poses, so B and C are sums of their own.
+/// y = A + B u + C (u^2 - (S3/S2) u - S2/n) with u = t - mean(t). The three terms are orthogonal
+/// over the poses, so B and C are independent sums.
 void VelocityFit::fit(Nanoseconds stamp) noexcept {
   std::array<double, most> u;
   double mean = 0.0;

@@ -139,7 +139,8 @@ void MujocoWorld::Bodies::advance(std::int64_t steps) noexcept {
   }
 }
 
-/// Notes the first contact that is a touch; contacts are those of the beginning of the step, velocities those before their forces.
+/// Records the first contact that is a touch. Contacts are those at the beginning of the step;
+/// velocities are those before the contact forces.
 void MujocoWorld::Bodies::look_at_contacts(std::int64_t tick) noexcept {
   for (int i = 0; i < data_->ncon && !met_; ++i) {
     const mjContact& contact = data_->contact[i];
@@ -153,7 +154,7 @@ void MujocoWorld::Bodies::look_at_contacts(std::int64_t tick) noexcept {
     const int vehicle = std::max(a, b);
     const int other = a >= 0 ? contact.geom2 : contact.geom1;
     if (vehicle < 0 || bits_[size(a >= 0 ? contact.geom1 : contact.geom2)].second == outer_bit) continue;
-    if (contact.exclude != 0) continue;  // without force
+    if (contact.exclude != 0) continue;  // contact without force
     const double speed = norm(rotorcraft(BodyId{vehicle})->body().v);
     if (speed > landing_speed_max)
       met_ =
@@ -164,7 +165,7 @@ void MujocoWorld::Bodies::look_at_contacts(std::int64_t tick) noexcept {
   for (Body& body : bodies_) body.fresh = false;
 }
 
-/// Whether they have overlapped since one of them came.
+/// Whether the two bodies have overlapped since one of them joined.
 bool MujocoWorld::Bodies::excused(int a, int b) noexcept {
   for (Overlap& pair : overlaps_) {
     if (pair.a == a && pair.b == b) return pair.seen = true;

@@ -1,4 +1,5 @@
-/// The team's bodies in MuJoCo: vehicles that it moves, points that follow the plant, and who touches whom.
+/// The team's bodies in MuJoCo: vehicles that it moves, points that follow the plant, and contacts
+/// between bodies.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ namespace sightline {
 
 class MujocoWorld::Bodies final : public Fleet {
  public:
-  /// Contact of two bodies, or of a vehicle and what is no body of the team (b: index -1).
+  /// Contact of two bodies, or of a vehicle with a geom outside the team (b: index -1).
   struct Met {
     BodyId a{}, b{};
     std::int64_t tick = 0;
@@ -29,24 +30,24 @@ class MujocoWorld::Bodies final : public Fleet {
          const std::optional<ModelFile>& surroundings);
 
   void begin(BodyId robot, double t, const double* x) noexcept override;
-  /// Where a body that is no vehicle is from now on, and its velocity in G.
+  /// Sets the present position and velocity in G of a body that is no vehicle.
   void place(BodyId body, const Vec3<double>& p, const Vec3<double>& v) noexcept;
   void set_there(BodyId body, bool there) noexcept;
-  /// @throws std::invalid_argument for a vehicle that stands in the ground or in what else there is
+  /// @throws std::invalid_argument for a vehicle that starts within the ground or the surroundings
   void check_start(const Team& team);
 
   const std::optional<Met>& met() const noexcept { return met_; }
   bool failed() const noexcept { return failed_; }
-  /// Why MuJoCo could not go on.
+  /// The reason why MuJoCo could not continue.
   std::string failure() const;
 
  private:
   struct Body {
-    int id = 0;             // of MuJoCo
+    int id = 0;             // MuJoCo's body id
     int q = 0, dof = 0;     // of a vehicle's free joint
-    int mocap = -1;         // of any other
-    Vec3<double> p{}, v{};  // of such, when it was placed
-    bool fresh = true;      // it has come since contacts were last looked at
+    int mocap = -1;         // index of any other body
+    Vec3<double> p{}, v{};  // of such a body when placed
+    bool fresh = true;      // joined since the last check of contacts
   };
   struct Overlap {
     int a, b;
@@ -64,9 +65,9 @@ class MujocoWorld::Bodies final : public Fleet {
   mujoco::ModelPointer model_;
   mujoco::DataPointer data_;
   std::vector<Body> bodies_;
-  std::vector<int> owner_;                 // body of each geom, -1 for what is none of the team
+  std::vector<int> owner_;                 // body of each geom, -1 if not of the team
   std::vector<std::pair<int, int>> bits_;  // contype and conaffinity of each geom
-  std::vector<Overlap> overlaps_;          // who touched at the start or on joining, and still does
+  std::vector<Overlap> overlaps_;          // pairs that touched at the start or on joining, and still do
   std::optional<Met> met_;
   std::int64_t placed_at_ = 0;
   bool failed_ = false;

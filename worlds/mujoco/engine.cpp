@@ -16,16 +16,16 @@ namespace {
 
 constexpr std::size_t message_size = 1000;
 
-// Of the call that is under way in this thread. MuJoCo's handler for errors must not return.
+// State of the MuJoCo call in progress on this thread. MuJoCo's error handler must not return.
 thread_local std::jmp_buf* way_back = nullptr;
 thread_local std::array<char, message_size> message{};
 
 void (*errors_before)(const char*) = nullptr;
 void (*warnings_before)(const char*) = nullptr;
 
-/// Leaves over MuJoCo's frames, which are of C in the calls that set way_back.
+/// Jumps over MuJoCo's frames, which are C frames in the calls that set way_back.
 void on_error(const char* text) {
-  if (way_back == nullptr) {  // a call of the program's own
+  if (way_back == nullptr) {  // a call from another part of the program
     if (errors_before != nullptr) return errors_before(text);
     std::fprintf(stderr, "%s\n", text);
     std::exit(1);
@@ -35,12 +35,12 @@ void on_error(const char* text) {
 }
 
 void on_warning(const char* text) {
-  if (way_back != nullptr) return;  // the data have it
+  if (way_back != nullptr) return;  // the data record the warning
   if (warnings_before != nullptr) return warnings_before(text);
   std::fprintf(stderr, "%s\n", text);
 }
 
-/// Once for the process. MuJoCo's own would write MUJOCO_LOG.TXT.
+/// Installs the handlers once per process. MuJoCo's own handler would write MUJOCO_LOG.TXT.
 void take_over_messages() {
   static const bool done = [] {
     errors_before = mju_user_error;
@@ -52,8 +52,9 @@ void take_over_messages() {
   (void)done;
 }
 
-/// Whether a call of C functions came to its end. Not for mj_loadXML, whose reader and compiler are C++: a jump over their frames
-/// would leave their objects behind. It catches what goes wrong in there itself, and says it in its own error.
+/// Whether a call of C functions completed. It must not wrap mj_loadXML, whose reader and compiler
+/// are C++: a jump over their frames would leak their objects. mj_loadXML catches its own errors
+/// and returns them as text.
 template <class Call>
 bool came_back(const Call& call) noexcept {
   std::jmp_buf here;
@@ -71,7 +72,7 @@ bool came_back(const Call& call) noexcept {
 constexpr std::array fatal = {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL,
                               mjWARN_BADQPOS, mjWARN_BADQVEL,     mjWARN_BADQACC};
 
-/// Files in memory, as MuJoCo reads them before those of the disk.
+/// Files in memory, which MuJoCo reads before those on disk.
 class Files {
  public:
   Files() : vfs_(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs_.get()); }
@@ -96,7 +97,7 @@ class Files {
 
 ModelPointer load(const std::string& mjcf, const ModelFile* beside) {
   take_over_messages();
-  static std::mutex one_at_a_time;  // the compiler of MuJoCo keeps the last model
+  static std::mutex one_at_a_time;  // MuJoCo's compiler keeps the last model in a global
   const std::lock_guard lock(one_at_a_time);
   Files files;
   const std::string own = "made of the team.xml";

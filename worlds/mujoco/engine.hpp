@@ -1,4 +1,4 @@
-/// MuJoCo behind calls that neither end the process nor write a file: its errors and warnings become sentences.
+/// MuJoCo calls that neither end the process nor write a file: errors and warnings become messages.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -17,24 +17,27 @@ struct Delete {
 using ModelPointer = std::unique_ptr<mjModel, Delete>;
 using DataPointer = std::unique_ptr<mjData, Delete>;
 
-/// A model from MJCF. It may include and name files of `beside`: itself, and those in its folder.
-/// @throws std::invalid_argument MuJoCo's sentence, on one line
+/// Loads a model from MJCF. It may include and name `beside` itself and files in its folder.
+/// @throws std::invalid_argument with MuJoCo's message on one line
 ModelPointer load(const std::string& mjcf, const ModelFile* beside = nullptr);
-/// @throws std::invalid_argument where MuJoCo has no memory for it
+/// @throws std::invalid_argument if MuJoCo has no memory for the data
 DataPointer data_of(const mjModel& model);
 
-/// The calls in a step of a flight. False where MuJoCo met an error: last_error() says which, and the data are spoilt.
+/// The MuJoCo calls of a flight's step. They return false on an error; last_error() then describes
+/// it, and the data are invalid.
 bool step_1(const mjModel& model, mjData& data) noexcept;
 bool step_2(const mjModel& model, mjData& data) noexcept;
 bool find_contacts(const mjModel& model, mjData& data) noexcept;
-/// Calls of MuJoCo by a function without C++ objects of its own. False where one met an error.
+/// Runs a function that calls MuJoCo and has no C++ objects of its own. Returns false if a call met
+/// an error.
 bool tried(void (*calls)(void*), void* argument) noexcept;
-/// Of this thread.
+/// The last error of this thread.
 const char* last_error() noexcept;
-/// What the data warn of that no flight goes on with, as diverged states and contacts without room; null where there is nothing.
+/// The first warning in the data that ends a flight, such as diverged states or a full contact
+/// buffer; null if there is none.
 const char* warning(const mjData& data) noexcept;
 
-/// Without ends of lines.
+/// The text without line breaks.
 std::string on_one_line(std::string text);
 
 }  // namespace sightline::mujoco

@@ -20,7 +20,7 @@ std::string include(const ModelFile& file) {
   return fmt::format("<include file=\"{}\"/>\n", escaped(name));
 }
 
-/// The name of a body, but for MuJoCo's own word.
+/// The name attribute of a body; empty for MuJoCo's reserved word "world".
 std::string name_of(std::string_view name) {
   return name == "world" ? "" : fmt::format(" name=\"{}\"", escaped(name));
 }
@@ -28,7 +28,7 @@ std::string name_of(std::string_view name) {
 constexpr std::array<std::string_view, 8> type_words = {"plane",     "hfield",   "sphere", "capsule",
                                                         "ellipsoid", "cylinder", "box",    "mesh"};
 
-/// Every number that a file's defaults could change is said.
+/// All attributes of a geom, since the defaults of a file could change any that is omitted.
 std::string attributes(std::string_view type, int contype, int conaffinity, double gap) {
   return fmt::format(
       "type=\"{}\" contype=\"{}\" conaffinity=\"{}\" gap=\"{}\" margin=\"0\" condim=\"3\" mass=\"0\" "
@@ -37,7 +37,7 @@ std::string attributes(std::string_view type, int contype, int conaffinity, doub
       type, contype, conaffinity, gap);
 }
 
-/// Vehicles, with the meshes that their geoms are made of.
+/// Writes vehicles, and the meshes of their geoms.
 class Writer {
  public:
   std::string vehicle(std::string_view name, const Vehicle& v, const Geoms& geoms) {
@@ -91,7 +91,8 @@ std::string mjcf_of(const Team& team, const std::vector<RobotVehicle>& vehicles,
                   : write.vehicle(team.name(body), found->vehicle,
                                   geoms[static_cast<std::size_t>(found - vehicles.begin())]);
   }
-  // Room for all vehicles on the ground at once; a file may ask for more. What is said after it holds for all.
+  // The buffer holds the contacts of all vehicles on the ground at once; a file may request more.
+  // The options after the file override its own.
   std::string text = fmt::format("<mujoco>\n<size nconmax=\"{}\" njmax=\"{}\"/>\n", 100 + 8 * vehicles.size(),
                                  500 + 20 * vehicles.size());
   if (surroundings) text += include(*surroundings);

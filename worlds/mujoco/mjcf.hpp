@@ -1,4 +1,4 @@
-/// The MJCF of a team: what MuJoCo is given to simulate.
+/// The MJCF of a team: the model that MuJoCo simulates.
 #pragma once
 
 #include <optional>
@@ -10,27 +10,30 @@
 
 namespace sightline::mujoco {
 
-/// Contacts are of three kinds, by the bits of geoms (MuJoCo lets two touch where contype of one meets conaffinity of the other):
+/// The bits of geoms define three kinds of contact. MuJoCo pairs two geoms if the contype of one
+/// meets the conaffinity of the other.
 ///
-///   outer geom of a vehicle, of another one; point of another body   seen, and carry no force: their gap is beyond any depth
-///   solid geom of a vehicle, the ground or the surroundings          with MuJoCo's contact forces
-///   all else of a team                                               none
+///   outer geom of a vehicle with another one, or a point body   detected, but without force: the gap
+///                                                               is beyond any depth
+///   solid geom of a vehicle with the ground or surroundings     MuJoCo's contact forces
+///   all other pairs of a team                                   none
 ///
-/// So no pairs of vehicles but those that come near each other cost anything.
+/// Only pairs of vehicles near each other therefore cost time.
 inline constexpr int outer_bit = 1 << 30, solid_bits = outer_bit - 1;
 
 /// The name of the plane z = 0.
 inline constexpr const char* ground = "the ground";
 
-/// The geoms of a vehicle: to other bodies, and to the ground and the surroundings.
+/// The geoms of a vehicle: `outer` to other bodies, `solid` to the ground and the surroundings.
 struct Geoms {
   std::vector<Geom> outer, solid;
 };
 
-/// A model that is one file.
+/// A model that consists of one included file.
 std::string included(const ModelFile& file);
 
-/// Bodies come in the order of the team and last in the model: vehicles free, all others points that mocap moves.
+/// Bodies come last in the model, in the order of the team: vehicles are free bodies, all others
+/// are mocap points.
 /// @param geoms  of each vehicle
 std::string mjcf_of(const Team& team, const std::vector<RobotVehicle>& vehicles,
                     const std::vector<Geoms>& geoms, const std::optional<ModelFile>& surroundings);

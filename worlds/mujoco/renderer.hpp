@@ -1,4 +1,4 @@
-/// What renders the cameras' pictures of a scenario, where it was built.
+/// The renderer of the cameras' pictures, if this build has it.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace sightline::mujoco {
 
-/// @throws std::invalid_argument as RenderedDetections, and where EGL or AprilTag were not there to build it
+/// @throws std::invalid_argument as RenderedDetections, and if the build had no EGL or AprilTag
 std::unique_ptr<DetectionSource> make_renderer(const Scenario& scenario);
 
 }  // namespace sightline::mujoco

@@ -14,7 +14,7 @@
 namespace sightline::mujoco {
 namespace {
 
-constexpr double off_axis_max = 0.01;  // of the least moment of inertia
+constexpr double off_axis_max = 0.01;  // fraction of the least moment of inertia
 
 std::vector<std::string> names_of_bodies(const mjModel& model) {
   std::vector<std::string> all;
@@ -25,20 +25,20 @@ std::vector<std::string> names_of_bodies(const mjModel& model) {
   return all;
 }
 
-/// Whether `part` is `body` or hangs on it.
+/// Whether `part` is `body` or one of its descendants.
 bool belongs(const mjModel& model, int part, int body) {
   while (part > body) part = model.body_parentid[part];
   return part == body;
 }
 
-/// Turned from G into the axes of the body.
+/// Rotates a vector from G into the axes of the body.
 std::array<double, 3> turned(const mjData& data, int body, const std::array<double, 3>& a_G) {
   std::array<double, 3> a{};
   mju_rotVecMatT(a.data(), a_G.data(), data.xmat + 9 * body);
   return a;
 }
 
-/// Adds the inertia of one part about the whole's centre of mass, in the axes of the body.
+/// Adds the inertia of one part about the centre of mass of the whole, in the axes of the body.
 void add_inertia(const mjModel& model, const mjData& data, int part, int body, std::array<double, 9>& sum) {
   const double* const com = data.subtree_com + 3 * body;
   const std::array<double, 3> r = turned(

@@ -1,4 +1,4 @@
-/// What a body of an MJCF is as a vehicle: mass, inertia, shape.
+/// A body of an MJCF as a vehicle: mass, inertia and shape.
 #pragma once
 
 #include <array>
@@ -8,10 +8,10 @@
 
 namespace sightline::mujoco {
 
-/// A geom that touches, in the axes of the vehicle, about its centre of mass.
+/// A contact geom, in the axes of the vehicle, about its centre of mass.
 struct Geom {
   int type = 0;                  ///< mjtGeom
-  std::array<double, 3> size{};  ///< as MJCF has it for the type [m]
+  std::array<double, 3> size{};  ///< as MJCF defines it for the type [m]
   std::array<double, 3> p{};     ///< [m]
   std::array<double, 4> q{1, 0, 0, 0};
   std::vector<float> vertices{};  ///< of a mesh, three numbers each [m]
@@ -23,11 +23,11 @@ struct Shape {
   std::vector<Geom> geoms{};
 };
 
-/// The body with all that hangs on it, held as the file has it at first.
+/// The body with all its descendants, in the file's initial configuration.
 /// @throws std::invalid_argument "model = ..." or "body = ..."
 Shape shape_of(const ModelBody& model);
 
-/// The geoms that a vehicle has of no file: a cylinder about p, and one to stand on.
+/// The geoms of a vehicle without a file: a cylinder about p, and one to stand on.
 Geom hull_of(const Vehicle& vehicle);
 Geom foot_of(const Vehicle& vehicle);
 

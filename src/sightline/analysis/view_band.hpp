@@ -39,7 +39,7 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights = 3);
 /// A table of one camera and its tags.
 std::string to_string(const ViewBand& band, const Team& team);
 
-/// What cannot be known at the start of robots that know their places by whom they see: those that are localized by view, and
+/// What cannot be known at the start of robots that know their places by whom they see: those that are localized by vision, and
 /// those that turn by a choice (`best`).
 std::vector<std::string> unobservable_robots(const Scenario& scenario);
 

@@ -1,4 +1,5 @@
-/// A list of at most N items held in place: nothing is allocated, and nothing made that was not added.
+/// A list of at most N items, stored in place. It never allocates, and constructs only the items
+/// added.
 #pragma once
 
 #include <cassert>
@@ -20,7 +21,7 @@ class Bounded {
     assert(size_ < N && "the items fit the list");
     return *std::construct_at(&items_[size_++], item);
   }
-  /// Made in place, of zeros and its own defaults.
+  /// Value-initialises an item in place: zeros, or the item's own defaults.
   T& emplace_back() noexcept {
     assert(size_ < N && "the items fit the list");
     return *std::construct_at(&items_[size_++]);

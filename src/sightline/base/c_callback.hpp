@@ -1,5 +1,5 @@
-/// Functions that libraries of C call. No exception passes through their frames; tests/house/threads_test.cpp checks that they get
-/// no other functions.
+/// Callbacks for C libraries. No exception passes through the frames of such a library;
+/// tests/house/threads_test.cpp checks that no other functions are passed to them.
 #pragma once
 
 #include <type_traits>
@@ -8,8 +8,8 @@
 
 namespace sightline {
 
-/// A function behind a noexcept one of the same signature. What it throws is caught and reported once for each function (Failure);
-/// the library then gets a value of zero.
+/// Wraps a function in a noexcept one of the same signature. An exception is caught and reported
+/// once per function (Failure); the library then receives zero.
 template <auto function, class Signature = decltype(function)>
 struct CCallback;
 
@@ -29,7 +29,8 @@ struct CCallback<function, R (*)(Args...)> {
 template <auto function, class R, class... Args>
 struct CCallback<function, R (*)(Args...) noexcept> : CCallback<function, R (*)(Args...)> {};
 
-/// For a library of C: c_callback<on_data>, where on_data is a function or a static member.
+/// The pointer for a C library: c_callback<on_data>, where on_data is a function or a static
+/// member.
 template <auto function>
 inline constexpr auto c_callback = &CCallback<function>::call;
 

@@ -1,5 +1,5 @@
-/// Elementary functions of our own: the same bits on every machine, at every optimisation level, on one lane
-/// as on eight, and a finite result for every finite argument. Not a number stays not a number.
+/// Elementary functions with the same bits on every machine, at every optimisation level, on one
+/// lane as on eight. Finite arguments give finite results, except where noted; NaN stays NaN.
 #pragma once
 
 #include <limits>
@@ -13,7 +13,7 @@ S square(const S& x) {
   return x * x;
 }
 
-/// e^x, within 1.5 ulp; held at e^-708 and e^709 outside [-708, 709].
+/// e^x, within 1.5 ulp; constant at e^-708 and e^709 outside [-708, 709].
 template <Real L>
 L exp(L x) {
   const L y = clamp(x, -708.0, 709.0);
@@ -72,16 +72,16 @@ L log_of_normal(L x) {
 
 }  // namespace detail
 
-/// ln x for x >= 1; below, the parabola that goes on with its value, slope and curvature, -(1 - x) - (1 - x)^2
-/// / 2. Within 2 ulp for x >= 1. (Where the square overflows, so does the result.)
+/// ln x for x >= 1; below 1, the parabola -(1 - x) - (1 - x)^2 / 2, which continues its value,
+/// slope and curvature. Within 2 ulp for x >= 1. If the square overflows, so does the result.
 template <Real L>
 L relaxed_log(L x) {
   const L above = maximum(x, L(1.0)), below = above - x;
   return detail::log_of_normal(above) - fma(L(0.5) * below, below, below);
 }
 
-/// ln x, within 2 ulp; of 0 and of subnormals that of the least normal number, -708.4; not a number where
-/// x < 0.
+/// ln x, within 2 ulp. Zero and subnormals give the log of the smallest normal number, -708.4; x <
+/// 0 gives NaN.
 template <Real L>
 L log(L x) {
   const L y = detail::log_of_normal(clamp(x, 2.2250738585072014e-308, 1.7976931348623157e308));
@@ -93,7 +93,7 @@ template <Real L>
 L softplus(L x) {
   const L e = exp(where_negative(x, x, -x));
   const L u = L(1.0) + e;
-  const L tail = log(u) + (e - (u - L(1.0))) / u;  // what rounding u lost comes back
+  const L tail = log(u) + (e - (u - L(1.0))) / u;  // adds the rounding error of u
   return where_negative(x, tail, x + tail);
 }
 
@@ -131,8 +131,8 @@ struct SinCos {
   L sin, cos;
 };
 
-/// sin x and cos x, within 1.6 ulp for |x| <= 1e6; beyond 2^51 the angle of a double means nothing and the
-/// result is only within [-1, 1].
+/// sin x and cos x, within 1.6 ulp for |x| <= 1e6. Beyond 2^51 a double does not resolve the angle;
+/// the results are only within [-1, 1].
 template <Real L>
 SinCos<L> sincos(L x) {
   // x = n pi/2 + r, |r| <= pi/4, pi/2 in three parts.
@@ -160,7 +160,7 @@ SinCos<L> sincos(L x) {
   const L half = L(0.5) * z;
   const L w = L(1.0) - half;
   const L cosine = w + fma(z * z, c, (L(1.0) - w) - half);
-  // Turn by n quarters.
+  // Rotate by n quarter turns.
   const L sin_x = detail::where_bit(rounded, 1, cosine, sine);
   const L cos_x = detail::where_bit(rounded, 1, sine, cosine);
   const L turned = rounded + L(1.0);  // cos is negative in quarters 1 and 2

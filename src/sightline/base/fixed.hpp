@@ -1,17 +1,17 @@
-/// Small vectors of any scalar: double, a lane pack, the recording scalar.
+/// Small vectors over any scalar: double, a lane pack, or the recording scalar.
 #pragma once
 
 #include "sightline/base/elementary.hpp"
 
 namespace sightline {
 
-/// A heading d = (d_x, d_y) = (cos psi, sin psi), (18), (19); or any vector of the plane.
+/// A heading d = (d_x, d_y) = (cos psi, sin psi), (18), (19); or any vector in the plane.
 template <class S>
 struct Vec2 {
   S x{}, y{};
 };
 
-/// A position [m] or velocity [m/s] with three components.
+/// A vector with three components: a position [m] or a velocity [m/s].
 template <class S>
 struct Vec3 {
   S x{}, y{}, z{};
@@ -36,8 +36,9 @@ S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
 
-/// sqrt(x^2 + y^2), within 1 ulp where the squares are normal: for lengths from 1e-150 to 1e150. Beyond, it is 0 or
-/// infinite: nothing is scaled. std::hypot, which does, has other bits on other machines.
+/// sqrt(x^2 + y^2), within 1 ulp if the squares are normal: for lengths from 1e-150 to 1e150.
+/// Beyond, it is 0 or infinite, because it does not scale. std::hypot scales, but its bits differ
+/// between machines.
 template <Real L>
 L norm(L x, L y) {
   return sqrt(fma(x, x, y * y));

@@ -10,12 +10,12 @@ namespace sightline {
 namespace {
 
 constexpr double last_cell = 1 << 20;
-// Two points a little less than a cell apart must not come to lie two cells apart by rounding.
+// Rounding must not place two points that are slightly less than a cell apart two cells apart.
 constexpr double wider = 1.0 + 1e-9;
 
 std::int32_t cell_of(double x, double width) {
   const double cell = std::floor(x / width);
-  if (!(cell > -last_cell)) return static_cast<std::int32_t>(-last_cell);  // also where it is not a number
+  if (!(cell > -last_cell)) return static_cast<std::int32_t>(-last_cell);  // also for NaN
   return static_cast<std::int32_t>(std::min(cell, last_cell));
 }
 
@@ -42,7 +42,8 @@ void Grid::sort(std::span<const Vec3<double>> p, double reach) noexcept {
     ++begin_[slot(cells_[i]) + 1];
   }
   for (std::size_t s = 1; s < begin_.size(); ++s) begin_[s] += begin_[s - 1];
-  // From behind, so that points of a slot stand in their order and `begin_` ends up where slots begin.
+  // Backward, so that points of a slot keep their order and `begin_` ends at the starts of the
+  // slots.
   for (std::size_t i = p.size(); i-- > 0;) sorted_[size(--begin_[slot(cells_[i]) + 1])] = static_cast<int>(i);
 }
 

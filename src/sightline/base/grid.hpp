@@ -1,10 +1,10 @@
-/// Which points of many are near each other, by cells as wide as they may be apart.
+/// Pairs of near points among many, by a hash grid whose cells are as wide as the reach.
 ///
 ///   all (i, j), i < j, with |p_i - p_j| < reach, in the order of (i, j)
 ///
-/// Points are counted into the slots of a table by their cell's number, floor(p / reach), and looked for in the 27
-/// cells around. Cells beyond 2^20 to either side are one: nothing near is missed, however far out. A point that is
-/// not finite is near none.
+/// A counting sort puts each point into a table slot by its cell, floor(p / reach). The search
+/// covers the 27 cells around a point. All cells beyond 2^20 on a side are one cell, so no near
+/// pair is missed at any distance. A point that is not finite is near no other.
 #pragma once
 
 #include <algorithm>
@@ -19,10 +19,11 @@ namespace sightline {
 
 class Grid {
  public:
-  /// Room for that many points; nothing is allocated afterwards.
+  /// Allocates for this many points; nothing is allocated afterwards.
   explicit Grid(int points);
 
-  /// f(i, j) for each pair that is near. @param p  as many points as there is room for, or fewer
+  /// Calls f(i, j) for each near pair.
+  /// @param p  at most as many points as allocated
   template <class F>
   void each_pair(std::span<const Vec3<double>> p, double reach, F&& f) noexcept {
     sort(p, reach);

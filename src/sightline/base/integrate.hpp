@@ -1,4 +1,4 @@
-/// One step of x' = f(x).
+/// Runge-Kutta steps of x' = f(x).
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ struct RungeKuttaScratch {
 };
 
 /// x <- x + s/6 (k1 + 2 k2 + 2 k3 + k4), the classical Runge-Kutta step of length s.
-/// @param f  called as f(x, rate), writes x' of the state x into rate; both have the length of x.
+/// @param f  called as f(x, rate); writes x' of the state x into rate; both have the length of x
 template <class F>
 void rk4_step(F&& f, std::span<double> x, double s, RungeKuttaScratch scratch) {
   const std::size_t n = x.size();
@@ -32,8 +32,8 @@ void rk4_step(F&& f, std::span<double> x, double s, RungeKuttaScratch scratch) {
   }
 }
 
-/// The same step of a state of n numbers, to the bit. Written without loops: what a compiler makes a vector of in one
-/// line it would take apart in the next.
+/// The same step for a state of n numbers, equal to the bit. It is written without loops: compilers
+/// vectorise such a loop in one place and unroll it in the next.
 /// @param f  called as f(x), returns x'
 template <std::size_t n, class F>
 std::array<double, n> rk4_step(F&& f, const std::array<double, n>& x, double s) {

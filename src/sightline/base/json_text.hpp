@@ -1,13 +1,14 @@
-/// The text of a JSON value.
+/// Text of a JSON value.
 #pragma once
 
 #include <string>
 
 namespace sightline {
 
-/// Throws nothing but std::bad_alloc: bytes that are no UTF-8, as the name of a file may have them, are U+FFFD.
-/// @param json    of nlohmann's library, whose own dump() throws there
-/// @param indent  spaces of a level; -1: all on one line
+/// Converts a JSON value to text; throws only std::bad_alloc. Bytes that are not UTF-8, as in a
+/// file name, become U+FFFD.
+/// @param json    a value of nlohmann's library, whose own dump() throws on such bytes
+/// @param indent  spaces per level; -1: all on one line
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);

@@ -1,12 +1,13 @@
-/// A pack of doubles that is computed on at once: stages, pairs or agents side by side.
+/// A pack of doubles that one instruction processes: stages, pairs or agents side by side.
 ///
-/// The same operations exist for plain `double`, so that a formula or a kernel is written once over `Real`
-/// and gives the same bits on one lane as on eight: nothing here sums across lanes, and a fused product is
-/// fused everywhere.
+/// The same operations exist for plain `double`, so a formula or a kernel is written once over
+/// `Real`. It then gives the same bits on one lane as on eight: nothing here sums across lanes, and
+/// a fused product is fused everywhere.
 ///
-/// How wide a pack is was fixed when the library was built (lane_width.hpp); a program may be built for a lesser machine,
-/// whose packs are then several of its registers. How a pack is handed to a function depends on that machine, so the
-/// name of Lane says both: no function over lanes of one file takes the place of another file's.
+/// The library build fixes the width of a pack (lane_width.hpp). A program may be built for a
+/// lesser machine; each pack then takes several of its registers. The calling convention of a pack
+/// depends on that machine, so the name of Lane contains both. The linker therefore never replaces
+/// a function over lanes of one file by that of another.
 #pragma once
 
 #include <bit>
@@ -25,19 +26,22 @@
 
 namespace sightline {
 
-/// Defined by the library alone, and asked for by every file that computes on lanes: one of another width is not linked.
+/// The library alone defines it, and every file that computes on lanes references it. A file of
+/// another width does not link.
 extern const int SIGHTLINE_LANES_AGREE;
 
 inline namespace SIGHTLINE_LANES {
 [[gnu::used]] inline const int* const lanes_agree = &SIGHTLINE_LANES_AGREE;
 
-/// Doubles in one register of the machine the library is built for.
+/// Doubles in one register of the machine for which the library is built.
 inline constexpr int native_width = SIGHTLINE_LANE_WIDTH;
-/// Of packs for three or four robots: where a register holds eight, half of it takes less time.
+/// Width of packs for three or four robots: where a register holds eight, half of it takes less
+/// time.
 inline constexpr int narrow_width = native_width < 4 ? native_width : 4;
 }  // namespace SIGHTLINE_LANES
 
-/// Rows of lanes begin on a multiple of this many bytes and hold a multiple of `row_quantum` doubles.
+/// Rows of lanes begin on a multiple of this many bytes and hold a multiple of `row_quantum`
+/// doubles.
 inline constexpr int row_alignment = 64;
 inline constexpr int row_quantum = row_alignment / static_cast<int>(sizeof(double));
 
@@ -45,7 +49,7 @@ inline constexpr int row_quantum = row_alignment / static_cast<int>(sizeof(doubl
 constexpr int padded(int n) { return (n + row_quantum - 1) / row_quantum * row_quantum; }
 
 namespace detail {
-/// The compiler's vector types; GCC takes their size only as a number.
+/// The compiler's vector types; GCC accepts their size only as a literal.
 template <int W>
 struct Storage;
 template <>
@@ -82,7 +86,7 @@ struct Lane {
   Vector v;
 
   Lane() = default;
-  Lane(double s) : v(s - Vector{}) {}  // a constant of a formula is the same in all lanes
+  Lane(double s) : v(s - Vector{}) {}  // a constant of a formula is equal in all lanes
   explicit Lane(Vector vector) : v(vector) {}
 
   static Lane load(const double* row) {
@@ -90,7 +94,7 @@ struct Lane {
     __builtin_memcpy(&lane.v, row, sizeof(Vector));
     return lane;
   }
-  /// The numbers at from + each of the offsets.
+  /// Loads from[offsets[i]] into lane i.
   template <class Offsets>
   static Lane gather(const double* from, const Offsets& offsets) {
     return [&]<std::size_t... i>(std::index_sequence<i...>) { return Lane(Vector{from[offsets[i]]...}); }
@@ -120,12 +124,12 @@ template <int W>
 inline constexpr bool is_lane<Lane<W>> = true;
 }  // namespace detail
 
-/// A number that is computed on, not recorded: double, or a pack of them.
+/// A number for computation, not recording: double, or a pack of doubles.
 template <class T>
 concept Real = std::same_as<T, double> || detail::is_lane<T>;
 
-/// a b + c, rounded once. (Templates over double too: a caller who sees the C library's names as well is not
-/// torn.)
+/// a b + c, rounded once. The overload for double is a template too, so that the C library's fma is
+/// no ambiguous overload.
 template <std::same_as<double> D>
 D fma(D a, D b, D c) {
   return __builtin_fma(a, b, c);
@@ -163,7 +167,8 @@ D subtract_product(D a, D b, D c) {
   return __builtin_fma(-a, b, c);
 }
 
-// By their own instructions: the compiler does not draw the sign of a vector into a fused product.
+// These use their own instructions: the compiler does not fold the sign of a vector into a fused
+// product.
 template <int W>
 Lane<W> multiply_subtract(Lane<W> a, Lane<W> b, Lane<W> c) {
   using L [[maybe_unused]] = Lane<W>;
@@ -225,7 +230,7 @@ Lane<W> maximum(Lane<W> a, Lane<W> b) {
   return Lane<W>(a.v > b.v ? a.v : b.v);
 }
 
-/// The lesser of a and b; b where one of them is not a number.
+/// The smaller of a and b; b where one of them is not a number.
 template <std::same_as<double> D>
 D minimum(D a, D b) {
   return a < b ? a : b;
@@ -242,7 +247,7 @@ L absolute(L a) {
   return maximum(a, -a);
 }
 
-/// The largest of the lanes that are above zero, else 0.
+/// The largest lane above zero, else 0.
 template <int W>
 double largest(Lane<W> a) {
   double most = 0.0;
@@ -264,7 +269,7 @@ bool any_negative(Lane<W> a) {
   return any != 0;
 }
 
-/// x within [low, high]; not a number stays so.
+/// x limited to [low, high]; NaN stays NaN.
 inline double clamp(double x, double low, double high) {
   x = x < low ? low : x;
   return x > high ? high : x;
@@ -295,7 +300,8 @@ Lane<W> permuted(Lane<W> a, typename Lane<W>::Bits from) {
 
 namespace detail {
 
-/// Adding it rounds a double to the nearest integer and leaves that integer in its low bits.
+/// Adding this constant rounds a double to the nearest integer and leaves that integer in its low
+/// bits.
 inline constexpr double round_magic = 6755399441055744.0;  // 1.5 * 2^52
 
 /// p * 2^n, n the integer in the low bits of `rounded`; p and the result are normal.
@@ -323,7 +329,8 @@ Lane<W> where_bit(Lane<W> rounded, std::int64_t bit, Lane<W> a, Lane<W> b) {
   return L(set ? a.v : b.v);
 }
 
-/// x = 2^n p, x > 0 and normal, p in [sqrt(1/2), sqrt 2): p, and n in the low bits of `exponent`, as round_magic has it.
+/// Splits x = 2^n p, x > 0 and normal: returns p in [sqrt(1/2), sqrt 2). The low bits of `exponent`
+/// receive n, as with round_magic.
 inline double mantissa(double x, double& exponent) {
   constexpr std::int64_t root_half = 0x3fe6a09e667f3bcd;
   const std::int64_t n = (std::bit_cast<std::int64_t>(x) - root_half) >> 52;
@@ -342,7 +349,7 @@ Lane<W> mantissa(Lane<W> x, Lane<W>& exponent) {
   return p;
 }
 
-/// y, but x where x is not a number.
+/// y, or x where x is not a number.
 inline double keep_nan(double x, double y) { return x != x ? x : y; }
 
 template <int W>

@@ -9,7 +9,7 @@
 
 namespace sightline {
 
-/// r x c numbers, row by row; all 0 at first.
+/// r x c numbers, row by row; initially 0.
 template <int r, int c>
 struct Mat {
   static_assert(r > 0 && c > 0);
@@ -43,12 +43,12 @@ struct Mat {
   bool operator==(const Mat&) const = default;
 };
 
-/// Sums run over the rows of b in their order, whatever the size.
+/// Each sum runs over the rows of b in their order, for any size.
 template <int r, int k, int c>
 Mat<r, c> operator*(const Mat<r, k>& a, const Mat<k, c>& b) noexcept {
   Mat<r, c> y;
   for (int i = 0; i < r; ++i) {
-    std::array<double, static_cast<std::size_t>(c)> sum{};  // a row that can stay in registers
+    std::array<double, static_cast<std::size_t>(c)> sum{};  // a row that fits in registers
     for (int l = 0; l < k; ++l)
       for (int j = 0; j < c; ++j) sum[static_cast<std::size_t>(j)] += a(i, l) * b(l, j);
     y.row[static_cast<std::size_t>(i)] = sum;
@@ -91,7 +91,7 @@ void set_block(Mat<r, c>& a, int i, int j, const Mat<h, w>& b) noexcept {
   for (int k = 0; k < h; ++k)
     for (int l = 0; l < w; ++l) a(i + k, j + l) = b(k, l);
 }
-/// The same block, and its transpose at (j, i): of a symmetric matrix.
+/// Sets the same block, and its transpose at (j, i), of a symmetric matrix.
 template <int h, int w, int n>
 void set_both(Mat<n, n>& a, int i, int j, const Mat<h, w>& b) noexcept {
   set_block(a, i, j, b);
@@ -124,8 +124,8 @@ inline Mat<3, 3> outer(const Vec3<double>& a, const Vec3<double>& b) noexcept {
             {a.z * b.x, a.z * b.y, a.z * b.z}}}};
 }
 
-/// A = L L^T of a symmetric positive definite matrix; of any other, or one that is not finite, `positive` is
-/// false and nothing may be solved.
+/// Factor A = L L^T of a symmetric positive definite matrix. For any other matrix, or one that is
+/// not finite, `positive` is false and solve() must not be called.
 template <int n>
 class Cholesky {
  public:
@@ -170,7 +170,7 @@ class Cholesky {
   bool positive = true;
 };
 
-/// A symmetric matrix, row by row from the diagonal on.
+/// The upper triangle of a symmetric matrix, row by row from the diagonal on.
 template <int n>
 std::array<double, static_cast<std::size_t>(n*(n + 1) / 2)> upper_triangle(const Mat<n, n>& A) noexcept {
   std::array<double, static_cast<std::size_t>(n * (n + 1) / 2)> all{};
@@ -180,8 +180,8 @@ std::array<double, static_cast<std::size_t>(n*(n + 1) / 2)> upper_triangle(const
   return all;
 }
 
-/// e^T A^-1 e, the squared Mahalanobis length of e under the covariance A; infinite where A is not positive
-/// definite.
+/// e^T A^-1 e, the squared Mahalanobis distance of e under the covariance A; infinite where A is
+/// not positive definite.
 template <int n>
 double mahalanobis(const Column<n>& e, const Mat<n, n>& A) noexcept {
   const Cholesky<n> factor(A);

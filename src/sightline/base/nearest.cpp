@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-/// Bytes of the parts, "agent.uav0.", that both keys begin with.
+/// Length of the common leading key parts, "agent.uav0.", in bytes.
 std::size_t shared_parts(std::string_view a, std::string_view b) {
   const auto differs = std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first;
   const std::string_view same = a.substr(0, static_cast<std::size_t>(differs - a.begin()));

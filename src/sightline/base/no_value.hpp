@@ -4,7 +4,7 @@
 
 namespace sightline {
 
-/// Stands for a figure that does not exist.
+/// Marks a value that does not exist.
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();

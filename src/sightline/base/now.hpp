@@ -1,4 +1,4 @@
-/// The machine's clocks, which all programs of one machine read.
+/// The clocks of the machine, common to all its programs.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@ namespace sightline {
 std::int64_t monotonic_now() noexcept;  ///< [ns]
 std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]
 
-/// Sleeps until the monotonic clock says t [ns]; a signal does not end it early.
+/// Sleeps until the monotonic clock reaches t [ns]; a signal does not end the sleep early.
 void sleep_until(std::int64_t t) noexcept;
 
-/// The first multiple of `period` that is not before t [ns]. Programs whose periods begin there keep one grid, whenever
-/// each of them was started.
+/// The first multiple of `period` that is not before t [ns]. Programs that start their periods
+/// there share one grid, whatever their start times.
 /// @param t       >= 0
 /// @param period  > 0
 constexpr std::int64_t next_multiple(std::int64_t t, std::int64_t period) {

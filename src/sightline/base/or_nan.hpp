@@ -1,5 +1,5 @@
-/// Calls of a user's functions in the control path: an exception does not leave it, but gives results that are
-/// NaN. A function that throws nothing costs nothing.
+/// Calls of user functions in the control path: an exception becomes results that are NaN. A call
+/// that does not throw costs nothing extra.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// f(), or NaN where it throws.
+/// f(), or NaN if f throws.
 template <class F>
 double or_nan(F&& f) noexcept {
   try {
@@ -18,7 +18,7 @@ double or_nan(F&& f) noexcept {
   }
 }
 
-/// Lets `write` write n numbers to `to`; all NaN where it throws.
+/// Calls `write`, which writes n numbers to `to`; all are NaN if it throws.
 template <class Write>
 void write_or_nan(double* to, std::size_t n, Write&& write) noexcept {
   try {

@@ -1,4 +1,5 @@
-/// What a part says of its parameters, once, beside its struct: a robot, a potential, a reference, a limit.
+/// Descriptions of parameters, given once beside the struct of a robot, potential, reference or
+/// limit.
 ///
 ///   struct TooFar {
 ///     double d_max = 2.0, kappa = 10.0;
@@ -9,7 +10,8 @@
 ///     }
 ///   };
 ///
-/// Reading, checking, refusals, summaries, JSON and the tables of docs/ follow from it; defaults are the struct's own.
+/// Reading, checking, error messages, summaries, JSON and the tables of docs/ derive from them;
+/// defaults are those of the struct.
 #pragma once
 
 #include <array>
@@ -26,14 +28,14 @@
 
 namespace sightline {
 
-/// The numbers that a parameter takes, and the words for them, without a unit: "> 0".
+/// The numbers that a parameter accepts, and their description without a unit: "> 0".
 struct Bounds {
-  double low, high;  ///< both are allowed
+  double low, high;  ///< both are included
   std::string_view words;
-  bool or_zero = false;  ///< 0 as well, below `low`
+  bool or_zero = false;  ///< 0 is accepted as well, below `low`
 
   constexpr bool hold(double v) const { return (v >= low && v <= high) || (or_zero && v == 0); }
-  /// "> 0 m"
+  /// The description with its unit: "> 0 m".
   std::string expected(std::string_view unit) const;
 };
 
@@ -43,7 +45,7 @@ inline constexpr Bounds above_zero = {std::numeric_limits<double>::min(), std::n
                                       "> 0"};
 inline constexpr Bounds from_zero = {0.0, std::numeric_limits<double>::max(), ">= 0"};
 
-/// A number, an optional one, or a fixed number of them (std::array, Vec3).
+/// A number, an optional number, or a fixed number of them (std::array, Vec3).
 template <class Part, class Value>
 struct NumberParameter {
   std::string_view key;
@@ -63,14 +65,15 @@ struct WordParameter {
   std::string_view meaning;
 };
 
-/// Lists of one length, which the first of them has: times, what is there at each. Numbers, or places (Vec3).
+/// A list of numbers or positions (Vec3). All lists of a part have the length of its first: times,
+/// and a value at each time.
 template <class Part, class Element>
 struct ListParameter {
   std::string_view key;
   std::vector<Element> Part::*member;
   std::string_view unit;
   std::string_view meaning;
-  bool rises = false;  ///< each number is greater than the one before
+  bool rises = false;  ///< each number is greater than the previous one
   bool must_be_given = true;
 };
 
@@ -86,34 +89,34 @@ constexpr WordParameter<Part, Value, n> parameter(std::string_view key, Value Pa
                                                   std::string_view meaning) {
   return {key, member, words, meaning};
 }
-/// The same without a default: a scenario has to give it.
+/// The same parameter without a default: a scenario must give it.
 template <class Part, class Value>
 constexpr NumberParameter<Part, Value> needed(NumberParameter<Part, Value> p) {
   p.must_be_given = true;
   return p;
 }
 
-/// A start for the parameters of a part that `preset = "NAME"` chooses.
+/// Initial parameters of a part that `preset = "NAME"` selects.
 template <class Part>
 struct Preset {
   std::string_view name;
   Part part;
 };
 
-/// Whether a part describes its parameters.
+/// A part that describes its parameters.
 template <class P>
 concept Described = requires {
   P::parameters();
 };
 
-/// Refuses a part's number.
+/// Rejects a number of a part.
 /// @throws std::invalid_argument "part.key = value, expected ...", always
 [[noreturn]] void refuse_parameter(std::string_view part, std::string_view key, double value,
                                    std::string_view expected);
 
 namespace detail {
 
-/// The numbers in a value: itself, the entries of an array, x, y, z.
+/// Calls `take` for each number in a value: the value itself, the entries of an array, or x, y, z.
 template <class Value, class Do>
 void each_number(const Value& value, Do&& take) {
   if constexpr (requires { double(value); }) {
@@ -164,7 +167,7 @@ void check_parameters(const P& part) {
   check_parameters(part, P::name);
 }
 
-/// A parameter in words, as summaries, JSON and documents have it.
+/// A parameter as text, for summaries, JSON and documents.
 struct ParameterText {
   std::string_view key, unit;
   std::string range;  ///< "> 0", "one of sine, tangent"
@@ -176,7 +179,7 @@ struct ParameterText {
 
 std::string words_text(std::span<const std::string_view> words);
 
-/// The parameters of a part; none where it does not describe them.
+/// The parameters of a part; empty if the part does not describe them.
 template <class P>
 std::vector<ParameterText> parameter_texts([[maybe_unused]] const P& part) {
   std::vector<ParameterText> texts;
@@ -209,11 +212,11 @@ std::vector<ParameterText> parameter_texts([[maybe_unused]] const P& part) {
   return texts;
 }
 
-/// "d_min = 1.5 m, kappa = 5 1/m": what differs from the defaults.
+/// The values that differ from the defaults: "d_min = 1.5 m, kappa = 5 1/m".
 std::string changed(std::span<const ParameterText> parameters);
 
-/// Where parameters are read from, as a table of a scenario. Every function but `has` throws where what is there is not
-/// what was expected, with a sentence that says so.
+/// Source of parameters, such as a table of a scenario. Every function but `has` throws if the
+/// value is not the expected one; the message names the value and the expectation.
 class ParameterSource {
  public:
   static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
@@ -228,15 +231,15 @@ class ParameterSource {
   virtual std::vector<double> rising(std::string_view key) const = 0;
   virtual std::vector<std::vector<double>> rows(std::string_view key, std::size_t count,
                                                 std::size_t length) const = 0;
-  /// The place of the word in `known`.
+  /// Index of the word in `known`.
   virtual std::size_t word(std::string_view key, std::span<const std::string_view> known) const = 0;
-  /// Refuses the whole with what a part says of itself, "part.key = value, expected ...".
+  /// Rejects the whole part with its own message, "part.key = value, expected ...".
   [[noreturn]] virtual void throw_invalid(std::string_view sentence) const = 0;
 };
 
 namespace detail {
 
-// A part may be made from another, whose members it describes.
+// A part may derive from another part, whose members `p` describes.
 template <class P, class Owner, class Value>
 void read(const ParameterSource& from, P& part, const NumberParameter<Owner, Value>& p) {
   if (!from.has(p.key) && !p.must_be_given) return;
@@ -262,7 +265,7 @@ void read(const ParameterSource& from, P& part, const WordParameter<Owner, Value
   if (from.has(p.key)) part.*p.member = static_cast<Value>(from.word(p.key, p.words));
 }
 
-/// @param length  of the lists before it; `any_length`: it is the first
+/// @param length  length of the previous lists; `any_length`: this list is the first
 template <class P, class Owner, class Element>
 void read(const ParameterSource& from, P& part, const ListParameter<Owner, Element>& p, std::size_t length) {
   std::vector<Element>& list = part.*p.member;
@@ -286,7 +289,7 @@ std::vector<std::string_view> parameter_keys() {
   return keys;
 }
 
-/// Sets those parameters that are given. Other keys are not looked at.
+/// Sets the parameters that are given. Other keys are ignored.
 template <Described P>
 void read_parameters(const ParameterSource& from, P& part) {
   std::size_t length = ParameterSource::any_length;
@@ -301,8 +304,8 @@ void read_parameters(const ParameterSource& from, P& part) {
   std::apply([&](const auto&... p) { (one(p), ...); }, P::parameters());
 }
 
-/// A part with the parameters that are given, and its defaults or those of a preset; refuses all other keys but
-/// `beside`. A part that describes none takes none.
+/// Reads a part: the given parameters, else those of a preset or the defaults. Rejects all other
+/// keys except `beside`. A part without described parameters accepts none.
 template <class P>
 P read_part(const ParameterSource& from, std::span<const std::string_view> beside = {}) {
   P part{};

@@ -1,4 +1,4 @@
-/// Quantiles of numbers, of a list and of a stream of any length.
+/// Quantiles of a list, and of a stream of any length.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace sightline {
 
-/// The least of the values that a share q in [0, 1] of them does not exceed: q = 0.5 gives the median, the lower of the
-/// two in the middle. Of no values it is not a number.
+/// The smallest value that at least a fraction q in [0, 1] of the values does not exceed. q = 0.5
+/// gives the median, the lower of the two in the middle. Without values the result is NaN.
 inline double quantile(std::vector<double> values, double q) {
   assert(q >= 0 && q <= 1 && "a quantile is a share");
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -23,14 +23,14 @@ inline double quantile(std::vector<double> values, double q) {
   return *at;
 }
 
-/// Of numbers as they come, in bounded memory: at most 0.6 MB. Mean and extremes are exact; quantiles are exact of the first
-/// `exact_max` numbers, and of more than that within 0.5 % of the number where it is 1e-6 to 1e12. Smaller ones count as the least,
-/// larger ones as the greatest that came.
+/// Quantiles of a stream in bounded memory, at most 0.6 MB. Mean and extremes are exact. Quantiles
+/// are exact for the first `exact_max` numbers; for more, within 0.5 % of numbers from 1e-6 to
+/// 1e12. Smaller numbers count as the smallest received, larger ones as the greatest.
 class Quantiles {
  public:
   static constexpr std::size_t exact_max = 65'536;
 
-  /// Takes the memory for so many numbers beforehand, as far as it is bounded.
+  /// Reserves memory for `count` numbers in advance, up to the bound.
   void reserve(std::size_t count) { first_.reserve(std::min(count, exact_max)); }
 
   void add(double value) {
@@ -47,10 +47,10 @@ class Quantiles {
   }
 
   std::uint64_t count() const { return count_; }
-  /// Of no numbers, these are not a number.
+  /// NaN without numbers, as is greatest().
   double mean() const { return sum_ / static_cast<double>(count_); }
   double greatest() const { return count_ > 0 ? greatest_ : std::numeric_limits<double>::quiet_NaN(); }
-  /// As the function of that name.
+  /// As the function quantile().
   double quantile(double q) const {
     assert(q >= 0 && q <= 1 && "a quantile is a share");
     if (bins_.empty()) return sightline::quantile(first_, q);
@@ -66,7 +66,7 @@ class Quantiles {
   }
 
  private:
-  // Bin i > 0 holds what lies between lowest * ratio^(i - 1) and lowest * ratio^i, ratio = 1.01.
+  // Bin i > 0 counts numbers between lowest * ratio^(i - 1) and lowest * ratio^i, ratio = 1.01.
   static constexpr double lowest = 1e-6, log_ratio = 0.009950330853168083;
   static constexpr std::size_t bins = 4200;
 
@@ -76,7 +76,7 @@ class Quantiles {
   }
 
   std::vector<double> first_;
-  std::vector<std::uint64_t> bins_;  // of all numbers, once there are more than first_ holds
+  std::vector<std::uint64_t> bins_;  // of all numbers, once there are more than exact_max
   double sum_ = 0.0, least_ = std::numeric_limits<double>::infinity(), greatest_ = -least_;
   std::uint64_t count_ = 0;
 };

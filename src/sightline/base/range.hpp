@@ -1,4 +1,4 @@
-/// Numbers that a key of a scenario takes.
+/// Ranges of the numbers that scenario keys accept.
 #pragma once
 
 #include <cmath>
@@ -8,18 +8,19 @@
 
 namespace sightline {
 
-/// Which numbers a key takes, and the words for it: "> 0 s".
+/// A range of numbers and its description: "> 0 s".
 struct Range {
-  double low, high;           // both are allowed
+  double low, high;           // both are included
   std::string_view expected;  // ends with the unit
 
-  /// False of what is not a number.
+  /// False for NaN.
   constexpr bool holds(double value) const { return value >= low && value <= high; }
-  /// The words, and the bound that the value breaks where they leave it out: "> 0 m, at most 1e9".
+  /// The description, plus the bound that the value violates if the description omits it: "> 0 m,
+  /// at most 1e9".
   std::string expected_of(double value) const;
 };
 
-/// Nothing a scenario measures is larger; beyond it squares and sixth powers are no longer safe.
+/// Largest number of a scenario; beyond it squares and sixth powers may overflow.
 inline constexpr double largest_number = 1e9;
 
 constexpr Range any_number(std::string_view expected = "finite, at most 1e9 either way") {

@@ -5,7 +5,7 @@
 
 namespace sightline {
 
-/// The system's words for what went wrong, by its errno.
+/// The system's description of an error, by its errno.
 inline std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
 }  // namespace sightline

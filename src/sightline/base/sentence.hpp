@@ -1,4 +1,4 @@
-/// What an exception says, as a sentence of ours.
+/// Text of an exception as one sentence in the form of sightline.
 #pragma once
 
 #include <exception>
@@ -6,7 +6,8 @@
 
 namespace sightline {
 
-/// Its own words, where they are ours; those of std::filesystem, the JSON library and of missing memory are translated:
+/// The text of an exception of sightline is returned unchanged. Exceptions of std::filesystem, of
+/// the JSON library and for missing memory are translated:
 ///
 ///   out/a: cannot be used (Too many levels of symbolic links), expected a file or a folder
 ///   no JSON from byte 17 on

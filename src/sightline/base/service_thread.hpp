@@ -1,4 +1,4 @@
-/// The threads of the process. No other file makes one, which tests/house/threads_test.cpp checks.
+/// The threads of the process. No other file creates one; tests/house/threads_test.cpp checks this.
 #pragma once
 
 #include <exception>
@@ -11,11 +11,12 @@
 
 namespace sightline {
 
-/// The thread of a service beside the control thread: a page, a publisher, a log. What its function throws ends that service
-/// alone: it is caught, reported once (Failure), and the process goes on. The same holds where the machine has no thread for it.
+/// Thread of a service beside the control thread: a page, a publisher, a log. An exception of its
+/// function ends that service alone: it is caught and reported once (Failure), and the process
+/// continues. The same holds if the machine has no thread for it.
 class ServiceThread {
  public:
-  /// @param service  in a report, "the page"; text that lives as long as this
+  /// @param service  name for reports, "the page"; the text must outlive this object
   explicit ServiceThread(const char* service) noexcept : service_(service) {}
   /// As start().
   template <class Run>
@@ -26,9 +27,9 @@ class ServiceThread {
   ServiceThread(const ServiceThread&) = delete;
   ServiceThread& operator=(const ServiceThread&) = delete;
 
-  /// Runs a function on the thread; once.
-  /// @param on_failure  stops the service after run() threw, by that thread; after the machine had no thread, by the caller. What
-  ///                    it throws is dropped
+  /// Runs a function on the thread; may be called once.
+  /// @param on_failure  stops the service; called by that thread after run() threw, by the caller
+  ///   if the machine had no thread. Its exceptions are dropped
   template <class Run, class OnFailure>
   void start(Run run, OnFailure on_failure) noexcept {
     try {
@@ -47,21 +48,21 @@ class ServiceThread {
   void start(Run run) noexcept {
     start(std::move(run), [] {});
   }
-  /// As start(), of a function that throws nothing, for work that a flight cannot begin without.
-  /// @throws std::system_error where the machine has no thread
+  /// As start(), for a function that does not throw and without which a flight cannot begin.
+  /// @throws std::system_error if the machine has no thread
   template <class Run>
   void start_or_throw(Run run) {
     static_assert(std::is_nothrow_invocable_v<Run&>, "what a flight waits for must not throw");
     thread_ = std::thread(std::move(run));
   }
 
-  /// Waits for the end of the function; the destructor does, too.
+  /// Waits until the function ends; the destructor calls it too.
   void join() noexcept {
     if (thread_.joinable()) thread_.join();
   }
 
   bool failed() const noexcept { return failure_.occurred(); }
-  /// Why the service has ended; empty where nothing failed.
+  /// Why the service has ended; empty if nothing failed.
   std::string_view failure() const noexcept { return failure_.sentence(); }
 
  private:
@@ -80,8 +81,9 @@ class ServiceThread {
   std::thread thread_;
 };
 
-/// Runs a function on a thread of its own and waits for its end, for what it changes of its thread: a priority, a mode.
-/// @throws what the function throws; std::system_error where the machine has no thread
+/// Runs a function on a separate thread and waits for its end. Changes to the thread, such as its
+/// priority or floating point mode, end with it.
+/// @throws the exceptions of the function; std::system_error if the machine has no thread
 template <class Run>
 void run_apart(Run&& run) {
   std::exception_ptr thrown;
@@ -95,14 +97,16 @@ void run_apart(Run&& run) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-/// What a function computes on a thread of its own. The future throws what the function throws, and its end waits for the thread.
-/// @throws std::system_error where the machine has no thread
+/// Result of a function that runs on a separate thread. The future rethrows its exception; the
+/// future's destructor waits for the thread.
+/// @throws std::system_error if the machine has no thread
 template <class Run>
 auto run_for_value(Run run) {
   return std::async(std::launch::async, std::move(run));
 }
 
-/// Runs a function on a thread that nobody waits for; the function owns what it uses. What it throws is dropped.
+/// Runs a function on a detached thread; the function owns the data it uses. Its exceptions are
+/// dropped.
 /// @return whether the machine has a thread
 template <class Run>
 bool run_unattended(Run run) noexcept {
@@ -111,7 +115,7 @@ bool run_unattended(Run run) noexcept {
       try {
         run();
       } catch (...) {
-        static_cast<void>(0);  // nobody waits for it
+        static_cast<void>(0);  // the thread is detached
       }
     }).detach();
     return true;

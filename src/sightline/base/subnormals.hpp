@@ -1,4 +1,4 @@
-/// Subnormal numbers cost a hundred cycles each and mean nothing here: inside this scope they are zero.
+/// Subnormal numbers as zero within a scope: each costs a hundred cycles and has no meaning here.
 #pragma once
 
 #if defined(__SSE2__)
@@ -9,7 +9,8 @@
 
 namespace sightline {
 
-/// Sets flush-to-zero and denormals-are-zero on the calling thread, and puts back what was there.
+/// Sets flush-to-zero and denormals-are-zero on the calling thread; the destructor restores the
+/// mode.
 class FlushSubnormals {
  public:
 #if defined(__SSE2__)
@@ -36,7 +37,7 @@ class FlushSubnormals {
 #endif
 };
 
-/// How the calling thread rounds and what it does with subnormal numbers; set, so.
+/// Rounding mode and handling of subnormal numbers of the calling thread.
 #if defined(__SSE2__)
 using FloatMode = unsigned;
 inline FloatMode float_mode() { return _mm_getcsr(); }

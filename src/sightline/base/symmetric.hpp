@@ -1,4 +1,4 @@
-/// A symmetric positive definite matrix of any size, and what solves with it.
+/// A symmetric positive definite matrix of any size, and its solver.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// n x n, row by row; the lower triangle counts. For set-up: it allocates.
+/// n x n, row by row; only the lower triangle is used. It allocates: for set-up only.
 class Symmetric {
  public:
   explicit Symmetric(std::size_t n) : n_(n), a_(n * n) {}
@@ -17,8 +17,8 @@ class Symmetric {
   double& at(std::size_t i, std::size_t j) { return a_[i * n_ + j]; }
   double at(std::size_t i, std::size_t j) const { return a_[i * n_ + j]; }
 
-  /// Cholesky's factor L of A = L L', in place; a direction that nothing was seen of is held by a pivot that is as good as
-  /// infinite.
+  /// Cholesky factor L of A = L L^T, in place. A direction without information gets a pivot near
+  /// infinity, which holds its solution at 0.
   void factor() {
     for (std::size_t j = 0; j < n_; ++j) {
       double pivot = at(j, j);
@@ -33,7 +33,7 @@ class Symmetric {
       }
     }
   }
-  /// y of A y = b, (n). After factor().
+  /// y of A y = b, (n). Call factor() first.
   std::vector<double> solve(std::vector<double> b) const {
     for (std::size_t i = 0; i < n_; ++i) {
       for (std::size_t k = 0; k < i; ++k) b[i] -= at(i, k) * b[k];

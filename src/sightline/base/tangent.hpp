@@ -1,7 +1,7 @@
 /// A value and its rate: the time derivative of a formula along a motion, in one pass.
 ///
-/// Used where one directional derivative is all that is wanted: the velocity of a robot is the rate of its
-/// pose(x) while x' = f(x, u). Works over double and over the recording scalar alike.
+/// It serves where one directional derivative suffices: a robot's velocity is the rate of its
+/// pose(x) with x' = f(x, u). It works over double and over the recording scalar.
 #pragma once
 
 #include "sightline/base/elementary.hpp"

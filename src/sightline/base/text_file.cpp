@@ -17,7 +17,7 @@ namespace sightline {
 std::filesystem::path beside(const std::filesystem::path& file) { return file.native() + ".part"; }
 
 TextFile::TextFile(std::filesystem::path path) : path_(std::move(path)), now_(beside(path_)) {
-  // Neither what stands there nor what it points to: a new file, which nobody waits for at the other end.
+  // Create a new file instead of following an existing link or blocking on an existing pipe.
   ::unlink(now_.c_str());
   file_ = ::open(now_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file_ < 0) fail("written");

@@ -1,4 +1,4 @@
-/// Files that appear whole: they are written beside their place and take it when they are worth it.
+/// Files that appear only when complete: written under a temporary name, then renamed.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace sightline {
 
-/// Where a file is written until it takes its place: its name and ".part".
+/// Temporary name of a file until it is renamed: its name and ".part".
 std::filesystem::path beside(const std::filesystem::path& file);
 
-/// Text that goes to disk by write(2), beside its place until settle(). The first failure is kept, and nothing is
-/// written after it; nothing throws for the disk's sake.
+/// Writes text to disk by write(2), under the temporary name until settle(). error() keeps the
+/// first failure, and later writes do nothing. No disk failure throws.
 class TextFile {
  public:
   explicit TextFile(std::filesystem::path path);
@@ -20,7 +20,8 @@ class TextFile {
   TextFile& operator=(const TextFile&) = delete;
 
   void write(std::string_view text);
-  /// Takes its place, and that of what stood there; what is written later is there at once.
+  /// Renames the file to its final name, replacing an existing file; later writes go to the same
+  /// file.
   void settle();
   void close();
   const std::string& error() const { return error_; }  ///< The first failure, a sentence; empty if none.
@@ -28,13 +29,13 @@ class TextFile {
  private:
   void fail(std::string_view what);
 
-  std::filesystem::path path_, now_;  // now_: what it is called so far
+  std::filesystem::path path_, now_;  // now_: present name
   std::string error_;
   int file_;
 };
 
-/// Writes a file whole, or leaves what stood there.
-/// @throws std::runtime_error naming the file, and why it cannot be written
+/// Writes a file completely, or leaves the existing file unchanged.
+/// @throws std::runtime_error naming the file and the reason
 void write_text(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace sightline

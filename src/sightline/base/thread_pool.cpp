@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-constexpr int looks = 2000;         // for news, before a thread sleeps: some 50 us
+constexpr int looks = 2000;         // spins before a thread sleeps: about 50 us
 constexpr int parts_most = 0xffff;  // of a job
 
 void pause() {
@@ -20,7 +20,7 @@ void pause() {
 #endif
 }
 
-/// Until the number is another one: looks for it, then sleeps.
+/// Returns when the number differs from `old`: spins first, then sleeps.
 template <class Number>
 Number wait_for_news(const std::atomic<Number>& number, Number old) noexcept {
   for (int look = 0; look < looks; ++look) {
@@ -50,7 +50,7 @@ ThreadPool::ThreadPool(int threads) : threads_(threads) {
       other->start_or_throw([this, t]() noexcept { wait_for_work(t); });
     }
   } catch (...) {
-    end();  // those that wait already
+    end();  // stops the threads that already wait
     throw;
   }
 }
@@ -98,7 +98,8 @@ bool ThreadPool::take(Range& range, int& part) noexcept {
   }
 }
 
-/// Its own parts, then those that others have not begun. While some of what it did is not counted, the job is on.
+/// Runs the thread's own parts, then parts that other threads have not begun. The job cannot end
+/// before the parts counted in `did` are added to `done_`.
 void ThreadPool::work_on(int thread) noexcept {
   for (int i = 0; i < threads_; ++i) {
     Range& range = ranges_[static_cast<std::size_t>((thread + i) % threads_)];

@@ -1,9 +1,10 @@
-/// Threads that share the parts of one piece of work after the other, fast enough for the phases of a control update.
+/// A fork-join thread pool for tasks of microseconds: the phases of a control update.
 ///
-///   crew.share(groups, [&](int group, int thread) noexcept { ... });
+///   pool.share(groups, [&](int group, int thread) noexcept { ... });
 ///
-/// Each part is done once, by anyone, and all are done when share() returns. What a part computes must not depend on the other parts
-/// nor on the thread; then the result does not depend on how many threads there are. Sums over parts are taken afterwards, in order.
+/// Any thread runs each part once, and all parts are done when share() returns. The result of a
+/// part must not depend on other parts or on the thread. Then the results do not depend on the
+/// number of threads. Sums over parts are computed afterwards, in order.
 #pragma once
 
 #include <atomic>
@@ -17,15 +18,17 @@ namespace sightline {
 
 class ServiceThread;
 
-/// Memory and threads are taken when it is made; share() neither allocates nor locks. The others wait for work by looking for it
-/// for some microseconds, then asleep. Whoever shares works too and takes over what another thread has not begun, so a thread that
-/// the machine holds up costs the parts it is at, no more. They compute in the floating point mode of whoever shares.
+/// The constructor allocates memory and starts threads; share() neither allocates nor locks.
+/// Workers spin for some microseconds for work, then sleep. The caller of share() works too. Each
+/// thread takes over parts that another thread has not begun, so a preempted thread delays only the
+/// part it runs. Workers compute in the floating point mode of the caller.
 class ThreadPool {
  public:
-  static constexpr int most = 64;  ///< threads
+  static constexpr int most = 64;  ///< maximum number of threads
 
-  /// @param threads  with the one that shares, 1 to `most`; 1: no thread is started
-  /// @throws std::invalid_argument for another number of threads, std::system_error where the machine has none
+  /// @param threads  including the calling thread, 1 to `most`; 1: no thread is started
+  /// @throws std::invalid_argument for another number of threads, std::system_error if the machine
+  ///   has no thread
   explicit ThreadPool(int threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -33,8 +36,9 @@ class ThreadPool {
 
   int threads() const { return threads_; }
 
-  /// work(part, thread) for each part of 0 .. parts - 1; thread is below threads(), and no two parts at once are told the same.
-  /// Where another thread shares at this moment, or within a part, the caller does it all.
+  /// Calls work(part, thread) for each part of 0 .. parts - 1. `thread` is below threads() and
+  /// differs between parts that run at the same time. If another thread is in share(), or the call
+  /// is nested in a part, the caller runs all parts.
   template <class Work>
   void share(int parts, Work&& work) noexcept {
     const Call call = [](void* at, int part, int thread) {
@@ -49,7 +53,8 @@ class ThreadPool {
  private:
   using Call = void (*)(void* work, int part, int thread);
 
-  /// Parts of one thread that nobody has begun, of which job: packed, so that one step takes a part of the job that is on or none.
+  /// The parts of one thread that have not begun, and their job. They are packed in one word, so
+  /// that one atomic step takes a part of the current job or none.
   struct alignas(64) Range {
     std::atomic<std::uint64_t> word{0};
   };
@@ -61,7 +66,7 @@ class ThreadPool {
   void end() noexcept;
 
   int threads_;
-  // Of the job that is on: written before its ranges, read after a part of them was taken.
+  // State of the current job: written before its ranges, read after one of its parts was taken.
   Call call_ = nullptr;
   void* work_ = nullptr;
   int parts_ = 0;
@@ -73,7 +78,7 @@ class ThreadPool {
   std::unique_ptr<std::unique_ptr<ServiceThread>[]> others_;
 };
 
-/// That crew where it is there and pays, else one that shares nothing.
+/// The given pool if it exists and pays, else a pool of one thread.
 std::shared_ptr<ThreadPool> thread_pool_if(bool pays, std::shared_ptr<ThreadPool> pool);
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// What refuses an argument: a sentence with what is wrong, its value, and what was expected.
+/// Rejects an argument: the message states the fault, the value and the expectation.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// @throws std::invalid_argument with the sentence, always
+/// @throws std::invalid_argument with the formatted sentence, always
 template <class... Args>
 [[noreturn]] void throw_invalid(fmt::format_string<Args...> sentence, Args&&... args) {
   throw std::invalid_argument(fmt::format(sentence, std::forward<Args>(args)...));

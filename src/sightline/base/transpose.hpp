@@ -1,5 +1,5 @@
-/// Packs of numbers of which each is to be with its like of the other packs: from one entry of all robots a pack to one robot
-/// a pack.
+/// Transposition of W packs of W lanes: from one entry of all robots per pack to one robot per
+/// pack.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 namespace sightline {
 namespace detail {
 
-/// The lanes of a and b whose bit S differs: b's without it go for a's with it.
+/// Exchanges the lanes of b whose index lacks bit S with the lanes of a whose index has it.
 template <int S, int W>
 void exchange(Lane<W>& a, Lane<W>& b) {
   using L = Lane<W>;
@@ -40,13 +40,13 @@ void transpose_by(std::array<Lane<W>, static_cast<std::size_t>(W)>& rows) {
 
 }  // namespace detail
 
-/// Lane j of rows[i] changes places with lane i of rows[j].
+/// Exchanges lane j of rows[i] with lane i of rows[j].
 template <int W>
 void transpose(std::array<Lane<W>, static_cast<std::size_t>(W)>& rows) {
   if constexpr (W > 1) detail::transpose_by<1>(rows);
 }
 
-/// The first numbers of a pack, 0 <= count <= W.
+/// Stores the first `count` numbers of a pack, 0 <= count <= W.
 template <int W>
 void store_first(Lane<W> pack, int count, double* to) {
 #if defined(__AVX512F__)

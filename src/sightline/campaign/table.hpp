@@ -113,7 +113,7 @@ inline constexpr std::string_view file_key = "file ";
 inline constexpr std::array<std::string_view, 3> robot_endings = {".energy", ".rms_position_error",
                                                                   ".rms_heading_error"};
 
-/// And of the error of its estimate, its consistency and its longest time without sight, where it is localized by view.
+/// And of the error of its estimate, its consistency and its longest time without sight, where it is localized by vision.
 inline constexpr std::array<std::string_view, 3> localization_endings = {".rmse", ".anees",
                                                                          ".longest_without_sight"};
 

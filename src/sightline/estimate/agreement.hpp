@@ -1,4 +1,4 @@
-/// Which measurements mean one and the same place, when none of them can be believed alone.
+/// Consensus of measurements on one pose, for a start when no single measurement can be trusted.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// Dead reckoning in a frame of its own: two of it tell the motion in between.
+/// Dead reckoning in an arbitrary frame: two results give the motion in between.
 struct DeadReckoning {
   Vec3<double> p{};
   double psi = 0.0;
@@ -19,7 +19,7 @@ struct DeadReckoning {
   }
 };
 
-/// What a measurement says of the robot, and dead reckoning at its stamp.
+/// Robot pose that a measurement implies, and dead reckoning at its stamp.
 struct PoseHypothesis {
   double stamp = 0.0;
   Vec3<double> p{};
@@ -28,16 +28,16 @@ struct PoseHypothesis {
   DeadReckoning reckoned{};
 };
 
-/// The last few measurements of that kind. Two agree where the motion between them leads from one to the other,
-/// within three standard deviations, 0.05 m and 0.05 rad, and the drift of dead reckoning.
+/// The last few hypotheses. Two agree if the motion between them leads from one to the other. The
+/// tolerance is three standard deviations plus 0.05 m or 0.05 rad plus the drift of dead reckoning.
 class Agreement {
  public:
   static constexpr std::size_t memory = 32;
-  static constexpr double window = 1.5;  ///< older ones do not count [s]
+  static constexpr double window = 1.5;  ///< maximum age difference of two agreeing hypotheses [s]
 
   void clear() noexcept { count_ = next_ = 0; }
-  /// Adds one.
-  /// @return how many agree with it, itself included
+  /// Adds one hypothesis.
+  /// @return number of hypotheses that agree with it, itself included
   int add(const PoseHypothesis& meaning) noexcept {
     int agreeing = 1;
     for (std::size_t i = 0; i < count_; ++i) agreeing += agree(items_[i], meaning) ? 1 : 0;

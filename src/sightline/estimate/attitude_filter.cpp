@@ -5,19 +5,19 @@ namespace {
 
 constexpr int v_at = 3, theta_at = 6, force_bias_at = 9, gyro_bias_at = 12, velocity_bias_at_row = 15,
               camera_turn_at = 18;
-constexpr double start_speed = 0.5;  // standard deviation of v at the start, besides what is told [m/s]
+constexpr double start_speed = 0.5;  // sigma of v at the start, in addition to the reported velocity's [m/s]
 
-/// d yaw / d theta as a row.
+/// Row d yaw / d theta.
 Mat<1, 3> yaw_row(const Mat<3, 3>& R) {
   const Vec3<double> g = yaw_gradient(R);
   return {{{{g.x, g.y, g.z}}}};
 }
 
-/// d (R_GV^T a) / d yaw, R_GV^T a being a_V.
+/// d (R_GV^T a) / d yaw for a_V = R_GV^T a.
 Column<3> turned_back(const Vec3<double>& a_V) { return column({a_V.y, -a_V.x, 0.0}); }
 
-/// T P T^T of a symmetric P, by what T does to the rows; symmetric but for rounding, which the next update evens
-/// out.
+/// T P T^T of a symmetric P, given the effect of T on the rows. The result is symmetric except for
+/// rounding, which the next update removes.
 template <int n, class Rows>
 void both_sides(Mat<n, n>& P, const Rows& rows) {
   rows(P);
@@ -77,7 +77,7 @@ void AttitudeFilter::advance(State& s, const MotionSample& motion, double dt) co
   s.R = orthonormal(s.R * E);
   s.velocity_bias = keep * s.velocity_bias;
 
-  // F P, by the rows of P that F moves.
+  // F P, for the rows of P that F changes.
   both_sides(s.P, [&](Mat<n, n>& P) {
     const Mat<3, n> theta = block<3, n>(P, theta_at, 0), v = block<3, n>(P, v_at, 0);
     const Mat<3, n> d_v = (-dt) * (RF * theta + R * block<3, n>(P, force_bias_at, 0));
@@ -137,7 +137,7 @@ Innovation<4, AttitudeFilter::n> AttitudeFilter::innovation(const State& s, cons
   const bool leans = mount_.frame == MountFrame::body;
   const Mat<3, 3> back = leans ? transposed(s.R) : turn_z(-yaw_of(s.R));
   const Vec3<double> e = back * r, level = back * Vec3<double>{r.x, r.y, 0.0};
-  // A turn of the camera turns what it says of the other's heading, about the vertical as S has it.
+  // A camera rotation also changes the measured heading of the other body, about the vertical in S.
   const Vec3<double> up_S = transposed(C) * (leans ? transposed(s.R) : identity<3>()) * Vec3<double>{0, 0, 1};
   of.y(3, 0) = wrap(of.y(3, 0) - dot(up_S, s.camera_turn));
   set_block(of.H, 3, camera_turn_at, transposed(column(up_S)));
@@ -163,8 +163,8 @@ void AttitudeFilter::correct(State& s, const Column<n>& e) const noexcept {
   s.velocity_bias = s.velocity_bias + vec3(e, velocity_bias_at_row);
   s.camera_turn = s.camera_turn + vec3(e, camera_turn_at);
 
-  // A turn of all that is known about the vertical moves p by e_z x p and v by e_z x v, elsewhere now than
-  // before; and theta is now in other axes of B.
+  // The correction moved p and v. A rotation of the whole estimate about the vertical moves p by
+  // e_z x p and v by e_z x v, so these directions changed. The axes of theta changed with B.
   const Mat<3, 3> turned = transposed(s.R) * before;
   both_sides(s.P, [&](Mat<n, n>& P) {
     const Mat<3, n> theta = block<3, n>(P, theta_at, 0);

@@ -1,4 +1,4 @@
-/// Position, velocity and attitude of a robot with an inertial measurement unit.
+/// Filter for position, velocity and attitude of a robot with an inertial measurement unit.
 #pragma once
 
 #include "sightline/estimate/kalman.hpp"
@@ -12,12 +12,12 @@ namespace sightline {
 ///   p, v        in G [m], [m/s]              p' = v,   v' = R (force - b_a) - g e_z
 ///   R, theta    attitude, error in B [rad]   R' = R [gyro - b_g]
 ///   b_a, b_g    accelerometer and gyroscope  random walks
-///   b_v         bias of the told velocity    Gauss-Markov
-///   c           turn of the camera           constant; S_true = S exp([c])
+///   b_v         bias of the reported v       Gauss-Markov
+///   c           rotation of the camera       constant; S_true = S exp([c])
 ///
-/// The told velocity is a measurement at the end of each sample, R_GV(yaw)^T v + b_v. A sighting z of a body at
-/// p_t is compared in B, d_s e_x + R_BS exp([c]) z with R^T (p_t - p); where a gimbal holds the camera level, in
-/// V.
+/// The reported velocity is a measurement at the end of each sample, R_GV(yaw)^T v + b_v. A
+/// sighting z of a body at p_t gives d_s e_x + R_BS exp([c]) z in B. It is compared with R^T (p_t -
+/// p); with a gimbal that levels the camera, the comparison is in V.
 class AttitudeFilter {
  public:
   static constexpr int n = 21;
@@ -36,19 +36,20 @@ class AttitudeFilter {
   Place place_meant(const Measurement& z, double psi, double psi_variance,
                     const MotionSample& motion) const noexcept;
 
-  /// Over dt [s] within or after a sample.
+  /// Propagates over dt [s], within a sample or after it.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
-  /// An error of what the other body tells is fresh to this filter.
+  /// No effect: this filter takes each message of the other body to have a new, independent error.
   void receive(State&, const Measurement&) const noexcept {}
-  /// At the end of a sample: its velocity.
+  /// Update at the end of a sample with its velocity.
   void end(State& s, const MotionSample& motion) const noexcept;
-  /// Nobody measured the motion of the last `gap` seconds.
+  /// Adds the uncertainty of `gap` [s] without measured motion.
   void blur(State& s, double gap) const noexcept;
-  /// Position, in the first three rows, and heading. Rows of what is not measured mean nothing.
+  /// Innovation of position (rows 0 to 2) and heading (row 3). Rows that are not measured are
+  /// undefined.
   Innovation<4, n> innovation(const State& s, const Measurement& z,
                               const MotionSample& motion) const noexcept;
-  /// s <- s + e. The covariance is carried along so that a direction in which nothing was learned stays unknown:
-  /// a turn about the body that is seen, as long as no heading is measured.
+  /// s <- s + e. The covariance is transformed so that an unobserved direction stays unobserved:
+  /// the rotation about the observed body while no heading is measured.
   void correct(State& s, const Column<n>& e) const noexcept;
   double heading(const State& s) const noexcept { return yaw_of(s.R); }
   PoseEstimate read(const State& s, const MotionSample& motion) const noexcept;

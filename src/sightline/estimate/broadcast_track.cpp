@@ -45,7 +45,7 @@ void BroadcastTrack::take(const BroadcastPose& message) noexcept {
 }
 
 std::optional<KnownPose> BroadcastTrack::at(double t) const noexcept {
-  constexpr double gap = 0.5;  // between two messages that a curve can be laid through [s]
+  constexpr double gap = 0.5;  // longest interval between two messages for interpolation [s]
   const BroadcastPose* end = messages_.data() + count_;
   const BroadcastPose* next = std::lower_bound(
       messages_.data(), end, t, [](const BroadcastPose& m, double stamp) { return m.stamp < stamp; });

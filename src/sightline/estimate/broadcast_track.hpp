@@ -1,4 +1,4 @@
-/// Where a body was that tells its pose by radio, at any time between its messages and shortly after.
+/// Pose of a body that broadcasts it by radio, at any time between its messages and shortly after.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace sightline {
 
-/// A message: a pose, how it changes, and how sure it is.
+/// A broadcast: pose, velocity, yaw rate and pose covariance of a body.
 struct BroadcastPose {
   double stamp = 0.0;     ///< [s]
   Vec3<double> p{}, v{};  ///< in G [m], [m/s]
@@ -20,7 +20,7 @@ struct BroadcastPose {
   Mat<4, 4> P{};          ///< covariance of (p, psi)
 };
 
-/// A pose that a sighting can be held against.
+/// Pose of an observed body, with its covariance, as reference of a sighting.
 struct KnownPose {
   Vec3<double> p{};
   double psi = 0.0;
@@ -55,11 +55,13 @@ struct BroadcastOptions {
   void check() const { check_parameters(*this); }
 };
 
-/// Between two messages a cubic in time through their positions and velocities (Hermite), the heading linear;
-/// after the last the pose goes on, with the doubt that grows by the options.
+/// Between two messages the position is a cubic in time through their positions and velocities
+/// (Hermite), and the heading is linear. After the last message the pose is extrapolated, and its
+/// uncertainty grows by the options.
 ///
-/// Several sightings between two messages share the error of the messages, which a filter would take to be new
-/// each time. So the covariance is larger by the number of sightings to a message, where that is above 1.
+/// Several sightings between two messages share the error of the messages; a filter would take it
+/// to be independent each time. So the covariance is multiplied by the number of sightings per
+/// message, if that is above 1.
 class BroadcastTrack {
  public:
   static constexpr std::size_t memory = 64;
@@ -67,12 +69,13 @@ class BroadcastTrack {
   /// @throws std::invalid_argument from BroadcastOptions::check()
   explicit BroadcastTrack(const BroadcastOptions& options = {});
 
-  /// Messages may come late and out of order. One that is not finite, or as old as one that is there, is ignored.
+  /// Messages may be late and out of order. A message is ignored if it is not finite or has the
+  /// stamp of a stored message.
   void take(const BroadcastPose& message) noexcept;
   bool is_known() const noexcept { return count_ > 0; }
-  /// The newest message; there must be one.
+  /// Newest message; requires is_known().
   const BroadcastPose& newest() const noexcept { return messages_[count_ - 1]; }
-  /// None before the first message, or too long after the last.
+  /// Pose at time t [s]; empty before the first message or too long after the last one.
   std::optional<KnownPose> at(double t) const noexcept;
   void forget() noexcept { count_ = 0; }
 
@@ -82,7 +85,7 @@ class BroadcastTrack {
   double uses(double interval) const noexcept;
 
   BroadcastOptions options_;
-  std::array<BroadcastPose, memory> messages_{};  // the first count_, by stamp
+  std::array<BroadcastPose, memory> messages_{};  // the first count_ are valid, sorted by stamp
   std::size_t count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-/// What the filters of a robot's pose take its sensors to be like.
+/// Noise assumptions and options of the pose filters.
 #pragma once
 
 #include <array>
@@ -9,15 +9,16 @@
 namespace sightline {
 
 enum class FilterKind {
-  heading,   ///< position and heading; roll and pitch are told (HeadingFilter)
+  heading,   ///< position and heading; roll and pitch are inputs (HeadingFilter)
   attitude,  ///< position, velocity and attitude from an inertial measurement unit (AttitudeFilter)
-  chain,     ///< as `heading`, of a robot that sees one that is localized itself (ChainFilter)
+  chain,     ///< `heading` for a robot that observes a robot which is itself localized (ChainFilter)
 };
 inline constexpr std::array<std::string_view, 3> filter_kinds = {"heading", "attitude", "chain"};
 
-/// Standard deviations of what a robot is told of its motion. White noise is that of a mean over 10 ms
-/// (`white_period`); over dt it is less by sqrt(0.01 s / dt). A bias is a Gauss-Markov process of that standard
-/// deviation and correlation time, or a random walk that starts with it.
+/// Standard deviations of the motion that a robot's autopilot reports. White noise is that of a
+/// mean over 10 ms (`white_period`); over dt it is smaller by sqrt(0.01 s / dt). A bias is a
+/// Gauss-Markov process with this standard deviation and correlation time, or a random walk that
+/// starts with it.
 struct FilterOptions {
   static constexpr std::string_view name = "estimate";
   static constexpr double white_period = 0.01;  // [s]

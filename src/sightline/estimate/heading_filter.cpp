@@ -75,7 +75,8 @@ template <int others>
 void HeadingFilterOf<others>::receive(State& s, const Measurement& z) const noexcept {
   if constexpr (others > 0) {
     if (z.of != Measures::sighting || z.other_error != OtherError::lasting) return;
-    // Of all times that it may be, the spectrum of this process is nowhere below that of the error.
+    // For each correlation time within the spread, the spectrum of this process is nowhere below
+    // that of the error.
     const Mat<4, 4> received = options_.other_error_spread * z.P_other;
     if (trace(s.other_reported[0]) == 0) set_block(s.P, other_at, other_at, received);
     s.other_reported[0] = received;
@@ -135,8 +136,8 @@ Innovation<4, HeadingFilterOf<others>::n> HeadingFilterOf<others>::innovation(
   const Vec3<double> level = {e.x, e.y, 0.0};
   R += 0.5 * square(s.P(psi_at, psi_at)) * outer(level, level);
   if (leans) {
-    // -(a x m) = [m] a: m is turned by errors of roll and pitch about these axes, and stands on the other side
-    // of y.
+    // -(a x m) = [m] a: errors of roll and pitch rotate m about these axes, and m enters y with the
+    //   opposite sign.
     const SinCos<double> b = sincos(pitch);
     const Vec3<double> by_roll = cross_matrix(m) * Vec3<double>{b.cos, 0, -b.sin};
     const Vec3<double> by_pitch = cross_matrix(m) * Vec3<double>{0, 1, 0};
@@ -158,7 +159,8 @@ void HeadingFilterOf<others>::correct(State& s, const Column<n>& e) const noexce
   s.rate_bias += e(rate_bias_at, 0);
   s.tilt_error = {s.tilt_error.x + e(tilt_at_row, 0), s.tilt_error.y + e(tilt_at_row + 1, 0)};
   if constexpr (others > 0) s.other_error[0] += block<4, 1>(e, other_at, 0);
-  // A turn of all that is known about the vertical moves p by e_z x p, elsewhere now than before.
+  // The correction moved p. A rotation of the whole estimate about the vertical moves p by e_z x p,
+  // so this direction changed.
   for (int j = 0; j < n; ++j) s.P(0, j) -= d.y * s.P(psi_at, j), s.P(1, j) += d.x * s.P(psi_at, j);
   for (int j = 0; j < n; ++j) s.P(j, 0) -= d.y * s.P(j, psi_at), s.P(j, 1) += d.x * s.P(j, psi_at);
   make_symmetric(s.P);

@@ -1,4 +1,5 @@
-/// Position and heading of a robot that is told its velocity, yaw rate, roll and pitch.
+/// Filter for position and heading of a robot whose autopilot reports velocity, yaw rate, roll and
+/// pitch.
 #pragma once
 
 #include <array>
@@ -10,14 +11,15 @@
 
 namespace sightline {
 
-/// F of one step of a HeadingFilter, and its noise.
+/// Transition matrix F of one HeadingFilter step, and its process noise.
 struct HeadingTransition {
   double dt;
   Vec3<double> v_G;
   SinCos<double> heading;
   double keep_bias, keep_tilt;
 
-  /// Rows 0 to 9 of F P, of so many columns; P(i, j) is an entry. With rows for columns it is P F^T.
+  /// Applies F to rows 0 to 9 of P, with the given number of columns; P(i, j) is an entry. With
+  /// rows and columns exchanged it gives P F^T.
   template <class Entry>
   void rows(int columns, const Entry& P) const noexcept {
     for (int j = 0; j < columns; ++j) {
@@ -29,7 +31,7 @@ struct HeadingTransition {
       for (int i = 8; i < 10; ++i) P(i, j) *= keep_tilt;
     }
   }
-  /// Adds Q.
+  /// Adds the process noise Q.
   template <class Entry>
   void add_noise(const FilterOptions& options, const Entry& P) const noexcept {
     const double share = FilterOptions::white_period * dt;
@@ -43,27 +45,30 @@ struct HeadingTransition {
   }
 };
 
-/// State x and error state e, x <- x + e:
+/// State x and error state e, x <- x + e; v_m, r_m, roll and pitch are the reported values:
 ///
-///   p      in G [m]                         p'   = R_GV(psi) (v_told - b_v)
-///   psi    heading [rad]                    psi' = rate_told - b_r
+///   p      in G [m]                         p'   = R_GV(psi) (v_m - b_v)
+///   psi    heading [rad]                    psi' = r_m - b_r
 ///   b_v    bias of the velocity, in V       Gauss-Markov
 ///   b_r    bias of the yaw rate             random walk
-///   tau    true less told roll and pitch    Gauss-Markov
+///   tau    true minus reported tilt         Gauss-Markov
 ///
-/// A sighting z in S of a body at p_t is compared in V: with m = R_VB(told + tau) (d_s e_x + R_BS z) measured and
-/// e = R_GV^T (p_t - p) expected, y = m - e and
+/// A sighting z in S of a body at p_t is compared in V. Measured is m = R_VB(tilt + tau) (d_s e_x +
+/// R_BS z), with the reported tilt (roll, pitch); expected is e = R_GV^T (p_t - p). The innovation
+/// is y = m - e with
 ///
 ///   dy: e_p: R_GV^T,  e_psi: e_z x e,  e_tau: (R_y e_x) x m and e_y x m.
 ///
-/// The heading's error enters e beyond its first order; P_psi^2 e_l e_l^T / 2, e_l the level part of e, is added
-/// to the measurement's covariance for it. docs/localization.md derives both.
+/// The heading error enters e beyond its first order. For this, P_psi^2 e_l e_l^T / 2, e_l the
+/// level part of e, is added to the measurement's covariance. docs/localization.md derives both.
 ///
-/// With `others` = 1 a part more, for a body that is localized itself and tells its estimate:
+/// With `others` = 1 the state has one more part, for an observed robot that is itself localized
+/// and broadcasts its estimate:
 ///
-///   b      its true pose (p, psi) less the one it tells   Gauss-Markov, of the covariance that it tells
+///   b      its true pose (p, psi) minus the broadcast one   Gauss-Markov, broadcast covariance
 ///
-/// (a Schmidt-Kalman filter with a Markov model of the other's error): sightings of OtherError::lasting share b.
+/// This is a Schmidt-Kalman filter with a Markov model of the other robot's error. Sightings with
+/// OtherError::lasting share b.
 template <int others>
 class HeadingFilterOf {
   static_assert(others == 0 || others == 1);
@@ -75,10 +80,10 @@ class HeadingFilterOf {
     double psi = 0.0;
     Vec3<double> velocity_bias{};
     double rate_bias = 0.0;
-    Vec2<double> tilt_error{};  ///< of roll, of pitch
+    Vec2<double> tilt_error{};  ///< of roll and pitch [rad]
     std::array<Column<4>, static_cast<std::size_t>(others)> other_error{};
     std::array<Mat<4, 4>, static_cast<std::size_t>(others)>
-        other_reported{};  ///< covariance that it told last
+        other_reported{};  ///< covariance in its last message
     Mat<n, n> P{};
   };
 
@@ -91,21 +96,22 @@ class HeadingFilterOf {
   Place place_meant(const Measurement& z, double psi, double psi_variance,
                     const MotionSample& motion) const noexcept;
 
-  /// Over dt [s] within or after a sample, dt > 0: the state, without its covariance.
+  /// Propagates the state, without its covariance, over dt [s] > 0, within a sample or after it.
   HeadingTransition move(State& s, const MotionSample& motion, double dt) const noexcept;
-  /// The same with its covariance; nothing where dt is not positive.
+  /// Propagates state and covariance; does nothing if dt is not positive.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
-  /// Before a measurement: what the other body tells of its error.
+  /// Before a measurement: updates the covariance of the other robot's error from its message.
   void receive(State& s, const Measurement& z) const noexcept;
-  /// At the end of a sample.
+  /// At the end of a sample: no effect.
   void end(State&, const MotionSample&) const noexcept {}
-  /// Nobody measured the motion of the last `gap` seconds.
+  /// Adds the uncertainty of `gap` [s] without measured motion.
   void blur(State& s, double gap) const noexcept;
-  /// Position, in the first three rows, and heading. Rows of what is not measured mean nothing.
+  /// Innovation of position (rows 0 to 2) and heading (row 3). Rows that are not measured are
+  /// undefined.
   Innovation<4, n> innovation(const State& s, const Measurement& z,
                               const MotionSample& motion) const noexcept;
-  /// s <- s + e. The covariance is carried along so that a direction in which nothing was learned stays unknown:
-  /// a turn about the body that is seen, as long as no heading is measured.
+  /// s <- s + e. The covariance is transformed so that an unobserved direction stays unobserved:
+  /// the rotation about the observed body while no heading is measured.
   void correct(State& s, const Column<n>& e) const noexcept;
   double heading(const State& s) const noexcept { return s.psi; }
   PoseEstimate read(const State& s, const MotionSample& motion) const noexcept;
@@ -116,7 +122,7 @@ class HeadingFilterOf {
 };
 
 using HeadingFilter = HeadingFilterOf<0>;
-/// Of a robot that sees one that is localized itself.
+/// For a robot that observes a robot which is itself localized.
 using ChainFilter = HeadingFilterOf<1>;
 
 extern template class HeadingFilterOf<0>;

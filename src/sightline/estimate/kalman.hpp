@@ -1,4 +1,4 @@
-/// The update of a Kalman filter whose measurement may be refused.
+/// Kalman update with a chi-squared gate.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace sightline {
 
-/// A measurement about the state of a filter: innovation y = measured - expected, H = d expected / d error state,
-/// R the covariance of the measurement.
+/// A measurement of a filter's state: innovation y = measured - expected, H = d expected / d error
+/// state, R = covariance of the measurement.
 template <int m, int n>
 struct Innovation {
   Column<m> y;
@@ -18,36 +18,37 @@ struct Innovation {
   Mat<m, m> R;
 };
 
-/// Its first k components.
+/// The first k components of a measurement.
 template <int k, int m, int n>
 Innovation<k, n> first(const Innovation<m, n>& of) noexcept {
   return {block<k, 1>(of.y, 0, 0), block<k, n>(of.H, 0, 0), block<k, k>(of.R, 0, 0)};
 }
 
-/// What y^T S^-1 y of m components exceeds once in a thousand: quantiles of chi^2 of m degrees of freedom.
+/// Gate for y^T S^-1 y of m components: the 99.9 % quantile of chi^2 with m degrees of freedom.
 template <int m>
 inline constexpr double chi_squared_gate = std::array{10.828, 13.816, 16.266, 18.467}[std::size_t{m - 1}];
 
-/// The last component alone.
+/// The last component of a measurement.
 template <int m, int n>
 Innovation<1, n> last_one(const Innovation<m, n>& of) noexcept {
   return {block<1, 1>(of.y, m - 1, 0), block<1, n>(of.H, m - 1, 0), block<1, 1>(of.R, m - 1, m - 1)};
 }
 
-/// What came of an update.
+/// Result of an update.
 struct Gated {
   bool accepted = false;
   double squared = 0.0;  ///< y^T S^-1 y; infinite where S is not positive definite
 };
 
-/// With S = H P H^T + R and K = P H^T S^-1, where y^T S^-1 y is within the gate: dx <- K y and, in Joseph's form,
+/// With S = H P H^T + R and K = P H^T S^-1, if y^T S^-1 y is within the gate: dx <- K y and, in
+/// Joseph's form,
 ///
 ///   P <- (1 - K H) P (1 - K H)^T + K R K^T.
 ///
-/// Otherwise nothing is changed.
+/// Otherwise P and dx are unchanged.
 template <int m, int n>
 Gated update(Mat<n, n>& P, const Innovation<m, n>& of, Column<n>& dx) noexcept {
-  // Most columns of H are 0; sums over the others alone.
+  // Most columns of H are 0, so the sums run over the other columns only.
   std::array<int, static_cast<std::size_t>(n)> used;
   std::size_t count = 0;
   for (int l = 0; l < n; ++l)

@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-/// Whom a robot is localized by.
+/// Robots that localize this robot.
 std::vector<int> sources_of(const Localized& robot) {
   return robot.is_anchor ? std::vector<int>{} : robot.observes;
 }
@@ -26,7 +26,7 @@ void check_observed(const std::vector<Localized>& robots) {
   }
 }
 
-/// The robots that a way leads to from each, `reach[i][j]`.
+/// reach[i][j]: robot j is reachable from robot i.
 std::vector<std::vector<bool>> reach_of(const std::vector<Localized>& robots) {
   std::vector<std::vector<bool>> reach(robots.size(), std::vector<bool>(robots.size()));
   for (std::size_t i = 0; i < robots.size(); ++i) {
@@ -42,7 +42,7 @@ std::vector<std::vector<bool>> reach_of(const std::vector<Localized>& robots) {
   return reach;
 }
 
-/// "uav1" by "uav2", "uav2" by "uav1": a circle through this robot.
+/// "uav1" by "uav2", "uav2" by "uav1": a cycle through robot `start`.
 std::string circle_text(const std::vector<Localized>& robots, const std::vector<std::vector<bool>>& reach,
                         std::size_t start) {
   std::string text;
@@ -82,13 +82,13 @@ LocalizationGraph::LocalizationGraph(std::vector<Localized> robots, Cycles cycle
       throw_invalid("robots are localized in a circle, {}, expected none: information would be counted twice",
                     circle_text(robots_, reach, i));
   }
-  // The first robot of a circle gives it its number.
+  // The first robot of a cycle gives the cycle its number.
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     std::size_t first = 0;
     while (first < i && !(reach[i][first] && reach[first][i])) ++first;
     circle_[i] = static_cast<int>(first);
   }
-  // Longest way to an anchor, circles as one: at most as many rounds as robots.
+  // Longest path to an anchor, with each cycle as one node: at most as many rounds as robots.
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < robots_.size(); ++i) {

@@ -1,4 +1,4 @@
-/// Who is localized by whom.
+/// Which robot localizes itself by which other robots.
 #pragma once
 
 #include <cstddef>
@@ -9,43 +9,41 @@
 
 namespace sightline {
 
-/// A robot, and whom it sees.
+/// A robot and the robots that it observes.
 struct Localized {
   std::string name;
-  bool is_anchor = false;  ///< its pose is known otherwise, as by motion capture
-  std::vector<int>
-      observes{};  ///< by number, those that it may be localized by; of an anchor they do not count
+  bool is_anchor = false;       ///< its pose is known otherwise, for example by motion capture
+  std::vector<int> observes{};  ///< numbers of the robots that may localize it; ignored for an anchor
 };
 
-/// What is done about robots that are localized by each other in a circle.
+/// Treatment of robots that localize each other in a cycle.
 enum class Cycles {
   refused,
-  intersected,  ///< within a circle by covariance intersection: consistent, and far less accurate
+  intersected,  ///< covariance intersection within a cycle: consistent, but far less accurate
 };
 
-/// Robots in tiers: an anchor is of tier 0, any other robot is localized by robots of lower tiers alone.
-/// Information then goes one way, and none comes back to where it came from, to be counted again.
+/// Robots in tiers. An anchor has tier 0; any other robot is localized only by robots of lower
+/// tiers. So information flows in one direction and is never counted twice.
 class LocalizationGraph {
  public:
-  /// @throws std::invalid_argument with the robots' names, for a robot that no path leads from to an anchor, for
-  /// one that observes itself
-  ///         or a number that is none, and for a circle that is refused
+  /// @throws std::invalid_argument with the robots' names: for a robot without a path to an anchor,
+  ///   for a robot that observes itself or a number without a robot, and for a refused cycle
   explicit LocalizationGraph(std::vector<Localized> robots, Cycles cycles = Cycles::refused);
 
   int robots() const noexcept { return static_cast<int>(robots_.size()); }
   const Localized& robot(int i) const noexcept { return robots_[static_cast<std::size_t>(i)]; }
-  /// Robots of one circle have one tier.
+  /// Robots of one cycle have the same tier.
   int tier(int robot) const noexcept { return tier_[static_cast<std::size_t>(robot)]; }
   /// All robots, lower tiers first.
   const std::vector<int>& order() const noexcept { return order_; }
-  /// Whether an observer is localized by what it sees of a target.
+  /// True if the observer is localized by its sightings of the target.
   bool uses(int observer, int target) const noexcept;
-  /// How the error of the target's pose goes on, for that observer.
+  /// Time behaviour of the error of the target's pose, for that observer.
   OtherError error_of(int observer, int target) const noexcept;
 
  private:
   std::vector<Localized> robots_;
-  std::vector<int> tier_, circle_;  // robots with one number in circle_ reach each other
+  std::vector<int> tier_, circle_;  // robots with equal circle_ reach each other
   std::vector<int> order_;
 };
 

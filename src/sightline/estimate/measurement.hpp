@@ -1,4 +1,4 @@
-/// What the estimator of one robot is told: its own motion, and what it measures from time to time.
+/// Inputs of a robot's pose estimator: its motion and its measurements.
 #pragma once
 
 #include <cmath>
@@ -8,46 +8,47 @@
 
 namespace sightline {
 
-/// What an autopilot tells of a robot's motion, as means over [t, t + dt]; known at t + dt.
+/// Motion of a robot as its autopilot reports it: means over [t, t + dt], known at t + dt.
 ///
-/// V is the vehicle frame: G turned by the heading alone. B is the body, R_VB = turn_y(pitch) turn_x(roll).
+/// V is the vehicle frame: G rotated by the heading only. B is the body, R_VB = turn_y(pitch)
+/// turn_x(roll).
 struct MotionSample {
   double t = 0.0, dt = 0.01;        ///< [s], dt > 0
-  Vec3<double> v_V{};               ///< velocity ahead, to the left, up [m/s]
+  Vec3<double> v_V{};               ///< velocity forward, left, up [m/s]
   double yaw_rate = 0.0;            ///< [rad/s]
   double roll = 0.0, pitch = 0.0;   ///< at t [rad]
-  Vec3<double> gyro{};              ///< angular velocity in B [rad/s]; the attitude filter alone needs it
+  Vec3<double> gyro{};              ///< angular velocity in B [rad/s]; only the attitude filter uses it
   Vec3<double> force{};             ///< specific force in B, (0, 0, g) at rest [m/s^2]; likewise
-  std::optional<double> compass{};  ///< heading at t [rad], where a compass told one
+  std::optional<double> compass{};  ///< heading at t [rad], if a compass reported one
 };
 
-/// What a measurement is of.
+/// Measured quantity.
 enum class Measures {
-  sighting,  ///< another body whose pose is known, seen by the robot's own sensor
-  position,  ///< the robot's own position, as by motion capture or GNSS
-  heading,   ///< its own heading, as by a compass
+  sighting,  ///< another body with known pose, observed by the robot's own sensor
+  position,  ///< the robot's own position, for example by motion capture or GNSS
+  heading,   ///< the robot's own heading, for example by a compass
 };
 
-/// How the error of what another body tells of itself goes on from one of its messages to the next.
+/// Time behaviour of the error of another body's broadcast pose, from message to message.
 enum class OtherError {
-  fresh,  ///< each message has an error of its own, as from motion capture
-  lasting,  ///< it changes slowly, as that of a body that is localized itself: a Gauss-Markov process (ChainFilter)
-  unknown,  ///< it may depend on one's own: covariance intersection
+  fresh,    ///< independent in each message, as from motion capture
+  lasting,  ///< slowly varying, as of a localized robot: Gauss-Markov process (ChainFilter)
+  unknown,  ///< may depend on the own error: covariance intersection
 };
 
-/// A measurement of the time `stamp`, which may arrive late and out of order.
+/// A measurement at the time `stamp`; may arrive late and out of order.
 struct Measurement {
   Measures of = Measures::sighting;
   double stamp = 0.0;  ///< of the exposure [s]
   int source =
-      0;  ///< whose it is: of two with one stamp, the lower comes first; one source has one of a stamp
+      0;  ///< source number; orders equal stamps, lower first; a source has one measurement per stamp
   Vec3<double> z{};      ///< sighting: the other body in the sensor frame S; position: the robot in G [m]
   Mat<3, 3> R{};         ///< covariance of z, in the same frame [m^2]
-  bool has_yaw = false;  ///< of a sighting; a heading has it always
-  double yaw = 0.0;      ///< sighting: heading of the other body less the robot's; heading: the robot's [rad]
+  bool has_yaw = false;  ///< of a sighting; a heading always has it
+  double yaw = 0.0;      ///< sighting: other body's heading minus the robot's; heading: the robot's [rad]
   double yaw_variance = 1.0;  ///< [rad^2]
   Vec3<double> R_yaw{};       ///< covariance of z and yaw [m rad]
-  Vec3<double> p_other{};     ///< of the body seen, at the stamp, as it tells [m]
+  Vec3<double> p_other{};     ///< of the observed body at the stamp, as broadcast [m]
   double psi_other = 0.0;     ///< its heading [rad]
   Mat<4, 4> P_other{};        ///< covariance of (p_other, psi_other)
   OtherError other_error = OtherError::fresh;
@@ -56,17 +57,18 @@ struct Measurement {
   bool measures_heading() const noexcept {
     return of == Measures::heading || (of == Measures::sighting && has_yaw);
   }
-  /// The robot's heading that it means [rad], where it measures one.
+  /// The robot's heading that the measurement implies [rad]; requires measures_heading().
   double heading() const noexcept { return of == Measures::heading ? yaw : psi_other - yaw; }
   double heading_variance() const noexcept {
     return of == Measures::heading ? yaw_variance : yaw_variance + P_other(3, 3);
   }
-  /// Whether its numbers are finite and its variances positive; nothing else is believed of one that is not.
+  /// True if its numbers are finite and its variances positive; an unusable measurement is
+  /// discarded.
   bool is_usable() const noexcept;
 };
 
-/// Acceleration and turning of a robot while nobody measures its motion, at most about so much [m/s^2],
-/// [rad/s^2].
+/// Approximate bounds on a robot's acceleration [m/s^2] and angular acceleration [rad/s^2] while
+/// its motion is not measured.
 inline constexpr double unmeasured_acceleration = 1.0, unmeasured_turning = 1.0;
 
 inline bool is_finite(const Vec3<double>& v) noexcept {

@@ -12,11 +12,11 @@
 namespace sightline {
 namespace {
 
-constexpr double zero_entry = 1e-9;  // of rows of length about 1
+constexpr double zero_entry = 1e-9;  // for rows of length about 1
 
 using Row = std::vector<double>;
 
-/// Rows in reduced echelon form; each is reduced as it comes.
+/// Rows in reduced echelon form; each row is reduced when it is added.
 class Echelon {
  public:
   explicit Echelon(std::size_t columns) : columns_(columns) {}
@@ -34,7 +34,7 @@ class Echelon {
     pivots_.push_back(pivot);
   }
 
-  /// A basis of what all rows leave alone.
+  /// Basis of the null space of all rows.
   std::vector<Row> null_space() const {
     std::vector<Row> basis;
     for (std::size_t c = 0; c < columns_; ++c) {
@@ -83,7 +83,7 @@ std::vector<Unobservable> unobservable_states(const std::vector<SensingRobot>& r
     const std::size_t i = size(sees.observer), j = size(sees.target);
     const SinCos<double> h = sincos(places[i].heading);
     const double dx = places[j].x - places[i].x, dy = places[j].y - places[i].y;
-    // R^T (p_j - p_i) = (along, across, up), and its change with the heading (across, -along, 0).
+    // R^T (p_j - p_i) = (along, across, up); its derivative by the heading is (across, -along, 0).
     const double along = h.cos * dx + h.sin * dy, across = h.cos * dy - h.sin * dx;
     const double R[3][3] = {{h.cos, h.sin, 0}, {-h.sin, h.cos, 0}, {0, 0, 1}};
     const double turn[3] = {across, -along, 0};
@@ -114,7 +114,7 @@ std::vector<Unobservable> unobservable_states(const std::vector<SensingRobot>& r
                       .horizontal = moves(i, 0) || moves(i, 1),
                       .height = moves(i, 2)};
     if (!what.heading && !what.horizontal && !what.height) continue;
-    // A body that it sees and whose place is known leaves a turn about it alone.
+    // An observed body with known position leaves the rotation about it undetermined.
     for (const Sees& sees : sightings) {
       const std::size_t j = size(sees.target);
       const bool known = !moves(j, 0) && !moves(j, 1) && !moves(j, 2);

@@ -1,5 +1,5 @@
-/// A filter with a memory of states, motion and measurements: each measurement counts from its own time on,
-/// whenever it arrives.
+/// Filter for delayed measurements: stores states, motion and measurements, and applies each
+/// measurement at its stamp, whenever it arrives.
 #pragma once
 
 #include <algorithm>
@@ -16,15 +16,17 @@
 
 namespace sightline {
 
-/// What PoseFilter promises, around the mathematics of `Filter` (HeadingFilter, AttitudeFilter).
+/// Implements PoseFilter with the mathematics of `Filter` (HeadingFilter, AttitudeFilter).
 ///
-/// The memory is a ring of samples, each with the state at its beginning, and the measurements in the order of
-/// their stamps, the refused ones too: what the gate says of one may change when an earlier one arrives.
+/// The memory is a ring of samples, each with the state at its start, and all measurements sorted
+/// by stamp. Rejected measurements stay in it: the gate may decide otherwise after an earlier
+/// measurement arrives.
 ///
-/// Before there is an estimate, `start_sightings` measurements must mean one place (Agreement). Where
-/// `restart_sightings` are refused that mean one place, without an accepted one between, it begins anew from the
-/// last. Headings are counted apart: where positions fit and headings do not, the position alone is taken, but as
-/// many headings that agree make it begin anew as well.
+/// An estimate starts when `start_sightings` measurements agree on one pose (Agreement). It
+/// restarts from the last of `restart_sightings` rejected measurements that agree on one pose, with
+/// no accepted measurement in between. Headings are counted separately. If the position fits and
+/// the heading does not, only the position is used. As many agreeing headings of sightings also
+/// cause a restart; compass headings discard the estimate.
 template <class Filter>
 class OutOfSequenceFilter final : public PoseFilter {
  public:
@@ -42,21 +44,21 @@ class OutOfSequenceFilter final : public PoseFilter {
   void start(const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept override;
   void forget() noexcept override;
   PoseEstimate estimate() const noexcept override;
-  /// At the end of the last sample, where there is an estimate.
+  /// State at the end of the last sample; valid if there is an estimate.
   const State& state() const noexcept { return state_; }
 
  private:
   static constexpr std::size_t pending_max = 8;
-  static constexpr double ahead = 0.05;  // of a stamp before the sample that it falls into [s]
+  static constexpr double ahead = 0.05;  // largest lead of a stamp over the last sample [s]
 
-  /// A sample, and what was known when it began.
+  /// A sample and the estimate at its start.
   struct Slot {
     MotionSample motion{};
     double from = 0.0, until = 0.0;
-    State state{};  // before what is measured at `from`
+    State state{};  // before the measurements at `from`
     DeadReckoning reckoned{};
   };
-  struct Heading {  // of a compass, before there is an estimate
+  struct Heading {  // of a compass, before the first estimate
     double psi, variance, stamp;
     DeadReckoning reckoned;
   };
@@ -135,7 +137,7 @@ Fit OutOfSequenceFilter<Filter>::take(const Measurement& z) noexcept {
 template <class Filter>
 void OutOfSequenceFilter<Filter>::start(const Vec3<double>& p, double psi, const Mat<4, 4>& P) noexcept {
   forget();
-  count_ = 0;  // what was before cannot be replayed
+  count_ = 0;  // the earlier samples cannot be replayed
   state_ = filter_.begin(p, psi, P, last_);
   known_ = true;
   begun_ = last_accepted_ = now_;
@@ -160,7 +162,7 @@ PoseEstimate OutOfSequenceFilter<Filter>::estimate() const noexcept {
   return estimate;
 }
 
-/// The one that holds a stamp of the memory.
+/// Index of the sample that contains a stamp of the memory.
 template <class Filter>
 std::size_t OutOfSequenceFilter<Filter>::slot_of(double stamp) const noexcept {
   std::size_t slot = count_ - 1;
@@ -172,13 +174,13 @@ template <class Filter>
 void OutOfSequenceFilter<Filter>::drop_slot() noexcept {
   first_ = (first_ + 1) % memory;
   --count_;
-  if (count_ > 0) measured_.drop_before(at(0).from);  // it is in the states since
+  if (count_ > 0) measured_.drop_before(at(0).from);  // the states since then include it
 }
 
 template <class Filter>
 bool OutOfSequenceFilter<Filter>::remember(const Measurement& z) noexcept {
   if (measured_.is_full()) {
-    // Room for one: no state before the oldest is kept.
+    // Make room for one: keep no state before the oldest measurement.
     const double oldest = measured_.begin()->stamp;
     while (count_ > 1 && at(0).from <= oldest) drop_slot();
     if (measured_.is_full() || z.stamp < at(0).from) return false;
@@ -220,14 +222,14 @@ Fit OutOfSequenceFilter<Filter>::weigh(State& s, const Measurement& z,
   return fit;
 }
 
-/// Covariance intersection (Julier and Uhlmann 1997): for any correlation of the other's error with one's own,
-/// P / w and P_other / (1 - w) are a bound. The w that leaves the least variance is taken; none, where all are
-/// worse than nothing.
+/// Covariance intersection (Julier and Uhlmann 1997): P / w and P_other / (1 - w) are bounds for
+/// any correlation of the two errors. Uses the w with the smallest variance; leaves s unchanged if
+/// no w reduces the variance.
 template <class Filter>
 Fit OutOfSequenceFilter<Filter>::intersect(State& s, const Measurement& z,
                                            const MotionSample& motion) const noexcept {
   constexpr std::array weights = {0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995};
-  // Of position and, at an arm of 1.4 m, heading.
+  // Variance of the position and of the heading at a lever arm of 1.4 m.
   const auto variance = [&](const State& of) {
     const Mat<4, 4> P = filter_.read(of, motion).P;
     return P(0, 0) + P(1, 1) + P(2, 2) + 2.0 * P(3, 3);
@@ -250,8 +252,8 @@ Fit OutOfSequenceFilter<Filter>::intersect(State& s, const Measurement& z,
   return best;
 }
 
-/// From the beginning of a slot to its end, with what was measured in it.
-/// @return how the watched one fitted
+/// Propagates s from the start of a slot to its end, with the measurements in it.
+/// @return fit of the watched measurement
 template <class Filter>
 Fit OutOfSequenceFilter<Filter>::run(const Slot& slot, State& s, const Measurement* watched) noexcept {
   Fit seen;
@@ -270,7 +272,7 @@ Fit OutOfSequenceFilter<Filter>::run(const Slot& slot, State& s, const Measureme
   return seen;
 }
 
-/// From the beginning of a slot to now.
+/// Repeats all updates from the start of a slot to the present.
 template <class Filter>
 Fit OutOfSequenceFilter<Filter>::replay(std::size_t from, const Measurement* watched) noexcept {
   state_ = at(from).state;
@@ -297,7 +299,7 @@ PoseHypothesis OutOfSequenceFilter<Filter>::meaning(const Measurement& z, const 
   return {z.stamp, place.p, psi, sqrt(trace(place.P)), sqrt(psi_variance), dead_reckoning_at(slot, z.stamp)};
 }
 
-/// A measurement while there is no estimate.
+/// Evaluates a measurement while there is no estimate.
 template <class Filter>
 FitVerdict OutOfSequenceFilter<Filter>::consider(const Measurement& z, std::size_t slot) noexcept {
   const DeadReckoning reckoned = dead_reckoning_at(at(slot), z.stamp);
@@ -316,7 +318,7 @@ FitVerdict OutOfSequenceFilter<Filter>::consider(const Measurement& z, std::size
   return FitVerdict::started;
 }
 
-/// What a measurement that was tried says of the estimate itself.
+/// Decides on a restart after a measurement was applied or rejected.
 template <class Filter>
 FitVerdict OutOfSequenceFilter<Filter>::judge(const Measurement& z, FitVerdict verdict) noexcept {
   const bool heading = z.measures_heading();
@@ -327,19 +329,19 @@ FitVerdict OutOfSequenceFilter<Filter>::judge(const Measurement& z, FitVerdict v
     if (verdict == FitVerdict::accepted) return verdict;
   }
   const std::size_t slot = slot_of(z.stamp);
-  // Without a heading of its own, it is taken with the estimate's, which may be wrong.
+  // Without a measured heading, the estimate's is used, which may be wrong.
   constexpr double doubt = 0.15;  // [rad^2]
   const double psi = heading ? z.heading() : filter_.heading(state_);
   const double variance = heading ? z.heading_variance() : doubt;
   PoseHypothesis meant = meaning(z, at(slot), psi, variance);
   if (verdict == FitVerdict::accepted_position || z.of == Measures::heading) {
-    meant.sigma = std::numeric_limits<double>::infinity();  // the place is not in question
+    meant.sigma = std::numeric_limits<double>::infinity();  // the position is not in question
     if (turned_.add(meant) < restart_) return verdict;
   } else if (contradictions_.add(meant) < restart_) {
     return verdict;
   }
   if (z.of == Measures::heading) {
-    // Only a sighting says where it is with another heading.
+    // Only a sighting gives the position that belongs to another heading.
     forget();
     compass_ = {z.yaw, z.yaw_variance, z.stamp, meant.reckoned};
     return FitVerdict::rejected;
@@ -348,7 +350,7 @@ FitVerdict OutOfSequenceFilter<Filter>::judge(const Measurement& z, FitVerdict v
   return FitVerdict::restarted;
 }
 
-/// The estimate begins at the stamp of z, from z alone.
+/// Starts the estimate at the stamp of z, from z alone.
 template <class Filter>
 void OutOfSequenceFilter<Filter>::begin(const Measurement& z, std::size_t slot, double psi,
                                         double psi_variance) noexcept {

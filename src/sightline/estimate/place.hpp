@@ -1,4 +1,4 @@
-/// Where a robot is if one measurement is right.
+/// Robot position that one measurement implies.
 #pragma once
 
 #include "sightline/base/rotation.hpp"
@@ -7,13 +7,15 @@
 
 namespace sightline {
 
-/// Attitude of the sensor S in the body B: its x axis is (cos beta, 0, -sin beta) there.
+/// Attitude R_BS of the sensor S in the body B; the sensor's x axis in B is (cos beta, 0, -sin
+/// beta).
 inline Mat<3, 3> sensor_attitude(const SensorMount& mount) noexcept { return turn_y(mount.pitch); }
 
-/// R_VB.
+/// Rotation R_VB.
 inline Mat<3, 3> tilt(double roll, double pitch) noexcept { return turn_y(pitch) * turn_x(roll); }
 
-/// Roll and pitch of a sample at a time in it or shortly after, carried on by the gyroscope to first order.
+/// Roll and pitch at a time t [s] within a sample or shortly after it, extrapolated to first order
+/// with the gyroscope.
 inline Vec2<double> tilt_at(const MotionSample& u, double t) noexcept {
   const SinCos<double> roll = sincos(u.roll), pitch = sincos(u.pitch);
   const double d = t - u.t, across = u.gyro.y * roll.sin + u.gyro.z * roll.cos;
@@ -21,14 +23,15 @@ inline Vec2<double> tilt_at(const MotionSample& u, double t) noexcept {
           u.pitch + d * (u.gyro.y * roll.cos - u.gyro.z * roll.sin)};
 }
 
-/// What a measurement of a position means, for a given heading.
+/// Position that a measurement implies for a given heading.
 struct Place {
   Vec3<double> p;         ///< in G [m]
-  Mat<3, 3> P;            ///< its covariance, the heading's variance included
+  Mat<3, 3> P;            ///< its covariance, including the heading's variance [m^2]
   Vec3<double> per_turn;  ///< d p / d psi [m]
 };
 
-/// @param tilt_variance  of the told roll and pitch [rad^2]; a sensor that a gimbal holds level does without
+/// @param tilt_variance  of the reported roll and pitch [rad^2]; not used if a gimbal levels the
+///   sensor
 inline Place place_of(const Measurement& z, const SensorMount& mount, const Vec2<double>& roll_pitch,
                       double psi, double psi_variance, double tilt_variance) noexcept {
   if (z.of == Measures::position) return {z.z, z.R, {}};

@@ -16,7 +16,7 @@ std::string_view to_string(FitVerdict verdict) {
 }
 
 double PoseEstimate::bearing_sigma(const KnownPose& other) const noexcept {
-  constexpr double least = 0.2;  // beside it [m]: nearer, the direction may be any
+  constexpr double least = 0.2;  // smallest horizontal distance [m]; closer, the direction is undefined
   const double x = other.p.x - p.x, y = other.p.y - p.y, level = std::max(x * x + y * y, least * least);
   const auto variance = [&](const Mat<4, 4>& of) {
     return (y * y * of(0, 0) - 2 * x * y * of(0, 1) + x * x * of(1, 1)) / (level * level);
@@ -26,7 +26,7 @@ double PoseEstimate::bearing_sigma(const KnownPose& other) const noexcept {
 }
 
 std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOptions& options) noexcept {
-  constexpr int compass_source = -1;  // sightings have the number of a body
+  constexpr int compass_source = -1;  // sightings use the index of a body
   if (!motion.compass || !(options.compass_noise > 0)) return std::nullopt;
   return Measurement{.of = Measures::heading,
                      .stamp = motion.t,

@@ -1,4 +1,4 @@
-/// Measurements in the order of their stamps, at most so many.
+/// List of measurements sorted by stamp, with a fixed capacity.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace sightline {
 
-/// T has a `stamp` and, for those of one stamp, a `source`.
+/// T has a `stamp` and a `source`, which orders equal stamps.
 template <class T, std::size_t N>
 class StampedList {
  public:
@@ -17,16 +17,16 @@ class StampedList {
   bool is_full() const noexcept { return size_ == N; }
   void clear() noexcept { size_ = 0; }
 
-  /// The first that is not before a time.
+  /// First item at or after a time.
   const T* from(double stamp) const noexcept {
     return std::lower_bound(begin(), end(), stamp, [](const T& a, double b) { return a.stamp < b; });
   }
-  /// Whether one of that stamp and source is there.
+  /// True if an item with this stamp and source is in the list.
   bool has(const T& item) const noexcept {
     const T* place = std::lower_bound(begin(), end(), item, before);
     return place != end() && !before(item, *place);
   }
-  /// There must be room.
+  /// Requires room.
   void insert(const T& item) noexcept {
     T* const last = items_.data() + size_;
     T* const place = std::lower_bound(items_.data(), last, item, before);

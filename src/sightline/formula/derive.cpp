@@ -8,7 +8,8 @@
 namespace sightline {
 namespace {
 
-/// First and second derivatives of one operation with respect to its (at most two, distinct) operands.
+/// First and second derivatives of one operation with respect to its (at most two, distinct)
+/// operands.
 struct Local {
   int count = 0;
   std::array<int, 2> operand{};
@@ -16,7 +17,8 @@ struct Local {
   std::array<Term, 3> second{};  // aa, ab, bb; node -1 where zero
 };
 
-/// Added to x^2 + y^2 in the derivatives of an angle, which are zero and not 0/0 at the origin.
+/// Added to x^2 + y^2 in the derivatives of an angle; they are then zero at the origin instead of
+/// 0/0.
 constexpr double square_of_nothing = 1e-24;
 
 Term signed_one(Graph& g, Term operand) { return operand.negative ? -g.constant(1.0) : g.constant(1.0); }
@@ -97,7 +99,7 @@ Local differentiate(Graph& g, int v, bool second_order) {
       break;
     }
     case Op::angle: {
-      if (n.a.node == n.b.node) {  // of the direction (v, v) or (-v, v): constant on either side of 0
+      if (n.a.node == n.b.node) {  // direction (v, v) or (-v, v): constant on either side of 0
         d.count = 0;
         break;
       }
@@ -122,13 +124,14 @@ Local differentiate(Graph& g, int v, bool second_order) {
   return d;
 }
 
-/// The reverse sweep over the nodes of one output. Nodes are named by their place in the order of the output, so that
-/// sums come about in one way however the graph was recorded.
+/// The reverse sweep over the nodes of one output. Nodes are identified by their place in the
+/// output's order, so sums form in one way for any recording order.
 class Sweep {
  public:
   Sweep(Graph& graph, Term out, std::span<const Term> variables, bool second_order)
       : graph_(graph), second_order_(second_order), order_(graph.in_order(std::span(&out, 1))) {
-    // Variables first: what two of the others share is handed on by the later one, and a variable hands on nothing.
+    // Variables come first: the later node of a pair pushes a shared second derivative, and a
+    // variable pushes nothing.
     std::stable_partition(order_.begin(), order_.end(), [&](int v) {
       return graph.nodes()[index(v)].op == Op::input || graph.nodes()[index(v)].op == Op::constant;
     });
@@ -158,7 +161,7 @@ class Sweep {
 
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-  /// Of a node in the order, -1 if the output does not need it.
+  /// Place of a node in the order; -1 if the output does not need it.
   int place(Term t) const { return index(t.node) < place_.size() ? place_[index(t.node)] : -1; }
   Term or_zero(Term t) const { return t.node < 0 ? graph_.constant(0.0) : t; }
 
@@ -184,7 +187,7 @@ class Sweep {
     accumulate(second_[index(high)].try_emplace(low, Term{}).first->second, t);
   }
 
-  /// Hands the adjoint and the second derivatives that end at a node on to its operands.
+  /// Pushes the adjoint and the second derivatives that end at a node to its operands.
   void push(int v) {
     const Term adjoint = adjoint_[index(v)];
     if (adjoint.node < 0 && second_[index(v)].empty()) return;
@@ -221,7 +224,7 @@ class Sweep {
       for (std::size_t i = 0; i < count; ++i) {
         if (!active[i]) continue;
         const Term pushed = graph_.multiply(d.first[i], w);
-        const bool doubled = d.operand[i] == other;  // both sides of the edge meet
+        const bool doubled = d.operand[i] == other;  // both ends of the edge coincide
         accumulate_second(d.operand[i], other,
                           doubled ? graph_.multiply(graph_.constant(2.0), pushed) : pushed);
       }
@@ -241,7 +244,7 @@ class Sweep {
 
   Graph& graph_;
   bool second_order_;
-  std::vector<int> order_, place_;  // nodes, and back
+  std::vector<int> order_, place_;  // order_: nodes by place; place_: the inverse
   std::vector<bool> varies_;
   std::vector<Term> adjoint_;                // node -1: zero so far
   std::vector<std::map<int, Term>> second_;  // [place]: partner <= place -> second derivative

@@ -1,8 +1,8 @@
-/// Gradient and Hessian of a formula, symbolically, in its own graph.
+/// Symbolic gradient and Hessian of a formula, in its own graph.
 ///
-/// One reverse sweep with edge pushing (Gower and Mello 2012): second derivatives are pushed from a node to
-/// its operands together with the adjoint, so only pairs that interact are ever touched, and all common parts
-/// of value, gradient and Hessian are shared.
+/// One reverse sweep with edge pushing (Gower and Mello 2012) computes both. It pushes second
+/// derivatives from a node to its operands together with the adjoint. It therefore visits only
+/// interacting pairs, and value, gradient and Hessian share all common parts.
 #pragma once
 
 #include <span>
@@ -23,7 +23,8 @@ struct Derivatives {
 /// First derivatives of `out` with respect to the given input nodes; terms of the same graph.
 std::vector<Term> gradient(Graph& graph, Term out, std::span<const Term> variables);
 
-/// First and second derivatives of `out` with respect to the given input nodes; terms of the same graph.
+/// First and second derivatives of `out` with respect to the given input nodes; terms of the same
+/// graph.
 Derivatives derive(Graph& graph, Term out, std::span<const Term> variables);
 
 }  // namespace sightline

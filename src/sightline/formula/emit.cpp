@@ -57,7 +57,7 @@ class Printer {
     }
   }
 
-  /// Outputs are copies at the end of a program; each is stored as soon as its row is there.
+  /// Outputs are copies at the end of a program; each is stored as soon as its row is computed.
   void find_stores() {
     std::map<int, int> written_by;  // row -> instruction
     const auto instructions = program_.instructions();

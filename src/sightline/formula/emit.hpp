@@ -1,7 +1,7 @@
 /// Prints a program as straight-line C++ over any lane.
 ///
-/// The numbers of the program are not printed: they come in an array, so that one function serves every value
-/// of a model's parameters, as long as the same operations remain.
+/// The numbers of the program are not printed but passed in an array. One function therefore serves
+/// all parameter values of a model, as long as the operations stay the same.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace sightline {
 
-/// A run of a program's inputs or outputs.
+/// A named contiguous range of a program's inputs or outputs.
 struct Block {
   std::string_view name;
   int size = 0;
@@ -21,10 +21,11 @@ struct Block {
   bool operator==(const Block&) const = default;
 };
 
-/// The same for programs that differ in the values of their constants alone.
+/// Hash of a program's structure; equal for programs that differ only in the values of their
+/// constants.
 std::uint64_t structure(const Program& program);
 
-/// What a printed function counts on besides its structure, which is a hash.
+/// The counts a printed function relies on, besides its structure, which is a hash.
 struct ProgramSize {
   int inputs = 0, outputs = 0, constants = 0, instructions = 0;
 
@@ -36,7 +37,8 @@ ProgramSize size_of(const Program& program);
 ///
 ///   template <class L> static void name(const double* constants, const double* in..., double* out...)
 ///
-/// with one argument for each block; packs of a block stand side by side. The same bits as the interpreter's.
+/// with one argument per block; the packs of a block are contiguous. Its bits equal the
+/// interpreter's.
 std::string emit(const Program& program, std::string_view name, std::span<const Block> inputs,
                  std::span<const Block> outputs);
 

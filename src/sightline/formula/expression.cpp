@@ -19,7 +19,7 @@ std::optional<double> ExpressionBuilder::value(int step) const {
 }
 
 int ExpressionBuilder::unique(const Expression::Step& step) {
-  // Not a number has no place in an order; it is refused as soon as it is seen.
+  // NaN has no place in an order; the parser rejects it as soon as it appears.
   if (std::isnan(step.value)) {
     steps_.push_back(step);
     return static_cast<int>(steps_.size()) - 1;

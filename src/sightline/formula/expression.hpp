@@ -1,7 +1,7 @@
-/// A formula that was read from text: a list of operations over named quantities, for any scalar.
+/// A formula read from text: a list of operations over named quantities, for any scalar.
 ///
-/// On `Symbol` it appends itself to a graph, as a formula written in C++ does; from there on the two are the
-/// same.
+/// On `Symbol` it appends itself to a graph, as a formula written in C++ does; from there on the
+/// two are treated alike.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class Expression {
     multiply,
     divide,
     negate,
-    root,  ///< sqrt(a + width^2): all that has a corner is made of it
+    root,  ///< sqrt(a + width^2): all functions with a corner use it
     sine,
     cosine,
     angle,  ///< atan2(a, b)
@@ -38,7 +38,7 @@ class Expression {
     logistic,  ///< 1 / (1 + e^-a)
     softplus,  ///< ln(1 + e^a)
   };
-  /// a and b are earlier steps; of a variable, a is its index.
+  /// Operands a and b are earlier steps; for a variable, a is its index.
   struct Step {
     Kind kind{};
     int a = -1, b = -1;
@@ -49,9 +49,9 @@ class Expression {
     }
   };
 
-  /// Zero.
+  /// The constant zero.
   Expression() : steps_{{Kind::constant}} {}
-  /// @param smoothed  names of the functions in it that have a corner
+  /// @param smoothed  names of the functions with a corner in the formula
   Expression(std::vector<Step> steps, std::optional<Unit> unit, std::set<std::string> smoothed)
       : steps_(std::move(steps)), unit_(unit), smoothed_(std::move(smoothed)) {}
 
@@ -60,7 +60,8 @@ class Expression {
     return {{{Kind::constant, -1, -1, value}}, unit, {}};
   }
 
-  /// The value at the variables; roots are smoothed over `width` (their unit), exact at 0.
+  /// The value at the variables. Roots are smoothed over `width` (in their unit), and exact at
+  /// width 0.
   template <class S>
   S operator()(std::span<const S> variables, double width) const {
     std::vector<S> v;
@@ -68,7 +69,7 @@ class Expression {
     for (const Step& step : steps_) v.push_back(apply<S>(step, variables, v, width));
     return v.back();
   }
-  /// The same without memory of its own: `scratch` holds a value for each step.
+  /// The same without allocation: `scratch` holds one value per step.
   template <class S>
   S operator()(std::span<const S> variables, double width, std::span<S> scratch) const {
     assert(scratch.size() >= steps_.size() && "scratch holds a value for each step");
@@ -77,9 +78,9 @@ class Expression {
     return scratch[steps_.size() - 1];
   }
 
-  /// Steps in an order in which operands come first; the last is the result.
+  /// Steps ordered so that operands come first; the last step is the result.
   std::span<const Step> steps() const { return steps_; }
-  /// None where a number without a unit left it open.
+  /// The unit; none if a number without a unit leaves it open.
   std::optional<Unit> unit() const { return unit_; }
   const std::set<std::string>& smoothed() const { return smoothed_; }
   bool is_constant() const { return steps_.back().kind == Kind::constant; }
@@ -133,29 +134,29 @@ class Expression {
   std::set<std::string> smoothed_;
 };
 
-/// Writes an Expression: each distinct step once, constants folded, whether finite or not.
+/// Builds an Expression: each distinct step once, constants folded, finite or not.
 class ExpressionBuilder {
  public:
   using Kind = Expression::Kind;
 
   int variable(int index) { return unique({Kind::variable, index}); }
   int constant(double value) { return unique({Kind::constant, -1, -1, value}); }
-  /// add, subtract, multiply, divide or angle.
+  /// One of add, subtract, multiply, divide and angle.
   int binary(Kind kind, int a, int b);
-  /// negate, root, sine, cosine, exponential, logarithm, logistic or softplus.
+  /// One of negate, root, sine, cosine, exponential, logarithm, logistic and softplus.
   int unary(Kind kind, int a);
-  /// base^n; a power of two of a root is a power of what is under it.
+  /// base^n; for a root, each factor root^2 becomes the root's argument.
   int power(int base, int n);
   int absolute(int a) { return unary(Kind::root, power(a, 2)); }
-  /// The larger of a and b, or the smaller: half of a + b, and of their distance more or less.
+  /// The larger or the smaller of a and b: half of a + b plus or minus |a - b|.
   int larger(int a, int b) { return half_of_sum(Kind::add, a, b); }
   int smaller(int a, int b) { return half_of_sum(Kind::subtract, a, b); }
-  /// All of another expression.
+  /// Appends all steps of another expression and returns the result's step.
   int copy(const Expression& expression);
 
   std::optional<double> value(int step) const;
   std::size_t size() const { return steps_.size(); }
-  /// What `result` needs, and no more.
+  /// An expression with only the steps that `result` needs.
   Expression finish(int result, std::optional<Unit> unit, std::set<std::string> smoothed) const;
 
  private:

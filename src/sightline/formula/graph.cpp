@@ -14,7 +14,7 @@ namespace {
 Term positive(Term t) { return {t.node, false}; }
 Term with_sign(Term t, bool negative) { return {t.node, t.negative != negative}; }
 
-/// A hash that is the same on every machine.
+/// A hash that is equal on every machine.
 std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
   hash = (hash ^ value) * 0x9E3779B97F4A7C15ull;
   hash = (hash ^ (hash >> 32)) * 0xD6E8FEB86659FD93ull;
@@ -24,7 +24,7 @@ std::uint64_t mixed(std::uint64_t hash, double value) {
   return mixed(hash, std::bit_cast<std::uint64_t>(value));
 }
 
-/// What a key is made of besides operands; beyond all operations.
+/// The source of a key besides operands; the values exceed all operations.
 enum KeyKind : std::uint64_t { of_operation = 1, of_number = 101, of_parameter, of_product };
 
 }  // namespace
@@ -81,7 +81,7 @@ std::vector<int> Graph::in_order(std::span<const Term> outputs) const {
       const int v = open.back();
       const Node& n = nodes_[static_cast<std::size_t>(v)];
       const bool leaf = n.op == Op::input || n.op == Op::constant;
-      // The deeper operand first: what hangs on it is done while few other results wait.
+      // The deeper operand first: its subtree is then computed while few other results are live.
       const Term last = n.b.node >= 0 ? n.b : n.a;
       if (!leaf && !is_done(last)) {
         open.push_back(last.node);
@@ -112,7 +112,7 @@ Graph::Factors Graph::factors(Term t) const {
   return f;
 }
 
-/// By its factors in an order that is its own, so that it is rounded in one way.
+/// The factors are sorted by their keys, so the product is rounded in one way.
 Term Graph::product(Factors factors) {
   const bool negative = factors.first < 0;
   factors.first = std::fabs(factors.first);
@@ -149,7 +149,8 @@ Term Graph::number(double value, Term other, bool factor) {
   const auto [entry, added] = numbers_.try_emplace({formula_, other.node, factor, value});
   if (added) {
     std::uint64_t shape = mixed(mixed(of_number, static_cast<std::uint64_t>(formula_)), factor ? 1.0 : 0.0);
-    // A constant summand of the other is left out of account: where it is zero it is not there, in the same formula.
+    // The shape ignores a constant summand of `other`: where that constant is zero, the same
+    // formula lacks the summand.
     const bool shifted = node(other).op == Op::add && is_constant(node(other).a);
     const Key& met = key(shifted ? node(other).b : other);
     shape = mixed(shape, met.shape);
@@ -162,7 +163,7 @@ Term Graph::of_constant(Op op, Term a, double value) {
   return is_parameter(a) ? result({.op = op, .a = a}, value) : constant(value);
 }
 
-/// A constant that comes out of an operation on parameters.
+/// A constant that results from an operation on parameters.
 Term Graph::result(const Node& operation, double value) {
   const auto [entry, added] = results_.try_emplace(operation);
   if (added) {
@@ -198,12 +199,12 @@ Term Graph::add(Term a, Term b) {
   if (a == -b) return constant(0.0);
   if (a == b) return multiply(constant(2.0), a);
   if (is_constant(b)) std::swap(a, b);
-  // c + (c' + x): 1 - (1 - s) is s again.
+  // c + (c' + x): 1 - (1 - s) becomes s again.
   if (is_constant(a) && node(b).op == Op::add && is_constant(node(b).a)) {
     const Node inner = node(b);
     return add(sum_of_constants(a, with_sign(inner.a, b.negative)), with_sign(inner.b, b.negative));
   }
-  // The sum with a positive first operand stands for its negative too.
+  // The sum with a positive first operand also represents its negative.
   if (!is_constant(a) && stands_before(b, a)) std::swap(a, b);
   const bool negative = a.negative;
   return with_sign(unique({.op = Op::add, .a = positive(a), .b = with_sign(b, negative)}), negative);
@@ -223,7 +224,7 @@ Term Graph::multiply(Term a, Term b) {
       return with_sign(multiply(product_of_constants(a, inner.a), inner.b), negative);
     }
   } else {
-    // A constant factor stands in front of the whole product: c (a b) is found again from a (c b).
+    // A constant factor moves to the front of the whole product: a (c b) then matches c (a b).
     const auto pull = [&](Term factor, Term other) {
       const Node inner = node(factor);
       return with_sign(multiply(inner.a, multiply(inner.b, other)), negative);
@@ -297,7 +298,7 @@ Term Graph::angle(Term a, Term b) {
     const bool plain = !is_parameter(a) && !is_parameter(b);
     return plain ? constant(angle) : result({.op = Op::angle, .a = a, .b = b}, angle);
   }
-  // Seen from the other side of the axis the angle turns round; -0 and 0 are one side, as in a constant.
+  // Negating a negates the angle; -0 and 0 count as one side, as in a constant.
   return with_sign(unique({.op = Op::angle, .a = positive(a), .b = b}), a.negative);
 }
 

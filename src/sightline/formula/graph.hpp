@@ -1,12 +1,13 @@
 /// A formula as a directed graph of operations, each distinct operation stored once.
 ///
-/// Signs are kept on the references, not in nodes: -(a b), (-a) b and a (-b) are the same product seen
-/// through a negative `Term`, so the graph of a gradient shares all it can. Zeros, ones and constants fold
-/// away on entry.
+/// References carry the signs, nodes do not: -(a b), (-a) b and a (-b) are one product, referenced
+/// by a negative `Term`. The graph of a gradient thus shares all common parts. Zeros, ones and
+/// constants fold away on entry.
 ///
-/// What is recorded depends on the formula alone, and not on the order in which its operands were computed, which
-/// C++ leaves to the compiler: operands of sums and products are ordered by a key of their structure, and whoever
-/// goes through the nodes does so in `in_order`. So every compiler derives and prints the same programs.
+/// The graph depends on the formula alone, not on the order in which its operands were computed;
+/// C++ leaves that order to the compiler. A structural key orders the operands of sums and
+/// products, and passes over the nodes use `in_order`. Every compiler therefore derives and prints
+/// the same programs.
 #pragma once
 
 #include <compare>
@@ -20,23 +21,23 @@
 
 namespace sightline {
 
-/// What a node computes from its operands a, b.
+/// The operation of a node on its operands a, b.
 enum class Op : std::uint8_t {
   input,        ///< a variable of the formula
-  constant,     ///< a number, >= 0 unless it is a parameter's
+  constant,     ///< a number, >= 0 unless it belongs to a parameter
   add,          ///< a + b; a is positive, b has a sign
   multiply,     ///< a b; both positive
   reciprocal,   ///< 1 / a; a positive
   square_root,  ///< sqrt(a)
   exponential,  ///< e^a
   logistic,     ///< 1 / (1 + e^-a); a positive
-  relaxed_log,  ///< ln a for a >= 1, below it the parabola of the same curvature; has two derivatives
+  relaxed_log,  ///< ln a for a >= 1, below it the parabola of the same curvature; twice differentiable
   sine,         ///< sin a; a positive
   cosine,       ///< cos a; a positive
-  maximum,      ///< the larger of a and b; has no derivative
+  maximum,      ///< the larger of a and b; not differentiable here
   logarithm,    ///< ln a
   softplus,     ///< ln(1 + e^a)
-  angle,        ///< of the direction (b, a) from the axis of b, in [-pi, pi]; a positive, b has a sign
+  angle,        ///< angle of the direction (b, a) from the axis of b, in [-pi, pi]; a positive, b has a sign
 };
 
 /// A node of a graph, or its negative.
@@ -50,19 +51,19 @@ struct Term {
 
 struct Node {
   Op op{};
-  Term a{}, b{};       ///< operands; b of sums, products, maxima and angles alone; a of a parameter: itself
-  double value = 0.0;  ///< of a constant; the index of an input
+  Term a{}, b{};       ///< operands; b only of sums, products, maxima, angles; a of a parameter: itself
+  double value = 0.0;  ///< of a constant; for an input, its index
 
   bool operator==(const Node&) const = default;
 };
 
-/// What a zero is among numbers that are parameters.
+/// Treatment of zero among numbers that are parameters.
 enum class Zeros {
-  kept,    ///< a parameter as any: a formula of one shape stays one graph
-  folded,  ///< a part of the shape: what it meets is not there
+  kept,    ///< an ordinary parameter: formulas of one shape share one graph
+  folded,  ///< part of the shape: operations with it fold away
 };
 
-/// The graph; nodes are stored in the order of their creation, operands first.
+/// The graph. Nodes are stored in the order of their creation, operands first.
 class Graph {
  public:
   Term input(int index);
@@ -84,38 +85,39 @@ class Graph {
 
   Term subtract(Term a, Term b) { return add(a, -b); }
 
-  /// Opens a formula whose numbers are parameters: none folds away by its value, none is another by its value,
-  /// so formulas of one shape are one graph whatever their numbers. Only a number that meets one term twice in
-  /// one way, and in one formula, is the same parameter.
+  /// Begins a formula whose numbers are parameters. No parameter folds away or merges with another
+  /// because of its value, so formulas of one shape have one graph for all numbers. Only equal
+  /// numbers that meet one term in the same way, within one formula, are the same parameter.
   void keep_parameters(Zeros zeros = Zeros::kept) {
     formula_ = ++formulas_;
     zeros_ = zeros;
   }
-  /// Ends it: numbers fold away, and are known by their value, again.
+  /// Ends that mode: numbers fold away and are identified by their value again.
   void keep_values() { formula_ = 0; }
-  /// A number of its own, which folds nothing away whatever its value.
+  /// A distinct parameter, which folds nothing away for any value.
   Term parameter(double value);
-  /// A number of the formula that meets `other`, as a factor or as a summand.
+  /// A number of the formula that combines with `other`, as a factor or as a summand.
   Term number(double value, Term other, bool factor);
 
-  /// Whether a constant factor is drawn to the front of a product, c (a b) for a (c b). That finds common
-  /// parts while differentiating; in products of matrices it multiplies the same factor again in each column.
+  /// Whether a constant factor moves to the front of a product: c (a b) for a (c b). That exposes
+  /// common parts during differentiation. In matrix products it multiplies the same factor again in
+  /// each column.
   void draw_constants(bool on) { draw_constants_ = on; }
 
   bool is_constant(Term t) const { return node(t).op == Op::constant; }
-  /// Value of a constant term, its sign included.
+  /// Value of a constant term, including its sign.
   double constant_value(Term t) const { return t.negative ? -node(t).value : node(t).value; }
   bool is_zero(Term t) const { return is_number(t, 0.0); }
 
-  /// Whether a term is a constant that is not known by its value.
+  /// Whether a term is a constant that is not identified by its value.
   bool is_parameter(Term t) const { return is_constant(t) && node(t).a.node >= 0; }
 
   const Node& node(Term t) const { return nodes_[static_cast<std::size_t>(t.node)]; }
   std::span<const Node> nodes() const { return nodes_; }
   int size() const { return static_cast<int>(nodes_.size()); }
 
-  /// The nodes that the outputs need, operands first: depth first from the first output to the last. The same for one
-  /// formula, in whatever order its nodes were created.
+  /// The nodes that the outputs need, operands first: depth first from the first output to the
+  /// last. The order of one formula is the same in whatever order its nodes were created.
   std::vector<int> in_order(std::span<const Term> outputs) const;
 
  private:
@@ -123,8 +125,9 @@ class Graph {
     std::size_t operator()(const Node& n) const;
   };
 
-  /// Where a node stands among operands: the shallow ones first, inputs by their index, others by what they are made
-  /// of; by the values of parameters, which are no part of the shape, only where all else is equal.
+  /// Sort key of a node among operands: lower height first, inputs by their index, others by their
+  /// structure. Values of parameters are no part of the shape; they decide only between equal
+  /// shapes.
   struct Key {
     int height = 0;
     std::uint64_t shape = 0, values = 0;
@@ -132,7 +135,8 @@ class Graph {
     auto operator<=>(const Key&) const = default;
   };
 
-  /// Products of parameters are known by their factors, in any order; other results by how they came about.
+  /// Products of parameters are identified by their factors, in any order; other results by their
+  /// operation.
   using Factors = std::pair<double, std::vector<int>>;
 
   const Key& key(Term t) const { return keys_[static_cast<std::size_t>(t.node)]; }
@@ -144,7 +148,7 @@ class Graph {
     return is_constant(t) && !is_parameter(t) && node(t).value == value;
   }
   Factors factors(Term t) const;
-  /// A parameter of its own.
+  /// A distinct parameter that is no product.
   Term leaf(double value, const Key& key);
   Term product(Factors factors);
   Term result(const Node& operation, double value);
@@ -153,18 +157,18 @@ class Graph {
   Term product_of_constants(Term a, Term b);
 
   bool draw_constants_ = true;
-  int formulas_ = 0, formula_ = 0;  // 0: numbers are known by their value
+  int formulas_ = 0, formula_ = 0;  // formula_ 0: numbers are identified by their value
   Zeros zeros_ = Zeros::kept;
   std::map<std::tuple<int, int, bool, double>, Term> numbers_;  // [formula, other, factor, value]
   std::map<Factors, int> names_;                                // node of a parameter
-  std::map<int, Factors> factors_;                              // and back
+  std::map<int, Factors> factors_;                              // the inverse of names_
   std::unordered_map<Node, Term, Hash> results_;
   struct Leaf {
     double value;
     Key key;
   };
   std::vector<Leaf> leaves_;  // parameters that are no product
-  int named_ = 0;             // parameters that are no number of a formula
+  int named_ = 0;             // parameters outside the numbers of a formula
   std::vector<Node> nodes_;
   std::vector<Key> keys_;
   std::unordered_map<Node, int, Hash> index_;

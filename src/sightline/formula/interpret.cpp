@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
 
-/// Memory of a large team is read and written all along in each update.
+/// Each update reads and writes all memory of a large team.
 void request_large_pages([[maybe_unused]] double* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
-  madvise(memory, bytes, MADV_HUGEPAGE);  // it may not be heard
+  madvise(memory, bytes, MADV_HUGEPAGE);  // a hint that the kernel may ignore
 #endif
 }
 
@@ -44,7 +44,7 @@ void Rows::Free::operator()(double* memory) const {
 
 Evaluation::Evaluation(const Program& program, int length)
     : program_(&program), packs_(padded(length) / native_width) {
-  // Scratch is kept for one pass over at most `row_quantum` packs, so it stays in the first cache.
+  // Scratch holds one pass over at most `row_quantum` packs, so it stays in the first-level cache.
   const int pass = std::min(padded(length), row_quantum * native_width);
   own_ = Rows(program.first_output() - program.first_constant(), pass);
   rows_.assign(static_cast<std::size_t>(program.rows()), nullptr);
@@ -57,7 +57,7 @@ Evaluation::Evaluation(const Program& program, int length)
 
 namespace {
 
-/// Where the rows of one pass begin.
+/// Start of the rows of one pass.
 struct PassRows {
   double* const* rows;
   int inputs, first_output;
@@ -67,7 +67,7 @@ struct PassRows {
 };
 
 /// All instructions, each over `packs` packs; `Packs` > 0 fixes their number at compile time.
-/// @param row  the beginning of a row
+/// @param row  returns the start of a row
 template <class L, int Packs, class Row>
 void execute(std::span<const Instruction> instructions, const Row& row, int count) {
   const int packs = Packs > 0 ? Packs : count;

@@ -1,4 +1,4 @@
-/// Runs a program over rows of numbers, a pack of lanes per operation.
+/// Evaluation of a program over rows of numbers, one pack of lanes per operation.
 #pragma once
 
 #include <memory>
@@ -10,13 +10,15 @@
 
 namespace sightline {
 
-/// Zeroed memory for rows of doubles, aligned to `row_alignment`; what is large is in pages of 2 MB where the system has them.
+/// Zeroed memory for rows of doubles, aligned to `row_alignment`. Large blocks use pages of 2 MB if
+/// the system has them.
 class Rows {
  public:
   Rows() = default;
   /// n rows of at least `length` doubles each, every row padded to whole packs.
   Rows(int n, int length);
-  /// The same in memory of somebody else, of room(n, length) doubles as aligned, which lives longer.
+  /// The same in external memory of room(n, length) doubles, with that alignment; the memory must
+  /// outlive this object.
   Rows(int n, int length, double* memory);
   static std::ptrdiff_t room(int n, int length) {
     return static_cast<std::ptrdiff_t>(n) * static_cast<std::ptrdiff_t>(padded(length));
@@ -33,7 +35,7 @@ class Rows {
 
  private:
   struct Free {
-    std::size_t alignment;  // 0: somebody else's
+    std::size_t alignment;  // 0: external memory
     void operator()(double* memory) const;
   };
   std::size_t size() const { return static_cast<std::size_t>(count_) * static_cast<std::size_t>(stride_); }
@@ -44,17 +46,17 @@ class Rows {
 
 /// A program bound to the rows it reads and writes. Binding allocates, running does not.
 ///
-/// Inputs and outputs are rows of the caller's, of one common length, aligned and padded as `Rows` are;
-/// results are written in place, in the padding too.
+/// The caller owns the input and output rows. They have one common length and are aligned and
+/// padded as `Rows`. Results are written in place, in the padding too.
 class Evaluation {
  public:
   Evaluation() = default;
   /// @param program  must outlive the evaluation
-  /// @param length   numbers in a row: the points the formula is evaluated at
+  /// @param length   numbers per row: the points at which the formula is evaluated
   Evaluation(const Program& program, int length);
   Evaluation(Program&&, int) = delete;
 
-  void input(int i, const double* row) { at(i) = const_cast<double*>(row); }  // only ever read
+  void input(int i, const double* row) { at(i) = const_cast<double*>(row); }  // never written
   void output(int i, double* row) { at(program_->first_output() + i) = row; }
 
   /// Evaluates all points. Every input and output must be bound; outputs must not overlap inputs.

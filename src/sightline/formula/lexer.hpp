@@ -1,4 +1,4 @@
-/// A formula's text as tokens, and the refusal that points at one of them.
+/// Tokens of a formula's text, and the error that points at one of them.
 #pragma once
 
 #include <stdexcept>
@@ -7,18 +7,19 @@
 
 namespace sightline {
 
-/// Longest formula that is read [bytes].
+/// Longest formula accepted [bytes].
 inline constexpr std::size_t formula_size_max = 100'000;
 
-/// A text that is no formula; what() is "line:column: sentence", both counted from 1, columns in characters.
+/// Error in the text of a formula. what() is "line:column: sentence"; both count from 1, columns in
+/// characters.
 class FormulaError : public std::invalid_argument {
  public:
   FormulaError(std::string_view text, std::size_t offset, std::string sentence, std::string definition = {});
 
-  /// Where the token begins [bytes into the text].
+  /// Offset of the token in the text [bytes].
   std::size_t offset() const { return offset_; }
   const std::string& sentence() const { return sentence_; }
-  /// The name whose definition was refused; empty for the formula itself.
+  /// The name with the rejected definition; empty for the formula itself.
   const std::string& definition() const { return definition_; }
 
  private:
@@ -37,21 +38,23 @@ struct Token {
   bool is(std::string_view sign) const { return kind == TokenKind::sign && text == sign; }
 };
 
-/// A token as it stands in a message.
+/// A token as text for a message.
 std::string shown(const Token& token);
 
-/// Whether this is a letter, then letters, digits and _.
+/// Whether the name is a letter followed by letters, digits and _.
 bool is_word(std::string_view name);
 
-/// The tokens of a text, one after the other. A view: the text outlives it; a copy goes on from the same place.
+/// Iterates over the tokens of a text. It is a view: the text must outlive it. A copy continues
+/// from the same position.
 class Lexer {
  public:
-  /// @throws FormulaError for a text that is too long, as every function here does for what is no token
+  /// @throws FormulaError for a text that is too long; every function here throws it for an invalid
+  ///   token
   explicit Lexer(std::string_view text);
 
-  /// The token that comes next.
+  /// The current token.
   const Token& token() const { return token_; }
-  /// The token, and on to the one after it.
+  /// Returns the current token and advances to the next one.
   Token take();
 
   /// @throws FormulaError

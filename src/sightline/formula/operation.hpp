@@ -1,5 +1,5 @@
-/// What each instruction computes, over any scalar: the one table for all that runs programs. Printed programs
-/// say the same in words (emit.cpp).
+/// The operation of each instruction, over any scalar: the one table for all interpreters of
+/// programs. The C++ text that emit.cpp prints is equivalent.
 #pragma once
 
 #include "sightline/base/elementary.hpp"
@@ -10,7 +10,7 @@ namespace sightline {
 /// Number of codes; the last is `angle`.
 inline constexpr int codes = static_cast<int>(Code::angle) + 1;
 
-/// How many of a, b, c a code reads, in that order.
+/// Number of operands a, b, c that a code reads, in that order.
 constexpr int operand_count(Code code) {
   switch (code) {
     case Code::add:
@@ -28,7 +28,7 @@ constexpr int operand_count(Code code) {
   }
 }
 
-/// The result of an instruction; operands beyond operand_count(code) are not used.
+/// The result of an instruction; operands beyond operand_count(code) are ignored.
 template <Code code, class L>
 L operation(L a, [[maybe_unused]] L b, [[maybe_unused]] L c) {
   if constexpr (code == Code::copy) return a;

@@ -16,7 +16,7 @@ using Kind = Expression::Kind;
 
 struct Function {
   std::string_view name;
-  std::size_t least, most;  // arguments
+  std::size_t least, most;  // number of arguments
 };
 constexpr std::array functions = {
     Function{"sqrt", 1, 1}, Function{"abs", 1, 1}, Function{"min", 2, 16},  Function{"max", 2, 16},
@@ -31,7 +31,7 @@ const Function* function_named(std::string_view name) {
   return nullptr;
 }
 
-/// A part that was read: its step, its unit where one is given, and where it begins.
+/// A parsed subexpression: its step, its unit if known, and its offset in the text.
 struct Part {
   int step;
   std::optional<Unit> unit;
@@ -95,7 +95,8 @@ class Parser {
     return builder_.finish(step, unit, smoothed_);
   }
 
-  /// A step just made at a token: finite if it is known, and not one too many.
+  /// Checks a new step at a token: its value is finite if known, and the number of steps is within
+  /// its limit.
   Part made(const Token& at, int step, std::optional<Unit> unit, std::size_t begin) {
     if (const auto value = builder_.value(step); value && !std::isfinite(*value)) {
       throw_invalid(at, fmt::format("{} gives no finite number, expected a finite constant", shown(at)));
@@ -208,7 +209,7 @@ class Parser {
     throw_invalid(token, fmt::format("{} comes too early, expected a number, a name or \"(\"", shown(token)));
   }
 
-  /// The bracket that `open` opened.
+  /// Expects the bracket that closes `open`.
   void close(const Token& open) {
     if (lexer_.token().is(")")) {
       lexer_.take();
@@ -224,7 +225,7 @@ class Parser {
   Part number(const Token& token) {
     double value = token.value;
     std::optional<Unit> unit;
-    // A slash belongs to the unit only if a unit follows, so the text is looked at twice.
+    // A slash belongs to the unit only if a unit follows, so a copy of the lexer looks ahead.
     const auto factor = [&](bool below) {
       const auto named = unit_named(lexer_.token().text);
       if (lexer_.token().kind != TokenKind::name || !named) return false;
@@ -334,7 +335,7 @@ class Parser {
       return made(token, builder_.unary(Kind::root, first.step), unit, token.begin);
     }
 
-    // All others have arguments of one unit.
+    // All other functions take arguments of one unit.
     Part all = first;
     for (const Part& argument : arguments) all.unit = same_unit(token, all, argument);
     if (f == "atan2") {
@@ -360,7 +361,7 @@ class Parser {
     return made(token, step, all.unit, token.begin);
   }
 
-  /// One level further down, while it lives.
+  /// Increases the nesting depth by one for its lifetime.
   class Deeper {
    public:
     Deeper(Parser& parser, const Token& at) : parser_(parser) {
@@ -385,7 +386,7 @@ class Parser {
   int depth_ = 0;
 };
 
-/// The words of `names` that occur in a text, each where it does so first.
+/// The words of `names` that occur in a text, each at its first occurrence.
 std::vector<Token> names_in(std::string_view text, const std::set<std::string_view>& names) {
   std::map<std::string_view, Token> found;
   for (Lexer lexer(text); lexer.token().kind != TokenKind::end;) {
@@ -428,7 +429,8 @@ void define(Vocabulary& names, std::span<const Definition> definitions) {
     needs.push_back(within(d, [&] { return names_in(d.text, defined); }));
     open.push_back(&d);
   }
-  // Round after round, those whose names are all known; where there are none, they need each other.
+  // Each round reads the definitions with all names known; if there are none, the rest form a
+  // cycle.
   while (!open.empty()) {
     std::map<std::string_view, const Definition*> waiting;
     for (const Definition* d : open) waiting.emplace(d->name, d);
@@ -441,7 +443,7 @@ void define(Vocabulary& names, std::span<const Definition> definitions) {
     std::vector<const Definition*> ready, later;
     for (const Definition* d : open) (awaited(d) != nullptr ? later : ready).push_back(d);
     if (ready.empty()) {
-      // From any of them, as many steps as there are end in the circle.
+      // From any definition, as many steps as there are open definitions end in the cycle.
       const Definition* d = open.front();
       for (std::size_t i = 0; i < open.size(); ++i) d = waiting.at(awaited(d)->text);
       throw FormulaError(

@@ -1,4 +1,5 @@
-/// The language of formulas: text becomes an `Expression`, or a refusal that points at the token.
+/// The formula language: parses text into an `Expression`, or throws an error that points at the
+/// token.
 ///
 ///   limit     = sum  comparison sum  { comparison sum }       comparison: < <= > >=, a chain in one direction
 ///   sum       = product { ("+" | "-") product }
@@ -8,8 +9,9 @@
 ///   atom      = number [unit] | name | function "(" sum { "," sum } ")" | "(" sum ")"
 ///   unit      = unit_power { "/" unit_power } | "/" unit_power { "/" unit_power }
 ///
-/// Units are checked where they are given: a number without one fits anywhere. A power of two undoes a root:
-/// norm(x, y)^2 is x^2 + y^2, and no corner is left to smooth. docs/potentials.md has the functions.
+/// Units are checked where they are given: a number without one fits anywhere. An even power undoes
+/// a root: norm(x, y)^2 is x^2 + y^2, and no corner remains to smooth. docs/potentials.md lists the
+/// functions.
 #pragma once
 
 #include <map>
@@ -23,22 +25,22 @@
 
 namespace sightline {
 
-/// Limits of what is read: of brackets and powers within each other, of steps.
+/// Limits of the input: nesting depth of brackets and powers, and number of steps.
 inline constexpr int formula_depth_max = 100;
 inline constexpr std::size_t formula_steps_max = 1000;
 
-/// Names and what they stand for, a variable or an expression.
+/// Names and their meaning: a variable or an expression.
 using Vocabulary = std::map<std::string, Expression, std::less<>>;
 
-/// Whether a person may give this name to a parameter: a word that is no function, unit or constant.
+/// Whether a user may give this name to a parameter: a word that is no function, unit or constant.
 bool is_free_name(std::string_view name);
 
-/// A formula of one value.
+/// Parses a formula with one value.
 /// @throws FormulaError
 Expression parse_formula(std::string_view text, const Vocabulary& names);
 
-/// One or more comparisons as quantities c that are <= 0 where they hold: a < b is c = a - b. A chain
-/// a < b < c gives one for each sign.
+/// Parses one or more comparisons into quantities c, with c <= 0 where the comparison holds: a < b
+/// gives c = a - b. A chain a < b < c gives one quantity per sign.
 /// @throws FormulaError
 std::vector<Expression> parse_limits(std::string_view text, const Vocabulary& names);
 
@@ -46,8 +48,9 @@ struct Definition {
   std::string name, text;
 };
 
-/// Adds names that stand for formulas, which may use each other, in any order.
-/// @throws FormulaError, `definition` set, for one that is no formula or that needs itself
+/// Adds names defined by formulas, which may use each other in any order.
+/// @throws FormulaError with `definition` set, for a definition that is no formula or depends on
+///   itself
 void define(Vocabulary& names, std::span<const Definition> definitions);
 
 }  // namespace sightline

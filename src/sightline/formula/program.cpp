@@ -9,7 +9,8 @@
 namespace sightline {
 namespace {
 
-/// Lowers the live part of a graph to instructions over rows that are numbered once their kinds are known.
+/// Lowers the live part of a graph to instructions over rows; rows are numbered once their kinds
+/// are known.
 class Lowering {
  public:
   Lowering(const Graph& graph, std::span<const Term> outputs)
@@ -64,7 +65,7 @@ class Lowering {
     }
   }
 
-  /// A product used by one sum alone becomes part of that sum.
+  /// A product used by one sum alone is fused into that sum.
   void choose_fusions() {
     fused_.assign(uses_.size(), false);
     product_of_.assign(uses_.size(), Term{});
@@ -80,7 +81,7 @@ class Lowering {
     }
   }
 
-  /// A difference that nothing but one output needs, and that with a minus, is taken the other way round.
+  /// A difference used by one output alone, with a minus, is computed with its operands exchanged.
   void choose_negated() {
     negated_.assign(uses_.size(), false);
     for (const Term t : outputs_) {
@@ -123,7 +124,7 @@ class Lowering {
     const bool negated = negated_[static_cast<std::size_t>(v)];
     Instruction i{};
     const auto row = [&](Term t) { return row_.at(t.node); };
-    std::array<int, 2> minus = {-1, -1};  // scratch for operands that stand with a minus where none is free
+    std::array<int, 2> minus = {-1, -1};  // scratch for the negations of operands
     const auto operand = [&](Term t) {
       if (!t.negative) return row(t);
       int& place = minus[minus[0] < 0 ? 0 : 1];
@@ -183,7 +184,7 @@ class Lowering {
           break;
       }
     }
-    // Operands that end here give their rows to the result.
+    // Operands used here for the last time release their rows to the result.
     for (const int place : minus) {
       if (place >= 0) free_.push_back(place);
     }
@@ -199,7 +200,7 @@ class Lowering {
 
   const Graph& graph_;
   std::span<const Term> outputs_;
-  std::vector<int> order_;  // of the live nodes
+  std::vector<int> order_;  // live nodes
   std::vector<int> uses_;
   std::vector<bool> fused_, negated_;
   std::vector<Term> product_of_;  // the fused product of a sum

@@ -1,5 +1,5 @@
-/// A graph's outputs as a short list of instructions: dead nodes dropped, products fused into sums, memory
-/// reused.
+/// A graph's outputs as a short list of instructions: dead nodes dropped, products fused into sums,
+/// memory reused.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sightline {
 
-/// What one instruction does with the rows a, b, c; d is its result.
+/// The operation of one instruction on the rows a, b, c; d is its result.
 enum class Code : std::uint8_t {
   copy,               ///< d = a
   negate,             ///< d = -a
@@ -40,12 +40,12 @@ struct Instruction {
   bool operator==(const Instruction&) const = default;
 };
 
-/// Rows 0 .. inputs-1 are the inputs, then one row for each constant, then scratch, then one row for each
+/// Rows 0 .. inputs-1 are the inputs. One row per constant follows, then scratch, then one row per
 /// output.
 class Program {
  public:
   Program() = default;
-  /// @param inputs  number of inputs; all inputs that occur in the outputs have an index below it
+  /// @param inputs  number of inputs; all inputs in the outputs have a smaller index
   Program(const Graph& graph, std::span<const Term> outputs, int inputs);
 
   int inputs() const { return inputs_; }

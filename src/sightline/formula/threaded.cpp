@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-// A step is a first instruction, or a link to the result of the step before, and up to two more links.
+// A step is a first instruction or a link to the previous step's result, then up to two more links.
 constexpr std::array<Code, 6> firsts = {Code::add,          Code::subtract,          Code::multiply,
                                         Code::multiply_add, Code::multiply_subtract, Code::subtract_product};
 enum class Link {
@@ -24,14 +24,15 @@ enum class Link {
 constexpr int links = 5, longest = 3;
 constexpr int shapes = (static_cast<int>(firsts.size()) + links) * links * links;
 
-/// A value is an input or a constant, by its row, or the result of instruction i: first_scratch + i.
+/// A value is an input or a constant, by its row, or the result of instruction i: first_scratch +
+/// i.
 struct Single {
   Code code{};
   std::array<int, 3> operands{};
-  int output = -1;  ///< the output it is, if nothing else needs it
+  int output = -1;  ///< the output it writes, if no instruction reads it
 };
 
-/// How an instruction goes on with a value, if it can; its other operands.
+/// The link by which an instruction continues a value, and its other operands; none if it cannot.
 struct Continuation {
   Link link = Link::none;
   int a = -1, b = -1;
@@ -54,15 +55,15 @@ Continuation continuation(const Single& q, int value) {
   }
 }
 
-/// Instructions that are done one after the other, each going on with the result of the one before.
+/// Instructions in sequence; each continues the result of the previous one.
 struct Chain {
   int first = 0, last = 0;
-  double ready = 0.0, height = 0.0;  // cycles: when its operands are there; from here to the end
+  double ready = 0.0, height = 0.0;  // cycles: when its operands are ready; from here to the end
   int waits_for = 0;                 // operands that are not yet computed
   std::vector<int> readers{};        // chains
 };
 
-/// A program with every result in a place of its own, in chains, in the order they are to be done.
+/// A program in static single assignment form, in chains, in their order of execution.
 class Schedule {
  public:
   explicit Schedule(const Program& program) : base_(program.first_scratch()) {
@@ -90,7 +91,7 @@ class Schedule {
       singles_.push_back(s);
     }
     count_reads();
-    // What an output copies is written there at once, if nothing else needs it.
+    // An output that copies a result is written directly, if nothing else reads that result.
     for (Single& s : singles_) {
       const int from = s.operands[0];
       if (s.code != Code::copy || s.output < 0 || !is_result(from) || reads(from) != 1) continue;
@@ -137,9 +138,10 @@ class Schedule {
     }
   }
 
-  /// The longest way to the end first, among the chains whose operands are there.
+  /// List scheduling: among the chains with ready operands, the one with the longest path to the
+  /// end first.
   void order() {
-    constexpr double step = 5.0, instruction = 4.0, through_memory = 12.0;  // cycles, about
+    constexpr double step = 5.0, instruction = 4.0, through_memory = 12.0;  // approximate cycles
     const auto takes = [&](const Chain& c) { return through_memory + instruction * (c.last - c.first + 1); };
     for (std::size_t c = chains_.size(); c-- > 0;) {
       Chain& chain = chains_[c];
@@ -312,7 +314,7 @@ void Threaded<W>::run(std::initializer_list<const double*> inputs,
                       std::initializer_list<double*> outputs) noexcept {
   assert(1 + inputs.size() + outputs.size() == blocks_.size() && "one pointer for each block");
   double** block = &blocks_[1];
-  for (const double* b : inputs) *block++ = const_cast<double*>(b);  // only ever read
+  for (const double* b : inputs) *block++ = const_cast<double*>(b);  // never written
   for (double* b : outputs) *block++ = b;
   steps_[0].run(Vector{}, steps_.data(), blocks_.data());
 }

@@ -1,6 +1,6 @@
-/// Runs a program over one pack of lanes, fast: in an order in which results are there when they are needed; each
-/// function does a short chain of instructions with its running result in a register, and ends in a jump to the
-/// next.
+/// Fast evaluation of a program over one pack of lanes, as threaded code. The schedule places
+/// instructions where their operands are ready. Each function runs a short chain of instructions
+/// with its running result in a register, then jumps to the next function.
 #pragma once
 
 #include <array>
@@ -13,22 +13,25 @@
 
 namespace sightline {
 
-/// A program over W points side by side, its inputs and outputs in blocks of packs. Running does not allocate.
+/// A program over W points side by side, with its inputs and outputs in blocks of packs. Running
+/// does not allocate.
 template <int W>
 class Threaded {
  public:
   /// @param inputs, outputs  rows of each block, in the program's order
   Threaded(const Program& program, std::span<const int> inputs, std::span<const int> outputs);
 
-  /// One pointer for each block. Outputs are written before all inputs are read: they must not overlap.
+  /// Takes one pointer per block. Outputs must not overlap inputs, because run() writes outputs
+  /// before it has read all inputs.
   void run(std::initializer_list<const double*> inputs, std::initializer_list<double*> outputs) noexcept;
 
  private:
   using L = Lane<W>;
   using Vector = typename L::Vector;
-  /// A row: its block above, and where it begins there, read in one go.
+  /// A row: its block above, its offset there below, read as one word.
   using Place = std::uint32_t;
-  /// One function, where its result goes, and the operands of each of its instructions. The result is handed on.
+  /// One function, the place of its result, and the operands of each of its instructions. The
+  /// result passes on in a register.
   struct Step {
     void (*run)(Vector before, const Step* step, double* const* blocks) = nullptr;
     Place d = 0;
@@ -47,7 +50,7 @@ class Threaded {
   static void finish(Vector, const Step*, double* const*) {}
 
   Rows own_;                     // block 0: constants and scratch
-  std::vector<double*> blocks_;  // then the caller's
+  std::vector<double*> blocks_;  // followed by the caller's blocks
   std::vector<Step> steps_;
 };
 

@@ -1,8 +1,8 @@
 /// The recording scalar: arithmetic on it appends to a graph.
 ///
-/// A formula written as a template over its scalar is run once on `Symbol`; what it would have computed is
-/// then known as a graph, from which value, gradient and Hessian follow. Comparisons are missing on purpose:
-/// a recorded formula is one expression, valid everywhere.
+/// A formula that is a template over its scalar runs once on `Symbol`. The resulting graph yields
+/// value, gradient and Hessian. Comparisons are missing on purpose: a recorded formula is one
+/// expression, valid everywhere.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ class Symbol {
   Symbol(double constant) : constant_(constant) {}
   Symbol(Graph& graph, Term term) : graph_(&graph), term_(term) {}
 
-  /// The term in the given graph; constants enter it here.
+  /// The term in the given graph; a constant enters the graph here.
   Term in(Graph& graph) const { return graph_ != nullptr ? term_ : graph.constant(constant_); }
 
   friend Symbol operator+(const Symbol& a, const Symbol& b) {
@@ -68,7 +68,8 @@ class Symbol {
   friend Symbol cos(const Symbol& a) {
     return apply(a, &Graph::cosine, [](double x) { return sightline::cos(x); });
   }
-  /// Of the solver's own algebra; a formula that is derived must not take it.
+  /// For the solver's own algebra only: maximum has no derivative, so a formula to be derived must
+  /// not use it.
   friend Symbol maximum(const Symbol& a, const Symbol& b) {
     return combine(a, b, &Graph::maximum, [](double x, double y) { return sightline::maximum(x, y); });
   }
@@ -90,7 +91,7 @@ class Symbol {
     return {*a.graph_, (a.graph_->*on_term)(a.term_)};
   }
 
-  Graph* graph_ = nullptr;  // none: a constant
+  Graph* graph_ = nullptr;  // null: a constant
   Term term_{};
   double constant_ = 0.0;
 };

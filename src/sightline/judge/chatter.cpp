@@ -8,7 +8,7 @@ namespace sightline {
 namespace {
 
 constexpr std::int64_t window = 50;  // periods
-constexpr int reversals_min = 45;    // of them
+constexpr int reversals_min = 45;    // of these periods
 constexpr double jump_min = 0.01;    // of the range
 constexpr std::uint64_t window_mask = (std::uint64_t{1} << window) - 1;
 

@@ -10,14 +10,14 @@
 namespace sightline {
 namespace {
 
-constexpr double apart = 1.0;            // of two marks [s]
-constexpr double creep = 0.02;           // what is slower stays [m/s]
-constexpr double share_of_anchor = 0.3;  // of its speed
-constexpr double share_at_end = 0.5;     // of the mean
+constexpr double apart = 1.0;            // time between two marks [s]
+constexpr double creep = 0.02;           // a smaller speed counts as rest [m/s]
+constexpr double share_of_anchor = 0.3;  // of the anchor's speed
+constexpr double share_at_end = 0.5;     // of the mean growth
 
 constexpr std::array axes = {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z};
 
-// The length of r, horizontally or vertically.
+// Length of r, horizontally or vertically.
 double length(const Vec3<double>& r, bool horizontally) {
   return horizontally ? norm(r.x, r.y) : std::abs(r.z);
 }
@@ -57,7 +57,7 @@ Drift::Place Drift::place_of(double time, const Sight<double>& sight, Presence p
     return model.sight(x.data(), agent->u_ref.data());
   };
   const Vec3<double> reference = sight_at(x_ref_).p;
-  // What each state does to a robot at rest in the origin.
+  // Effect of each state on the position and velocity of a robot at rest in the origin.
   std::vector<double>& x = x_;
   x.resize(x_ref_.size());
   model.at_rest({{}, {1, 0}}, x.data());
@@ -110,7 +110,7 @@ bool Drift::leaves(std::size_t robot, Group group, std::size_t begin) const {
     return across ? place.axes[0] || place.axes[1] : place.axes[2];
   };
   const Place& now = mark_of(count_ - 1).places[robot];
-  // Whether the robot leaves what is at place_at(k, p) while the robot is at p.
+  // True if the robot moves away from place_at(k, p), with p the position of the robot.
   const auto from = [&](auto&& place_at) {
     double sum = 0.0, last = 0.0;
     for (std::size_t k = begin; k + 1 < count_; ++k) {

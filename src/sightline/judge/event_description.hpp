@@ -1,4 +1,4 @@
-/// An event as a person reads it: "uav0: hold".
+/// Descriptions of events for people: "uav0: hold".
 #pragma once
 
 #include <functional>
@@ -7,13 +7,15 @@
 
 namespace sightline {
 
-/// Whether an event of this kind, as the log names it, is of a body: its value is the body's place in the team.
+/// True if an event of this kind, as named in the log, concerns a body; its value is the body's
+/// index in the team.
 bool is_of_a_body(std::string_view kind);
 
-/// Whether it is of the scenario's script: its value is the place of an [[event]].
+/// True if an event of this kind comes from the scenario's script; its value is the index of an
+/// [[event]].
 bool is_of_the_script(std::string_view kind);
 
-/// Names of what stands at a place.
+/// Names of the body and of the [[event]] at an index.
 struct EventNames {
   std::function<std::string(int)> of_body, of_event;
 };

@@ -9,9 +9,9 @@
 namespace sightline {
 namespace {
 
-constexpr double input_tolerance = 1e-9;  // beyond a limit
+constexpr double input_tolerance = 1e-9;  // tolerated excess over a limit
 
-// Nor is what is not a number within.
+// False for NaN.
 bool is_within(double u, double low, double high) {
   return u >= low - input_tolerance && u <= high + input_tolerance;
 }

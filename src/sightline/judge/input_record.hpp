@@ -1,4 +1,4 @@
-/// The inputs of a run: whether they were within their limits, and what they cost, gathered update by update.
+/// Inputs of a run: limit violations and cost, collected update by update.
 #pragma once
 
 #include <algorithm>
@@ -13,45 +13,47 @@
 
 namespace sightline {
 
-/// Whether all numbers of a sample are finite: its states, and of an update its inputs, applied and raw.
+/// True if all numbers of a sample are finite: its states and, for an update, its applied and raw
+/// inputs.
 bool all_finite(const Sample& sample) noexcept;
 
-/// What is claimed of inputs, by the limits, weights and rates in force at each sample: the one judge of inputs. Allocates nothing
-/// after its construction.
+/// Judges inputs by the limits, weights and rates in force at each sample; the only judge of
+/// inputs. Allocates nothing after construction.
 class InputRecord {
  public:
   explicit InputRecord(const Scenario& scenario);
 
-  /// Takes the next update. Robots that are absent have no inputs.
-  /// @param present  the team as it is at the sample
+  /// Adds the next update. Absent robots have no inputs.
+  /// @param present  the team at the sample
   void add(const Sample& sample, const PresentTeam& present) noexcept;
 
-  /// Takes states that no update followed. Where a later sample comes, the loop missed a period there, and the inputs of the last
-  /// update were held through it.
+  /// Adds states without an update. If a later sample follows, the loop missed a period there and
+  /// the inputs of the last update were held through it.
   void add_states(const Sample& sample, const PresentTeam& present) noexcept;
 
-  /// Whether all applied inputs of the last update were within their limits in force, to 1e-9.
+  /// True if all applied inputs of the last update were within their limits in force, to 1e-9.
   bool within() const noexcept { return within_; }
-  /// Components beyond their limits: of the inputs applied in all periods, and of the solvers' raw ones of all updates.
+  /// Number of components beyond their limits: of applied inputs in all periods, and of the
+  /// solvers' raw inputs in all updates.
   std::int64_t beyond() const noexcept { return beyond_; }
   std::int64_t raw_beyond() const noexcept { return raw_beyond_; }
-  /// Largest component of the raw inputs by absolute value.
+  /// Largest absolute component of the raw inputs.
   double largest_raw() const noexcept { return largest_raw_; }
   const Chatter& chatter() const noexcept { return chatter_; }
 
-  /// What a robot's inputs cost and how fast they changed, while it was steered.
+  /// Cost and largest rate of a robot's inputs while the robot was steered.
   struct Robot {
     BodyId body;
     std::size_t u, nu;             // offset and length of its inputs
     double energy = 0.0;           ///< sum of dt u'Ru of the applied inputs [s]
     double rate_ratio = 0.0;       ///< largest rate of an applied input over its rate_max; 0 without rate_max
-    std::vector<double> before{};  // the applied inputs of the update before
+    std::vector<double> before{};  // applied inputs of the previous update
     double time_before = 0.0;      // [s]
     bool has_before = false;
   };
   /// In the order of the team.
   const std::vector<Robot>& robots() const noexcept { return robots_; }
-  /// Of all robots [s].
+  /// Sum over all robots [s].
   double energy() const noexcept;
 
  private:
@@ -64,7 +66,7 @@ class InputRecord {
   Chatter chatter_;
   bool within_ = true;
   std::int64_t beyond_ = 0, raw_beyond_ = 0;
-  std::int64_t held_beyond_ = 0;  // if the states that were taken last are of a missed period
+  std::int64_t held_beyond_ = 0;  // counts only if the last added states belong to a missed period
   double largest_raw_ = 0.0;
 };
 

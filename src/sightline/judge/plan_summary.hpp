@@ -1,4 +1,4 @@
-/// The time in which the solvers of a flight gave no plan.
+/// Time during which the solvers of a flight gave no plan.
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@ namespace sightline {
 
 class PlanSummary {
  public:
-  /// @param controllers  solver records in each sample
+  /// @param controllers  number of solver records in each sample
   PlanSummary(const Scenario& scenario, std::size_t controllers);
 
   void add(const Sample& sample);
 
-  /// Of any solver, whatever the reason.
+  /// Longest gap of any solver, for any reason.
   PlanGap longest() const;
-  /// A sentence for each solver that was asked and gave no plan for longer than hold_after.
+  /// One sentence for each solver that ran but gave no plan for longer than hold_after.
   std::vector<std::string> failures() const;
-  /// The object "without_plan" of summary.json.
+  /// Object "without_plan" of summary.json.
   std::string json() const;
 
  private:
@@ -29,7 +29,7 @@ class PlanSummary {
   std::vector<PlanGaps> gaps_;  // of each solver
 };
 
-/// That object for a person; empty where there was always a plan.
+/// Describes that object for people; empty if there always was a plan.
 std::string without_plan_in_words(std::string_view json);
 
 }  // namespace sightline

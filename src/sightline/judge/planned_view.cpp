@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-/// A body at a stage of the predicted path.
+/// Predicted state of a body at a stage of the path.
 Sight<double> planned_sight(const Team& team, BodyId body, const Sample& sample, std::size_t stage) {
   return team.model(body).sight(sample.path.data() + stage * sample.x.size() + team.state_offset(body),
                                 sample.path_u.data() + stage * sample.u.size() + team.input_offset(body));
@@ -27,7 +27,7 @@ void PlannedAhead::compare(double time, double flown, bool counts) {
   while (!planned_.empty() && planned_.front().time <= time + same_time) {
     const Planned planned = planned_.front();
     planned_.pop_front();
-    // A sample that was lost leaves nothing to compare with.
+    // A lost sample leaves no flown value to compare with.
     if (!counts || std::abs(planned.time - time) > same_time || !std::isfinite(planned.value)) continue;
     const double by = flown - planned.value;
     squares_ += by * by;

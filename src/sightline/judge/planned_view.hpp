@@ -1,4 +1,4 @@
-/// View angles and tilts as they were planned, against those that were flown.
+/// Compares planned with flown view angles and tilts.
 #pragma once
 
 #include <cmath>
@@ -10,19 +10,21 @@
 
 namespace sightline {
 
-/// Gives samples room for planned inputs, Sample::path_u, where a robot leans: its lean follows from them.
-/// @param prototype  of sized_sample()
+/// Allocates Sample::path_u, the planned inputs, if a robot of the scenario tilts; its tilt depends
+/// on them.
+/// @param prototype  result of sized_sample()
 void make_room_for_plans(const Scenario& scenario, Sample& prototype);
 
-/// A number of the plan against the flown one. In each sample with a predicted path the plan's for `ahead` later is kept, on a
-/// line between two stages, and compared with the flown one of that time.
+/// Compares a planned value with the flown one. Each sample with a predicted path stores the
+/// planned value at `ahead` later, linearly interpolated between two stages. The stored value is
+/// compared with the flown one at that time.
 class PlannedAhead {
  public:
   static constexpr double ahead = 0.2;  ///< [s]
 
-  /// @param flown     the true one at the sample
-  /// @param counts    whether the sample is judged; else it is planned from alone
-  /// @param at_stage  what is planned at a stage of the sample's path
+  /// @param flown     true value at the sample
+  /// @param counts    true if the sample is judged; otherwise only its planned value is stored
+  /// @param at_stage  gives the planned value at a stage of the sample's path
   template <class AtStage>
   void add(const Sample& sample, double flown, bool counts, AtStage&& at_stage) {
     compare(sample.time, flown, counts);
@@ -32,7 +34,8 @@ class PlannedAhead {
     planned_.push_back({sample.time + ahead, here + place->share * (next - here)});
   }
 
-  /// Of what was compared, not a number of nothing: root mean square of flown minus planned, mean and greatest planned.
+  /// Statistics of the comparisons, NaN if there were none: root mean square of flown minus
+  /// planned; mean and maximum of planned.
   double rms() const;
   double mean() const;
   double max() const;
@@ -43,24 +46,24 @@ class PlannedAhead {
   };
   struct Place {
     std::size_t stage;
-    double share;  // of the way to the next
+    double share;  // fraction of the interval to the next stage
   };
 
   void compare(double time, double flown, bool counts);
   static std::optional<Place> place_in(const Sample& sample);
 
-  std::deque<Planned> planned_;  // not yet flown
+  std::deque<Planned> planned_;  // not flown yet
   double squares_ = 0.0, sum_ = 0.0, max_ = 0.0;
   std::int64_t compared_ = 0;
 };
 
-/// Of one observer and its target, the view angle [rad].
+/// View angle of one observer and its target [rad].
 class PlannedView : public PlannedAhead {
  public:
   void add(const Team& team, const Observation& pair, const Sample& sample, double flown, bool counts);
 };
 
-/// Of one robot, its tilt [rad].
+/// Tilt of one robot [rad].
 class PlannedTilt : public PlannedAhead {
  public:
   void add(const Team& team, BodyId robot, const Sample& sample, double flown, bool counts);

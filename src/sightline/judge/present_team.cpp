@@ -30,7 +30,7 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
     found.push_back(
         {a, b, potential, mount, potential.alpha().value_or(no_value), no_value, no_value, c.third});
   }
-  // A distance has no direction. fmax and fmin pass over what is not a number.
+  // Distance limits count in both directions. fmax and fmin ignore NaN.
   for (const Coupling& c : couplings) {
     const BodyId a = c.between.first, b = c.between.second;
     for (Observation& o : found) {

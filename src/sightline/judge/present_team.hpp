@@ -1,4 +1,4 @@
-/// The team of a run as it is at a sample: follows the events that the samples tell.
+/// The team of a run at a sample, updated by the events in the samples.
 #pragma once
 
 #include <memory>
@@ -11,52 +11,54 @@
 
 namespace sightline {
 
-/// An observer and what its sensor is to see, by the first coupling with a sensor cone or a region that is a
-/// view.
+/// An observer and the target of its sensor, from the first coupling with a sensor cone or a region
+/// that is a view.
 struct Observation {
   BodyId observer, target;
   Potential potential;
   SensorMount mount;
-  double alpha;         ///< limit of the view angle [rad]; not a number for a region
-  double d_min, d_max;  ///< tightest of the couplings between the two [m]; not a number where none states it
-  BodyId third{};       ///< that the potential looks past; index -1: none
+  double alpha;         ///< limit of the view angle [rad]; NaN for a region
+  double d_min, d_max;  ///< tightest of the couplings between the two [m]; NaN if none sets it
+  BodyId third{};       ///< third body of the potential; index -1: none
 };
 
-/// Whether the target is in view at `time` [s]: the one judge of a view.
-/// @param observer  its first_sight(), with the body that it looks past
+/// True if the target is in view at `time` [s]; the only judge of a view.
+/// @param observer  first_sight() of the observer, with the third body
 bool is_in_view(const Observation& pair, const Sight<double>& observer, const Sight<double>& target,
                 double time) noexcept;
 
 /// All observations among couplings, in their order.
 std::vector<Observation> observations(std::span<const Coupling> couplings);
 
-/// All couplings that may be in force at some time of a run, those of the start first. Bodies are the scenario's.
+/// All couplings that may be in force during a run, those at the start first. Body ids are the
+/// scenario's.
 std::vector<Coupling> all_couplings(const Scenario& scenario);
 
-/// Of each body, whether its lean is judged and logged: vehicles, and robots from which a camera that is fixed to the body
-/// looks at some time of a run.
+/// For each body, true if its tilt is judged and logged: vehicles, and observers whose camera is
+/// body-fixed at some time of the run.
 std::vector<bool> leaning_bodies(const Scenario& scenario);
 
-/// Ids are the scenario's throughout.
+/// The team of a run, with the scenario's ids.
 class PresentTeam {
  public:
   explicit PresentTeam(const Scenario& scenario);
 
-  /// Takes in the events of the next sample. @return whether the team is another one now
+  /// Applies the events of the next sample. @return true if the team has changed
   bool follow(const Sample& sample);
 
-  /// Couplings and constraints that last, between bodies that are there.
+  /// Couplings and constraints that stay in force, between present bodies.
   std::vector<Coupling> couplings() const;
   std::vector<Constraint> constraints() const;
-  /// Robots that are steered and asked to observe, whether what they are to see is there or not.
+  /// Steered robots with a coupling that requests an observation, whether the target is present or
+  /// not.
   std::vector<BodyId> observers() const;
-  /// In force for a robot, steered or not.
+  /// Limits in force of a robot, steered or not.
   const InputLimits& limits(BodyId robot) const { return active_team_.agent(AgentId{robot}).limits; }
-  /// The robots that are steered, and what they feel; with ids of its own.
+  /// The steered robots and the bodies that affect them; with its own ids.
   const Team& team() const { return team_; }
-  /// A robot that is steered now, as it is tuned; else none.
+  /// The robot with its present tuning; null if the robot is not steered.
   const Agent* agent(BodyId robot) const;
-  /// l of the team at the sample, masked or not.
+  /// Stage cost l of the team at the sample, masked or not.
   double cost(const Sample& sample);
 
  private:
@@ -65,10 +67,10 @@ class PresentTeam {
   Script script_;
   std::shared_ptr<const TunedScript> tuned_;
   ActiveTeam active_team_;
-  Team team_;                  // of those that are steered and what they feel
-  double settles_at_;          // when the weights come to rest that move now, and what faded is dropped [s]
-  std::vector<BodyId> world_;  // of each of its bodies
-  std::vector<double> x_, u_;  // its states and inputs
+  Team team_;                  // steered robots and the bodies that affect them
+  double settles_at_;          // when moving weights settle and faded terms are removed [s]
+  std::vector<BodyId> world_;  // scenario id of each body of team_
+  std::vector<double> x_, u_;  // states and inputs of team_
 };
 
 }  // namespace sightline

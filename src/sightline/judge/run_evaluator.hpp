@@ -63,7 +63,7 @@ struct RunResult {
   /// without a barrier.
   double barrier_conflict = 0.0;
   double longest_out_of_view = 0.0;  ///< that an observer did not see its target, once it had [s]
-  std::vector<RobotLocalization> localizations{};  ///< of the robots that are localized by view
+  std::vector<RobotLocalization> localizations{};  ///< of the robots that are localized by vision
   std::string reason{};  ///< of a failed run: the sentence of what went wrong first; else empty
 };
 

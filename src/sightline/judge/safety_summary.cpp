@@ -22,16 +22,16 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t most_shown = 8;
 constexpr std::array<const char*, 3> modes = {"off", "on", "report"};
 constexpr std::array<const char*, 3> wall_names = {"floor", "ceiling", "world"};
-constexpr double wall_tolerance = 1e-6;      // [m] beyond a wall
-constexpr double distance_tolerance = 1e-9;  // [m] nearer than d_hard
-constexpr double shown_time = 0.005;         // [s] a shorter one is left out of words
+constexpr double wall_tolerance = 1e-6;      // [m] tolerated excess over a wall
+constexpr double distance_tolerance = 1e-9;  // [m] tolerated deficit below d_hard
+constexpr double shown_time = 0.005;         // [s] shorter times are omitted from texts
 constexpr double nothing = -std::numeric_limits<double>::infinity();
 
 using Bound = SafetySummary::Bound;
 
 const char* name_of(Bound::Of of) { return wall_names[static_cast<std::size_t>(of)]; }
 
-/// The sides on which a bound lies, outward.
+/// Outward normals of a bound.
 std::span<const Vec3<double>> sides(Bound::Of of) {
   static constexpr std::array<Vec3<double>, 4> level = {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
   static constexpr std::array<Vec3<double>, 2> upright = {{{0, 0, -1}, {0, 0, 1}}};
@@ -39,7 +39,7 @@ std::span<const Vec3<double>> sides(Bound::Of of) {
   return std::span(upright).subspan(of == Bound::Of::floor ? 0 : 1, 1);
 }
 
-/// Along such a side [m].
+/// Limit along such a normal [m].
 double limit_along(const Bound& bound) { return bound.of == Bound::Of::floor ? -bound.value : bound.value; }
 
 double excess_of(const Bound& bound, const Vec3<double>& p) {
@@ -78,7 +78,7 @@ void LimitRecord::cease() noexcept {
 }
 
 bool LimitRecord::move(double time, double excess, const Extreme& most) noexcept {
-  // On a line between samples on both sides of the limit.
+  // The excess is linear between two samples on opposite sides of the limit.
   const bool was = excess_ > tolerance_, is = excess > tolerance_;
   const double across = was != is ? std::abs((was ? excess_ : excess) / (excess - excess_)) : 1.0;
   const double beyond = was || is ? (time - time_) * across : 0.0;
@@ -173,7 +173,7 @@ void SafetySummary::add_pair(Pair& pair, const Sample& sample,
   if (sample.of == Sample::Of::update) pair.in_force.count(sample.time, period_);
   const Vec3<double> r = sights[at(pair.a)].p - sights[at(pair.b)].p;
   const double distance2 = dot(r, r);
-  // Most pairs could come neither near their least distance nor near the hard one.
+  // Skip pairs that could not reach their minimum distance so far or d_hard.
   const bool moved = motion_.moved(pair.a) && motion_.moved(pair.b);
   const double of_note =
       std::max(pair.least.value, pair.d_hard) + (moved ? motion_.reach(pair.a) + motion_.reach(pair.b) : 0.0);
@@ -204,7 +204,7 @@ void SafetySummary::add_bound(Bound& bound, const Sample& sample,
   if (!there) return bound.limit.cease();
   if (lands && bound.of == Bound::Of::floor) return bound.limit.pause();
   const double excess = excess_of(bound, sights[i].p);
-  // One that ceases to land is on its way up.
+  // A robot that stops landing climbs from below the floor, which is excused.
   if (!bound.limit.counts()) return bound.limit.begin(sample.time, excess, start_outside_ || was_there);
   Extreme most{excess, sample.time};
   if (motion_.moved(bound.robot) && excess + motion_.reach(bound.robot) > bound.limit.worst().value) {
@@ -229,7 +229,7 @@ bool SafetySummary::could_brake() const {
   return std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.could_brake; });
 }
 
-/// The worst first, at most as many of each kind as are shown.
+/// Worst first, at most most_shown of each kind.
 std::vector<SafetySummary::Bound> SafetySummary::by_excess() const {
   std::vector<Bound> sorted = bounds_;
   std::erase_if(sorted, [](const Bound& bound) { return bound.limit.empty(); });
@@ -340,7 +340,7 @@ std::string SafetySummary::json() const {
 std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view text) {
   const Json json = Json::parse(text);
   std::vector<std::pair<std::string, std::string>> lines;
-  // What is kept after a start that was meant, and for how long what is not was broken.
+  // Texts for the time outside at an excused start, and for the time of a violation.
   const auto times = [](const Json& of) {
     const double broken_for = of.value("broken_for", 0.0), outside = of.value("outside_at_start", 0.0);
     if (of.value("kept", true) && outside > 0)
@@ -359,7 +359,8 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
                        fmt::format("{}: {:.4g} m at least, {} {} m{}{}", who, least,
                                    kept ? "kept" : "BROKEN, to be", d_hard, times(pair), when));
   }
-  // Each that is broken or began outside, or else the one that was nearest to it.
+  // One line for each wall that is broken or was exceeded at the start, otherwise for the one with
+  // the least margin.
   const auto has_line = [&](const std::string& wall) {
     return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line.first == wall; });
   };

@@ -1,4 +1,4 @@
-/// Whether the hard distances and the walls were kept, also between samples, and what the barrier did: gathered sample by sample.
+/// Checks hard distances and walls, also between samples, and counts the actions of the barrier.
 #pragma once
 
 #include <cmath>
@@ -16,33 +16,36 @@
 
 namespace sightline {
 
-/// How far something was beyond a limit, and for how long, over a motion that is given from sample to sample.
+/// Largest excess over one limit and its duration, over a motion given sample by sample.
 class LimitRecord {
  public:
-  /// @param tolerance  what is beyond by no more keeps the limit [m]
+  /// @param tolerance  a smaller excess keeps the limit [m]
   explicit LimitRecord(double tolerance) : tolerance_(tolerance) {}
 
-  /// At the first sample at which the limit counts, or counts again.
-  /// @param excess   by how much it is beyond, negative where there is room [m]
-  /// @param excused  where it begins beyond, the limit is judged from when it is first kept
+  /// The limit counts from this sample on, first or again.
+  /// @param excess   distance beyond the limit, negative inside [m]
+  /// @param excused  true: if the excess is positive, the limit is judged only after it is first
+  ///   kept
   void begin(double time, double excess, bool excused) noexcept;
-  /// Up to the next sample.
-  /// @param most  the greatest excess since the sample before, and when; at least `excess`
-  /// @return whether the limit was broken meanwhile
+  /// Continues to the next sample.
+  /// @param most  largest excess since the previous sample and its time; at least `excess`
+  /// @return true if the limit was broken in between
   bool move(double time, double excess, const Extreme& most) noexcept;
-  /// Until it begins again. One that began beyond and was never kept is broken.
+  /// Stops until the next begin(). A limit that was exceeded at the start and never kept counts as
+  /// broken.
   void cease() noexcept;
-  /// The same, and whatever it was it is forgiven: what lands is meant to come down.
+  /// Stops like cease(), but discards an excess at the start: a landing robot is expected to pass
+  /// the floor.
   void pause() noexcept { counts_ = excused_ = false; }
 
   bool counts() const noexcept { return counts_; }
-  /// One that began beyond and never kept it has broken it too.
+  /// False also if the limit was exceeded at the start and never kept.
   bool kept() const noexcept { return !(worst_.value > tolerance_) && !excused_; }
-  /// Never counted.
+  /// True if the limit never counted.
   bool empty() const noexcept { return !(std::isfinite(worst().value)); }
-  /// The greatest excess that is judged, and when.
+  /// Largest judged excess and its time.
   const Extreme& worst() const noexcept { return excused_ ? start_ : worst_; }
-  /// Time beyond the limit: where that breaks it, and at a start that is excused [s].
+  /// Time beyond the limit [s]: that of the violation, or that of an excused start.
   double broken_for() const noexcept { return excused_ ? outside_for_ : broken_for_; }
   double outside_at_start() const noexcept { return outside_for_; }
   bool never_within() const noexcept { return excused_; }
@@ -57,36 +60,37 @@ class LimitRecord {
   double broken_for_ = 0.0, outside_for_ = 0.0;
 };
 
-/// What keeps apart, over the motion between samples (SampledMotion): the one judge of distances and walls.
+/// Judges distances and walls over the motion between samples (SampledMotion); the only judge of
+/// both.
 class SafetySummary {
  public:
-  /// @param d_hard_otherwise  of pairs of which the scenario asks nothing [m]; 0: those are not judged
-  /// @param start_outside     as Safety::start_outside, also where the scenario does not say so
+  /// @param d_hard_otherwise  for pairs without d_hard in the scenario [m]; 0: not judged
+  /// @param start_outside     as Safety::start_outside; true overrides the scenario
   explicit SafetySummary(const Scenario& scenario, double d_hard_otherwise = 0.0, bool start_outside = false);
 
-  /// Before the first sample, and before one with which bodies join: pairs that are new and cannot brake in time for d_hard
-  /// do not count as too close.
-  /// @param braking  [m/s^2], > 0
+  /// Call before the first sample, and before a sample in which bodies join. New pairs that cannot
+  /// brake in time for d_hard do not count as too close.
+  /// @param braking  deceleration [m/s^2], > 0
   void look_at_brakes(std::span<const Sight<double>> sights, std::span<const Presence> presence,
                       double braking) noexcept;
-  /// A robot that lands or is grounded has no floor.
-  /// @param sights  true ones of all bodies at the sample; those that are absent do not count
+  /// Adds a sample. A robot that lands or is grounded has no floor.
+  /// @param sights  true states of all bodies at the sample; absent bodies do not count
   void add(const Sample& sample, std::span<const Sight<double>> sights) noexcept;
 
   /// A robot and another body.
   struct Pair {
     BodyId a, b;
     double d_hard;                                                ///< [m]; 0: none
-    LimitRecord limit;                                            ///< d_hard
-    Extreme least{std::numeric_limits<double>::infinity(), 0.0};  ///< distance so far
-    TimeInForce in_force{};                                       ///< while both were there
-    bool there = false, met = false, could_brake = true;          ///< both; see look_at_brakes()
+    LimitRecord limit;                                            ///< of d_hard
+    Extreme least{std::numeric_limits<double>::infinity(), 0.0};  ///< minimum distance so far
+    TimeInForce in_force{};                                       ///< while both are present
+    bool there = false, met = false, could_brake = true;          ///< of both; see look_at_brakes()
   };
   const std::vector<Pair>& pairs() const { return pairs_; }
-  /// Of all pairs [m]; infinite where no two were ever there.
+  /// Over all pairs [m]; infinite if no two bodies were ever present together.
   double least_distance() const;
 
-  /// The floor, the ceiling or the bounds of the world for one robot.
+  /// Floor, ceiling or bounds of the world for one robot.
   struct Bound {
     enum class Of { floor, ceiling, world };
     BodyId robot;
@@ -94,25 +98,26 @@ class SafetySummary {
     double value;  ///< [m]
     LimitRecord limit;
     bool was_there = false;
-    /// The height, or the greatest |p_x| and |p_y|, of the greatest excess [m].
+    /// Height, or |p_x| or |p_y|, at the largest excess [m].
     double worst() const;
   };
   const std::vector<Bound>& bounds() const { return bounds_; }
 
-  /// A pair that could brake came nearer than d_hard: since the sample before; ever.
+  /// True if a pair that could brake came closer than d_hard: since the previous sample; ever.
   bool too_close_now() const { return too_close_now_; }
   bool too_close() const { return too_close_; }
-  /// All pairs, when they first were there.
+  /// True if all pairs could brake when they were first present.
   bool could_brake() const;
 
-  /// A sentence for each hard distance and each wall that was broken; the worst first, at most eight of each.
+  /// One sentence for each broken hard distance and each broken wall, worst first, at most eight of
+  /// each.
   std::vector<std::string> broken() const;
   std::vector<std::string> broken_walls() const;
 
-  /// Largest share of the updates in which the barrier found a conflict for one robot; not a number without a barrier.
+  /// Largest share, over the robots, of updates with a barrier conflict [-]; NaN without a barrier.
   double conflict_share() const;
 
-  /// The value of `safety` in summary.json; empty where the scenario asks for nothing.
+  /// Value of `safety` in summary.json; empty if the scenario sets no limit and no barrier.
   std::string json() const;
 
  private:
@@ -131,13 +136,13 @@ class SafetySummary {
   std::vector<Pair> pairs_;
   std::vector<Bound> bounds_;
   std::vector<Robot> robots_;
-  std::int64_t samples_ = 0, unseen_ = 0;  // updates; periods that nobody saw
+  std::int64_t samples_ = 0, unseen_ = 0;  // updates; periods without known truth
   bool too_close_now_ = false, too_close_ = false;
   double period_;  // [s]
 };
 
-/// `safety` of a summary.json in words: what, and its value.
-/// @throws nlohmann::json::exception where it is none
+/// Describes `safety` of a summary.json: pairs of name and value.
+/// @throws nlohmann::json::exception if the text is not such a value
 std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view json);
 
 }  // namespace sightline

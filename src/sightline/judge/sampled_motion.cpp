@@ -12,10 +12,10 @@ constexpr double longest_step = 0.02;   // of the model's motion [s]
 constexpr std::size_t steps_most = 32;  // of one body between two samples
 constexpr std::size_t rows_most = 4;    // inputs in force between two samples
 constexpr std::size_t knots_most = 1 + steps_most + 2 * (rows_most - 1);
-constexpr double jump = 1e-7;           // what comes into force takes to do so [s]
-constexpr double close_enough = 1e-5;   // to an extreme [m]
-constexpr int halvings = 20;            // at most
-constexpr double unsteady_speed = 1.0;  // that a step may have beyond twice the body's own [m/s]
+constexpr double jump = 1e-7;           // duration of a change of the inputs [s]
+constexpr double close_enough = 1e-5;   // tolerance of an extreme [m]
+constexpr int halvings = 20;            // maximum number of bisections
+constexpr double unsteady_speed = 1.0;  // allowed speed of a step beyond twice the body's speed [m/s]
 constexpr double off_chord = 4.0 / 27;  // greatest s (1 - s)^2
 
 bool all_finite(const Vec3<double>& v) {
@@ -28,7 +28,7 @@ Knot between(const Knot& a, const Knot& b) noexcept {
           (1.5 / h) * (b.p - a.p) - 0.25 * (a.v + b.v)};
 }
 
-/// The cubic at a + s (b - a).
+/// The cubic at the time a + s (b - a), s in [0, 1].
 Vec3<double> place(const Knot& a, const Knot& b, double s) noexcept {
   const double h = b.time - a.time;
   const Vec3<double> d = b.p - a.p, from = h * a.v - d, to = d - h * b.v;
@@ -122,7 +122,7 @@ void SampledMotion::follow(const Sample& sample, std::span<const Sight<double>> 
     if (!body.moved) continue;
     body.reach = norm(d);
     if (!body.is_robot) continue;
-    if (delays_) {  // a switch between the samples leads farther than velocities at their times tell
+    if (delays_) {  // velocities at the samples do not bound the reach if inputs change between
       body.reach = 0.0;
       const std::span<const Knot> all = knots(BodyId{static_cast<int>(i)});
       for (std::size_t k = 0; k + 1 < all.size(); ++k) {
@@ -138,8 +138,9 @@ void SampledMotion::follow(const Sample& sample, std::span<const Sight<double>> 
   }
 }
 
-/// The times of knots since the sample before, and the inputs in force between them. What comes into force between two samples has
-/// a knot just before and one just after it, since some velocities jump with their commands.
+/// Computes the knot times since the previous sample and the inputs in force between them. A change
+/// of input between two samples has one knot just before it and one just after, because some
+/// velocities jump with their commands.
 void SampledMotion::divide() noexcept {
   const double T = period_, from = time_ - T, steps = std::ceil(T / longest_step - 1e-6);
   const std::size_t n =
@@ -170,7 +171,7 @@ void SampledMotion::divide() noexcept {
   }
 }
 
-/// By its model, with what that misses at the last sample.
+/// Motion of a body by its model, corrected by the model's error at the last sample.
 void SampledMotion::fly(Body& body) noexcept {
   const std::size_t n = times_.size() - 1;
   const double T = period_, from = times_.front();

@@ -16,10 +16,11 @@
 namespace sightline {
 namespace {
 
-constexpr double lost_after = 2.0;        // out of view at the end for so long is a failure [s]
+constexpr double lost_after = 2.0;        // this long out of view at the end is a failure [s]
 constexpr std::size_t events_max = 1000;  // in the summary; the log has all
 
-/// Whether two potentials of one kind state the same limit, asked at a few places near and far.
+/// True if two potentials of one kind state the same limit, compared at some near and far
+/// positions.
 bool same_limit(const Potential& a, const Potential& b) {
   constexpr double far = 1000.0;  // [m]
   constexpr std::array<Vec3<double>, 7> places = {
@@ -34,7 +35,7 @@ double share(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : no_value;
 }
 
-// An extreme starts at infinity and stays there where nothing was counted.
+// An extreme starts at infinity and stays there without samples.
 double counted(double value) { return std::isfinite(value) ? value : no_value; }
 
 }  // namespace
@@ -83,12 +84,12 @@ void Summary::add_limit(const Potential& potential, BodyId a, BodyId b, BodyId t
   limits_.back().third = third;
 }
 
-/// Views and limits of what is not in force do not count.
+/// Views and limits count only while their couplings or constraints are in force.
 void Summary::find_what_is_in_force() {
   const std::vector<Coupling> couplings = present_.couplings();
   const std::vector<Constraint> constraints = present_.constraints();
   const std::vector<Observation> observed = observations(couplings);
-  // What only a flight can tell joins those that were foreseen.
+  // Add pairs that only became known during the flight.
   for (const Observation& o : observed) {
     const auto same = [&](const View& v) {
       return v.pair.observer == o.observer && v.pair.target == o.target;
@@ -113,7 +114,7 @@ void Summary::find_what_is_in_force() {
   }
 }
 
-/// Of several limits of one kind on the same bodies each is one of limits_.
+/// Each of several equal limits on the same bodies has its own entry in limits_.
 void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
                                    const std::vector<Constraint>& constraints) {
   struct Stated {
@@ -135,14 +136,15 @@ void Summary::find_limits_in_force(const std::vector<Coupling>& couplings,
     limit->potential = *s.potential;
     return true;
   };
-  // What was there goes on. What protected two bodies is judged until they have parted.
+  // Equal limits continue. A minimum distance that was removed while broken is judged until the
+  // bodies have separated.
   std::erase_if(stated, [&](const Stated& s) {
     return take(s, [&](const Limit& limit) { return same_limit(limit.potential, *s.potential); });
   });
   for (Limit& limit : limits_) {
     if (!limit.in_force && !keeps_apart(limit.potential)) limit.broken_since = no_value;
   }
-  // What is new follows one of its kind that ended, or begins.
+  // A new limit continues an ended one of its kind, or begins.
   for (const Stated& s : stated) {
     const bool follows = take(s, [&](const Limit& limit) {
       return std::isnan(limit.broken_since) && limit.potential.name() == s.potential->name();
@@ -174,7 +176,7 @@ void Summary::add(const Sample& sample) {
   drift_.add(sample, sights_, present_);
 }
 
-/// States that no update followed: a place is judged, and nothing that a robot was asked for.
+/// States without an update: positions are judged, references and couplings are not.
 void Summary::add_states(const Sample& sample) {
   if (!all_finite(sample)) ++not_finite_;
   look(sample);

@@ -1,4 +1,4 @@
-/// What a run is judged by: summary.json, gathered sample by sample.
+/// Results of a run for summary.json, collected sample by sample.
 #pragma once
 
 #include <array>
@@ -26,25 +26,24 @@
 
 namespace sightline {
 
-/// The numbers of a run. Not a number: there was nothing to compute it from.
+/// Numbers of a run. NaN: no data.
 struct SummaryValues {
   struct Times {
-    double mean, median, p99, max;  ///< [µs]; of more than 65 536 the median and p99 within 0.5 %
+    double mean, median, p99, max;  ///< [µs]; above 65 536 values median and p99 to 0.5 %
   };
   struct Pair {
     std::string observer, target;
     double distance_min, distance_max;  ///< after settle [m]
     double view_angle_max;              ///< after settle [rad], (71)
-    double in_view_from;                ///< in view from here to the end [s]
+    double in_view_from;                ///< from here to the end in view [s]
     double in_view_fraction;            ///< after settle
     TimeInForce in_force;
-    bool from_leaning = false;     ///< by a vehicle, or by a camera that is fixed to the body; only then:
-    double view_angle_mean = 0.0;  ///< after settle [rad]
-    double planned_view_rms =
-        0.0;  ///< of flown against planned PlannedView::ahead before, after settle [rad]
-    double planned_view_mean = 0.0;  ///< as planned [rad]
+    bool from_leaning = false;       ///< observer is a vehicle or its camera is body-fixed; only then:
+    double view_angle_mean = 0.0;    ///< after settle [rad]
+    double planned_view_rms = 0.0;   ///< flown minus planned (PlannedView::ahead before), after settle [rad]
+    double planned_view_mean = 0.0;  ///< planned [rad]
   };
-  /// A robot that was asked to observe, while nothing that it was to see was there.
+  /// A robot with a coupling that requests an observation, while no target was present.
   struct Idle {
     std::string observer;
     TimeInForce time;
@@ -53,32 +52,32 @@ struct SummaryValues {
     std::string name;
     double rms_position_error;  ///< from rms_from on [m]
     double position_offset;     ///< steady part of that error: the length of its mean in G [m]
-    double tracking_error;      ///< root mean square of the rest [m]
+    double tracking_error;      ///< root mean square of the remaining error [m]
     double rms_heading_error;   ///< from rms_from on [rad]
     double energy;              ///< sum of dt u'Ru of the applied input [s]
-    double tilt_max;  ///< after settle [rad], of a vehicle or one with a camera that is fixed to its body
-    double planned_tilt_max, planned_tilt_rms;  ///< planned PlannedTilt::ahead before, where it leans [rad]
+    double tilt_max;            ///< after settle [rad]; of a vehicle or a robot with a body-fixed camera
+    double planned_tilt_max, planned_tilt_rms;  ///< planned PlannedTilt::ahead before, if it tilts [rad]
     double input_rate_ratio;                    ///< largest rate of an applied input over its rate_max
   };
   struct Limit {
     std::string name;  ///< "keep_out uav0-uav1"
-    double fraction;   ///< of the time it was broken
+    double fraction;   ///< share of the time in force during which it was broken
     double longest;    ///< [s]
     double worst;      ///< excess, in the limit's unit; 0 while it holds
-    std::string unit;  ///< of `worst`, in words
+    std::string unit;  ///< unit of `worst`, as text
     TimeInForce in_force;
   };
   struct Chatter {
     std::string agent, input;
     double from;   ///< [s]
-    double share;  ///< of the time
-    double jump;   ///< mean from period to period meanwhile, as u
-    bool region;   ///< the robot feels a limit as text, which `smooth` makes softer
+    double share;  ///< share of the time, (0, 1]
+    double jump;   ///< mean change from period to period during chatter, in the unit of u
+    bool region;   ///< a text limit affects the robot; a larger `smooth` softens it
   };
   struct Drift {
     std::string agent;
-    Vec3<double> v;       ///< mean velocity of the end of the run, in G [m/s]
-    bool from_reference;  ///< else from what it follows, or from where it was
+    Vec3<double> v;       ///< mean velocity at the end of the run, in G [m/s]
+    bool from_reference;  ///< else from its anchors, or from its initial position
   };
   struct TriggeredEvent {
     double time;  ///< [s]
@@ -88,66 +87,67 @@ struct SummaryValues {
   std::int64_t updates = 0;
   double cost = 0.0;  ///< sum of dt l(x, u, t), all weights, masked or not [s]
   Times solve_us{};
-  std::int64_t allocations_per_update = 0;            ///< most in one update
+  std::int64_t allocations_per_update = 0;            ///< maximum in one update
   std::array<std::int64_t, status_count> statuses{};  ///< updates by Status
-  std::int64_t not_finite = 0;                        ///< samples with a state or an input that is not
+  std::int64_t not_finite = 0;                        ///< samples with a state or an input that is not finite
   std::int64_t input_violations = 0;                  ///< components of the raw u beyond their limit in force
-  std::int64_t applied_violations = 0;                ///< of the applied u
+  std::int64_t applied_violations = 0;                ///< likewise of the applied u
   double max_abs_input = 0.0;                         ///< of the raw u
   int pairs_active_max = 0;                           ///< most pairs of swarms in one update
-  int pairs_left_out_max = 0;                         ///< most near ones without room in one update
-  double min_distance = 0.0;                          ///< of a robot to any other body, all of the run [m]
+  int pairs_left_out_max = 0;                         ///< most near pairs without capacity in one update
+  double min_distance = 0.0;                          ///< of a robot to any other body, whole run [m]
   std::vector<Pair> pairs;
   std::vector<Idle> idle_observers;
   std::vector<Robot> robots;
   std::vector<Limit> limits;
-  std::vector<Chatter> chatter;  ///< inputs that alternate at the period
+  std::vector<Chatter> chatter;  ///< inputs that alternate at the control period
   std::optional<std::vector<Drift>>
-      drift;                           ///< robots that leave, the fastest first; none: not judged, too short
-  std::vector<TriggeredEvent> events;  ///< but for changes of status, which the log has; at most 1000
+      drift;                           ///< robots that leave, fastest first; empty: the run was too short
+  std::vector<TriggeredEvent> events;  ///< without status changes, which the log has; at most 1000
 };
 
-/// Gathers SummaryValues. One thread.
+/// Collects SummaryValues. One thread.
 class Summary {
  public:
-  /// @param controllers  solver records in each sample
+  /// @param controllers  number of solver records in each sample
   Summary(const Scenario& scenario, std::size_t controllers);
 
   void add(const Sample& sample);
 
   SummaryValues values() const;
-  /// summary.json, its keys as in docs/notation.md; what is not finite is null.
+  /// Text of summary.json, keys as in docs/notation.md; a number that is not finite is null.
   std::string json() const;
 
-  /// Samples with a state or an input, applied or raw, that is not finite; whether there is none.
+  /// Number of samples with a state or an input, applied or raw, that is not finite; true if there
+  /// is none.
   std::int64_t not_finite() const { return not_finite_; }
   bool finite() const { return not_finite_ == 0; }
-  /// Components of applied inputs beyond the limits that were in force.
+  /// Number of components of applied inputs beyond their limits in force.
   std::int64_t applied_violations() const { return inputs_.beyond(); }
-  /// Of the last sample: its stage cost, and the team as it was.
+  /// Of the last sample: its stage cost, and the team.
   double stage_cost() const { return stage_cost_; }
   const PresentTeam& present() const { return present_; }
-  /// The time without a plan.
+  /// Time without a plan.
   const PlanSummary& plans() const { return plans_; }
-  /// Of robots that are localized by view.
+  /// Accuracy of vision-localized robots.
   const LocalizationSummary& localization() const { return localization_; }
-  /// The hard distances, and what the barrier did.
+  /// Hard distances, walls and barrier.
   const SafetySummary& safety() const { return safety_; }
-  /// Whether some observer did not see its target during all of the last 2 s.
+  /// True if an observer did not have its target in view during the whole last 2 s.
   bool target_lost_at_end() const { return !out_of_view().empty(); }
-  /// A sentence for each of them.
+  /// One sentence for each such observer.
   std::vector<std::string> out_of_view() const;
 
  private:
   struct View {
     Observation pair;
     double nearest, farthest, angle_max;  // after settle [m], [rad]
-    double out_since, in_since;           // begin of the present stretch [s]; NaN in the other
-    std::int64_t settled = 0, seen = 0;   // samples after settle, and those of them in view
+    double out_since, in_since;           // start of the present interval [s]; the other one is NaN
+    std::int64_t settled = 0, seen = 0;   // samples after settle, and number of these in view
     bool in_force = true;
     TimeInForce time{};
     double angles = 0.0;        // sum after settle [rad]
-    bool from_leaning = false;  // its plan is told
+    bool from_leaning = false;  // its planned angle is reported
     PlannedView planned{};
   };
   struct Limit {
@@ -155,7 +155,7 @@ class Summary {
     Potential potential;
     BodyId a, b;
     double broken_since;  // [s]; NaN while it holds
-    BodyId third{};       // that it looks past; index -1: none
+    BodyId third{};       // third body of the potential; index -1: none
     double longest = 0.0, worst = 0.0;
     std::int64_t broken = 0, counted = 0;
     bool in_force = true;
@@ -164,10 +164,10 @@ class Summary {
   struct Robot {
     BodyId body;
     TrackingError error;
-    bool leans = false;     // its tilt is told
+    bool leans = false;     // its tilt is reported
     double steepest = 0.0;  // tangent of the largest tilt
     PlannedTilt planned{};
-    bool is_idle = false;  // asked to observe, and nobody is there
+    bool is_idle = false;  // requested to observe, and no target is present
     TimeInForce idle{};
   };
 
@@ -198,7 +198,7 @@ class Summary {
   std::vector<View> views_;
   std::vector<Limit> limits_;
   std::vector<Robot> robots_;
-  std::vector<Sight<double>> sights_;  // of all bodies at the present sample
+  std::vector<Sight<double>> sights_;  // of all bodies at the last sample
   InputRecord inputs_;
   Drift drift_;
 
@@ -211,30 +211,30 @@ class Summary {
   std::vector<Event> events_;
 };
 
-/// One line of the summary as a person reads it.
+/// One line of the summary for people.
 struct SummaryLine {
   std::string what, value;
 };
 
-/// summary.json in words and units.
-/// @throws std::runtime_error where the text is no such summary
+/// Describes summary.json in words and units.
+/// @throws std::runtime_error if the text is no such summary
 std::vector<SummaryLine> summary_lines(std::string_view json);
 
-/// How planned and flown compare, in words and units, for pairs and robots that lean: what it is, as planned, as flown, and root
-/// mean square of the difference.
-/// @throws std::runtime_error where the text is no such summary
+/// Compares planned with flown values, in words and units, for pairs and robots that tilt: name,
+/// planned, flown, root mean square of the difference.
+/// @throws std::runtime_error if the text is no such summary
 std::vector<std::array<std::string, 4>> planned_rows(std::string_view json);
 
-/// Solvers side by side: a line for each summary.json, with its times to solve and its cost.
-/// @throws std::runtime_error where a text is no such summary
+/// Compares solvers: one line for each summary.json, with solve times and cost.
+/// @throws std::runtime_error if a text is no such summary
 std::vector<SummaryLine> comparison_lines(std::span<const std::string> summaries);
 
-/// partition.json in words; no line where it is not of the run that the summary tells.
-/// @throws std::runtime_error where a text is no such file
+/// Describes partition.json; no line if it does not belong to the run of the summary.
+/// @throws std::runtime_error if a text is no such file
 std::vector<SummaryLine> partition_lines(std::string_view summary, std::string_view partition);
 
-/// Writes summary.json into the folder, whole or not at all.
-/// @return what went wrong, a sentence; empty if it stands there
+/// Writes summary.json into the folder, completely or not at all.
+/// @return the fault as a sentence; empty on success
 std::string write_summary(const std::filesystem::path& folder, std::string_view json);
 
 }  // namespace sightline

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t lines_max = 12;  // of one kind; summary.json has all
 
-// A number as a person reads it; "-" for null.
+// Formats a number for people; "-" for null.
 std::string describe(const Json& value, std::string_view unit) {
   if (!value.is_number()) return "-";
   const auto number = value.get<double>();
@@ -41,7 +41,7 @@ std::string times_to_solve(const Json& s) {
                      describe(us.at("max"), "µs"));
 }
 
-// What is not there, or of another kind, is a summary's fault.
+// A missing or wrong entry is a fault of the summary.
 template <class Read>
 auto of_summary(Read&& read) {
   try {
@@ -51,7 +51,8 @@ auto of_summary(Read&& read) {
   }
 }
 
-// The entries of a list, of many those alone that score highest; `more` takes how many are left out.
+// Reports all entries of a list, or only the lines_max entries with the highest scores. Then `more`
+// receives the number of omitted entries.
 template <class Score, class Tell, class More>
 void report_worst(const Json& list, Score&& score, Tell&& tell, More&& more) {
   std::vector<const Json*> entries;
@@ -75,7 +76,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
     lines.push_back({std::move(what), std::move(value)});
   };
 
-  // Over what time something was judged; all of the run in the words given.
+  // Time in which a criterion was in force; `all` if that is the whole run.
   const auto in_force = [](const Json& judged, std::string_view all) {
     return judged.contains("in_force") ? time_words(json_text(judged.at("in_force"))) : std::string(all);
   };

@@ -15,7 +15,7 @@ void TimeInForce::count(double time, double period) {
 }
 
 bool TimeInForce::is_whole(double end) const {
-  constexpr double rounding = 1e-6;  // of a sum of periods, of its length
+  constexpr double rounding = 1e-6;  // relative error of a sum of periods
   return total >= end * (1 - rounding);
 }
 

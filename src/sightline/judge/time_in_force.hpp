@@ -1,4 +1,4 @@
-/// From when to when a judgement of a run counted, and how long in all.
+/// Interval and total time in which a criterion of a run was evaluated.
 #pragma once
 
 #include <string>
@@ -7,19 +7,19 @@
 namespace sightline {
 
 struct TimeInForce {
-  double from = 0.0, to = 0.0;  ///< begin of the first and end of the last period that counted [s]
-  double total = 0.0;           ///< of all that did [s]
+  double from = 0.0, to = 0.0;  ///< start of the first and end of the last counted period [s]
+  double total = 0.0;           ///< sum of all counted periods [s]
 
-  /// One more period, in the order of their times.
+  /// Adds one period, in chronological order.
   void count(double time, double period);
-  /// Whether it counted all the time from 0 to the end of a run [s].
+  /// True if all time from 0 to `end` was counted; `end`: end of the run [s].
   bool is_whole(double end) const;
-  /// {"from", "to", "total"}.
+  /// JSON object {"from", "to", "total"}.
   std::string json() const;
 };
 
-/// "24.0 s, 2.0 to 26.0 s" of that json.
-/// @throws std::exception where it is none
+/// Describes this JSON: "24.0 s, 2.0 to 26.0 s".
+/// @throws std::exception if the text is no such object
 std::string time_words(std::string_view json);
 
 }  // namespace sightline

@@ -33,7 +33,7 @@ void TrackingError::add(const Agent& agent, double time, const Sight<double>& se
   const Vec2<double> d = wanted.d;
   if (to_heading && !(d.x == 0 && d.y == 0)) {
     const double error =
-        atan2(d.x * seen.d.y - d.y * seen.d.x, d.x * seen.d.x + d.y * seen.d.y);  // the short way round
+        atan2(d.x * seen.d.y - d.y * seen.d.x, d.x * seen.d.x + d.y * seen.d.y);  // the shorter way around
     heading_squares_ += square(error);
     ++headings_;
   }
@@ -44,7 +44,7 @@ void TrackingError::add(const Agent& agent, double time, const Sight<double>& se
   ++places_;
 }
 
-// Of no samples all are 0 / 0.
+// Without samples all results are 0 / 0 = NaN.
 double TrackingError::rms_position() const { return std::sqrt(squares_ / static_cast<double>(places_)); }
 double TrackingError::offset() const { return norm(sum_) / static_cast<double>(places_); }
 double TrackingError::rms_rest() const {

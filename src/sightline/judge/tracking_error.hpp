@@ -1,4 +1,4 @@
-/// How far a robot was from its reference.
+/// Errors of a robot against its reference.
 #pragma once
 
 #include <cstdint>
@@ -9,25 +9,25 @@
 
 namespace sightline {
 
-/// Whether the agent's Q asks for a place, or for a heading: only then a reference is one to be judged by.
+/// True if the agent's Q weighs a position, or a heading; only then is its reference a criterion.
 bool tracks_position(const Agent& agent, const StateRoles& roles);
 bool tracks_heading(const Agent& agent, const StateRoles& roles);
 
-/// Position and heading of one robot against its reference, gathered sample by sample: the one judge of both errors. All are not a
-/// number where no sample counted. Allocates nothing after its construction.
+/// Collects position and heading errors of one robot, sample by sample; the only judge of both
+/// errors. Every result is NaN if no sample counted. Allocates nothing after construction.
 class TrackingError {
  public:
   /// @param model  of the robot
-  /// @param from   nothing counts before [s]
+  /// @param from   samples before this time do not count [s]
   TrackingError(const Model& model, double from);
 
-  /// @param agent  the robot while it is steered, as it is tuned at `time` [s]
-  /// @param seen   what it truly shows then
+  /// @param agent  the steered robot with its tuning at `time` [s]
+  /// @param seen   its true pose at that time
   void add(const Agent& agent, double time, const Sight<double>& seen);
 
   double rms_position() const;  ///< root mean square of |p - p*| [m]
-  double offset() const;        ///< the steady part of that error: the length of its mean in G [m]
-  double rms_rest() const;      ///< root mean square of the rest [m]
+  double offset() const;        ///< steady part of that error: length of its mean in G [m]
+  double rms_rest() const;      ///< root mean square of the remaining error [m]
   double rms_heading() const;   ///< root mean square of the angle between heading and reference heading [rad]
 
  private:
@@ -36,7 +36,7 @@ class TrackingError {
   std::vector<double> x_ref_;
   Vec3<double> sum_{};  // [m]
   double squares_ = 0.0, heading_squares_ = 0.0;
-  std::int64_t places_ = 0, headings_ = 0;  // that counted
+  std::int64_t places_ = 0, headings_ = 0;  // number of samples that counted
 };
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// Frames and what robots show of themselves: G global, V vehicle, B body, S sensor; (17)-(22), (40)-(48).
+/// Frames, poses and sensor mounts: G global, V vehicle, B body, S sensor; (17)-(22), (40)-(48).
 #pragma once
 
 #include <array>
@@ -18,20 +18,21 @@ struct Pose {
   Vec2<S> d;  ///< heading (cos psi, sin psi), (18), (19); |d| = 1
 };
 
-/// All that a potential sees of a robot: pose and velocity in G, how it leans, how sure it is of what it looks at, and what may
-/// stand in its way.
+/// Arguments of a potential for one robot: pose and velocity in G, tilt, uncertainty of its view,
+/// and the third body of the coupling.
 ///
-/// The lean xi is the tangent of the tilt of the thrust, horizontal over vertical specific thrust, by its components in V: the
-/// thrust points along (xi_f, xi_s, 1). A robot that stands upright has (0, 0).
+/// The tilt xi is the tangent of the thrust's angle to the vertical: horizontal over vertical
+/// specific thrust, by its components in V. The thrust points along (xi_f, xi_s, 1). An upright
+/// robot has (0, 0).
 template <class S>
 struct Sight : Pose<S> {
   Vec3<S> v;        ///< velocity [m/s]
-  Vec2<S> lean{};   ///< xi = (xi_f, xi_s), forward and to the left [-]
-  S uncertainty{};  ///< standard deviation of where what it looks at is to it, sideways [m]; 0: it knows
-  Vec3<S> third{};  ///< where in G the third body of a coupling is [m], by the first of its two
+  Vec2<S> lean{};   ///< tilt xi = (xi_f, xi_s), forward and to the left [-]
+  S uncertainty{};  ///< lateral standard deviation of the observed body's relative position [m]; 0: exact
+  Vec3<S> third{};  ///< in the first body of a coupling: position in G of the third one [m]
 };
 
-/// Numbers in a Sight that follow from state and input, in the order p, d, v, lean.
+/// Numbers of a Sight that follow from state and input, in the order p, d, v, lean.
 inline constexpr int sight_size = 10;
 
 template <class S, class Row>
@@ -47,36 +48,36 @@ void write_sight(const Sight<S>& s, Row&& r) {
   r[8] = s.lean.x, r[9] = s.lean.y;
 }
 
-/// v_V in G: R(d) v, (22). The transpose turns G into V, (43).
+/// Rotates v_V from V to G: R(d) v, (22). The transpose rotates from G to V, (43).
 template <class S>
 Vec2<S> rotate(const Vec2<S>& d, const Vec2<S>& v_V) {
   return {d.x * v_V.x - d.y * v_V.y, d.y * v_V.x + d.x * v_V.y};
 }
 
-/// What a sensor is fixed to.
+/// Frame to which a sensor is fixed.
 enum class MountFrame {
-  level,  ///< V, as the paper has it: a gimbal holds it level
-  body,   ///< B, which leans with the thrust
+  level,  ///< V, as in the paper: a gimbal holds the sensor level
+  body,   ///< B, which tilts with the thrust
 };
 inline constexpr std::array<std::string_view, 2> mount_frames = {"level", "body"};
 
-/// Where the sensor sits on the robot, (45); its axis in V, or in B, is (cos beta, 0, -sin beta), so beta > 0 looks
-/// down.
+/// Mount of a sensor on the robot, (45). The sensor axis in V, or in B, is (cos beta, 0, -sin
+/// beta), so beta > 0 points down.
 ///
-/// B is V pitched and rolled: z along the thrust, x in the vertical plane of the heading. Its axes in V, not yet of
-/// length 1, are, with xi the lean (docs/equations.md, 1),
+/// B is V pitched and rolled: z along the thrust, x in the vertical plane of the heading. Its axes
+/// in V, before normalisation, are, with xi the tilt (docs/equations.md, 1),
 ///
 ///   x_B ~ (1, 0, -xi_f),   y_B ~ (-xi_f xi_s, 1 + xi_f^2, -xi_s),   z_B ~ (xi_f, xi_s, 1)
 struct SensorMount {
   double pitch = 0.5;                    ///< beta [rad], in [-pi/2, pi/2]
   double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
-  MountFrame frame = MountFrame::level;  ///< whose pitch and offset these are
-  double sigmas =
-      0.0;  ///< standard deviations of Sight::uncertainty by which what it looks at may be off, >= 0
+  MountFrame frame = MountFrame::level;  ///< frame of pitch and offset
+  double sigmas = 0.0;  ///< standard deviations of Sight::uncertainty that the view must tolerate, >= 0
 
   bool operator==(const SensorMount&) const = default;
 
-  /// A point of G in the sensor frame S of a robot that stands upright: p_S = T_SG p_G, (46), (48).
+  /// Transforms a point of G into the sensor frame S of an upright robot: p_S = T_SG p_G, (46),
+  /// (48).
   template <class S>
   Vec3<S> operator()(const Pose<S>& robot, const Vec3<S>& point) const {
     const double c = cos(pitch), s = sin(pitch);
@@ -85,8 +86,8 @@ struct SensorMount {
     return {r.z * s - eta * c, robot.d.y * r.x - robot.d.x * r.y, -(r.z * c) - eta * s};
   }
 
-  /// The same of a robot that leans: p_S = T_SB T_BV T_VG p_G where the sensor is fixed to the body. With a lean of 0 both
-  /// have the same bits.
+  /// The same for a tilted robot: p_S = T_SB T_BV T_VG p_G if the sensor is fixed to the body. At
+  /// zero tilt both give the same bits.
   template <class S>
   Vec3<S> operator()(const Sight<S>& robot, const Vec3<S>& point) const {
     if (frame == MountFrame::level)
@@ -99,20 +100,21 @@ struct SensorMount {
     const S right = robot.d.y * r.x - robot.d.x * r.y;
     const S of_x = 1.0 + square(xi.x), of_z = of_x + square(xi.y);
     const S per_x = 1.0 / sqrt(of_x), per_z = 1.0 / sqrt(of_z);
-    // In B; the lever arm itself does not turn.
+    // In B; the tilt does not rotate the lever arm itself.
     const S eta = offset * (1.0 - per_x) + per_x * (arm - xi.x * r.z);
     const S y = (of_x * right + xi.y * (xi.x * ahead + r.z)) * (per_x * per_z);
     const S z = (r.z + xi.x * ahead - xi.y * right) * per_z;
     return farthest(robot.uncertainty, Vec3<S>{z * s - eta * c, y, -(z * c) - eta * s});
   }
 
-  /// Of the points that are `sigmas` standard deviations beside p_S, the one farthest off the axis: where it is in view, all
-  /// are. Within about that radius rho of the axis, where they have no direction, by less: (y, z) grows by rho / sqrt(y^2 + z^2 +
-  /// rho^2) of itself, docs/equations.md, 1.
+  /// Of the points displaced laterally by `sigmas` standard deviations from p_S, the one farthest
+  /// off the axis. If it is in view, all are. Within about that radius rho of the axis the
+  /// direction is undefined, so the displacement is smaller: (y, z) is scaled by 1 + rho / sqrt(y^2
+  /// + z^2 + rho^2), docs/equations.md, 1.
   template <class S>
   Vec3<S> farthest(const S& uncertainty, const Vec3<S>& p_S) const {
     if (sigmas == 0.0) return p_S;
-    constexpr double axis = 1e-12;  // rho = 0 on the axis [m^2]
+    constexpr double axis = 1e-12;  // keeps the root positive for rho = 0 on the axis [m^2]
     const S rho = sigmas * uncertainty;
     const S grown = 1.0 + rho / sqrt(square(p_S.y) + square(p_S.z) + square(rho) + axis);
     return {p_S.x, grown * p_S.y, grown * p_S.z};
@@ -122,7 +124,8 @@ struct SensorMount {
 /// Angle between the sensor axis and a point of S [rad], in [0, pi], (71); 0 at the sensor itself.
 double off_axis(const Vec3<double>& p_S);
 
-/// The same of a point of G. A robot whose pose is given stands upright, one whose sight is given leans.
+/// Angle between the sensor axis and a point of G [rad]. The overload for a Pose assumes an upright
+/// robot; the one for a Sight includes its tilt.
 inline double view_angle(const SensorMount& mount, const Pose<double>& robot, const Vec3<double>& point) {
   return off_axis(mount(robot, point));
 }

@@ -1,7 +1,7 @@
-/// Robots that drive on the ground: (24) without u_z, and also without u_s.
+/// Ground robots: (24) without u_z, and also without u_s.
 ///
-/// The height is a state that never changes: it is that of the start, so that potentials of a ground robot and one
-/// that flies are the same.
+/// The height is a state that keeps its start value. So potentials are the same for a ground robot
+/// and a flying one.
 #pragma once
 
 #include <array>
@@ -14,9 +14,10 @@ namespace sightline {
 
 /// Omnidirectional ground robot: drives forward and sideward, and turns.
 ///
-///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]  position [m], heading, velocity forward and sideward in V [m/s]
-///   u = [u_f, u_s, u_psi]                    normalised commands, within [-1, 1]; u_s > 0 to the right, as in
-///                                            (24)
+///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]  position [m], heading, velocity forward and to the
+///                                            left in V [m/s]
+///   u = [u_f, u_s, u_psi]                    normalised commands, within [-1, 1]; u_s > 0 to the
+///                                            right, as in (24)
 struct OmniRover {
   static constexpr int nx = 7, nu = 3;
   static constexpr std::string_view name = "omni_rover";
@@ -59,7 +60,7 @@ struct OmniRover {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0.0, 0.0};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2]; the ground holds against its vertical part.
+  /// Rate of the state under an acceleration a in G [m/s^2]; the ground cancels its vertical part.
   std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
     const Vec2<double> a_V = rotate<double>({x[3], -x[4]}, {a.x, a.y});
     return {0, 0, 0, 0, 0, a_V.x, a_V.y};
@@ -68,7 +69,7 @@ struct OmniRover {
   static constexpr int heading_at = 3;
 };
 
-/// Unidirectional ground robot: drives where it heads.
+/// Unicycle ground robot: drives along its heading only.
 ///
 ///   x = [p_x, p_y, p_z, d_x, d_y, v_f]  position [m], heading, velocity forward [m/s]
 ///   u = [u_f, u_psi]                    normalised commands, within [-1, 1]
@@ -104,7 +105,8 @@ struct Unicycle {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0.0};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2]; the wheels hold against what is not along them.
+  /// Rate of the state under an acceleration a in G [m/s^2]; the wheels cancel its part across the
+  /// heading.
   std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
     return {0, 0, 0, 0, 0, x[3] * a.x + x[4] * a.y};
   }

@@ -1,4 +1,4 @@
-/// Multirotors that tilt to accelerate, as one fits them to a flight: (24), and what it leaves out.
+/// Multirotor models for identification from flights: (24), with the effects that (24) neglects.
 #pragma once
 
 #include <array>
@@ -10,24 +10,29 @@
 
 namespace sightline {
 
-/// Whether tilt, climb and yaw rate follow their commands with lags, and so are states.
+/// Whether tilt, climb and yaw rate follow their commands with lags, as additional states.
 enum class HoverLags { none, all };
 
-/// (24) whose velocity stays in G while the vehicle yaws, with the rate r of its heading,
+/// Extension of (24): the velocity keeps its direction in G while the vehicle yaws, with the rate r
+/// of its heading,
 ///
 ///   v_f' = a_f v_f + b_f u_f + r v_s,   v_s' = a_s v_s - b_s u_s - r v_f
 ///
-/// With lags, the acceleration of the tilt (g tan), the climb and the yaw rate are states and follow their commands,
+/// With lags, the acceleration of the tilt (g tan), the climb and the yaw rate are states that
+/// follow their commands,
 ///
-///   tau a_f' = b_f u_f - a_f,   tau a_s' = -b_s u_s - a_s,   tau_z v_z' = b_z u_z - v_z,   tau_psi r' = b_psi u_psi - r
+///   tau a_f' = b_f u_f - a_f,     tau a_s' = -b_s u_s - a_s,
+///   tau_z v_z' = b_z u_z - v_z,   tau_psi r' = b_psi u_psi - r
 ///
-/// and (1 + v_z' / g) a_f and (1 + v_z' / g) a_s stand in place of b_f u_f and -b_s u_s: a thrust that lifts more also
-/// pushes more. The states a_f and a_s are accelerations, the parameters of these names are drag, as in (24).
+/// Then (1 + v_z' / g) a_f and (1 + v_z' / g) a_s replace b_f u_f and -b_s u_s, because a larger
+/// thrust also has a larger horizontal part. The states a_f and a_s are accelerations; the
+/// parameters of these names are drag, as in (24).
 ///
-///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, a_f, a_s, v_z, r]  position [m], heading, velocity forward and to the left in V [m/s];
-///                                                              with lags acceleration of the tilt forward and to the left
-///                                                              [m/s^2], climb [m/s], yaw rate [rad/s]
-///   u = [u_f, u_s, u_z, u_psi]                                 normalised commands as in (24), within [-1, 1]
+///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, a_f, a_s, v_z, r]
+///       position [m], heading, velocity forward and to the left in V [m/s]; with lags acceleration
+///       of the tilt forward and to the left [m/s^2], climb [m/s], yaw rate [rad/s]
+///   u = [u_f, u_s, u_z, u_psi]
+///       normalised commands as in (24), within [-1, 1]
 ///
 /// The defaults are x500().
 template <HoverLags lags>
@@ -64,9 +69,9 @@ struct LaggedHoverMultirotor {
                    parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")});
   }
 
-  /// The vehicles of world/vehicle.hpp as `sightline identify` finds them for tilt_max = 0.2 rad. Without lags they are
-  /// behind a delay of 0.16 s, 0.114 s and 0.139 s, with lags behind 0.036 s, 0.028 s and 0.025 s. ar_drone() has the
-  /// numbers of (16).
+  /// The vehicles of world/vehicle.hpp, as identified by `sightline identify` for tilt_max = 0.2
+  /// rad. The models without lags follow a delay of 0.16 s, 0.114 s and 0.139 s; those with lags
+  /// 0.036 s, 0.028 s and 0.025 s. ar_drone() has the numbers of (16).
   static constexpr LaggedHoverMultirotor x500() { return {}; }
   static constexpr LaggedHoverMultirotor crazyflie() {
     return {.b_z = 1.0,
@@ -95,20 +100,20 @@ struct LaggedHoverMultirotor {
                       Preset<LaggedHoverMultirotor>{"crazyflie", crazyflie()},
                       Preset<LaggedHoverMultirotor>{"ar_drone", ar_drone()}};
   }
-  /// What a scenario gets: the vehicle without the states that do not lag, given to `make`.
+  /// Calls `make` with the model that a scenario uses: without the lag states if all lags are 0.
   template <class Make>
   auto reduced(Make&& make) const {
     if (tau == 0 && tau_z == 0 && tau_psi == 0)
       return make(LaggedHoverMultirotor<HoverLags::none>::of(*this));
     return make(LaggedHoverMultirotor<HoverLags::all>::of(*this));
   }
-  /// The same vehicle with other states.
+  /// The same vehicle with the other choice of states.
   template <HoverLags others>
   static constexpr LaggedHoverMultirotor of(const LaggedHoverMultirotor<others>& m) {
     return {m.b_z, m.b_psi, m.a_f, m.b_f, m.a_s, m.b_s, m.tau, m.tau_z, m.tau_psi};
   }
 
-  /// @throws std::invalid_argument for lags of which some are 0, or that are not those of its states
+  /// @throws std::invalid_argument if only some lags are 0, or if the lags do not match the states
   void check() const {
     const bool all = tau > 0 && tau_z > 0 && tau_psi > 0, none = tau == 0 && tau_z == 0 && tau_psi == 0;
     if (lagging ? !all : !none)
@@ -146,7 +151,8 @@ struct LaggedHoverMultirotor {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
   }
 
-  /// Of the tilt that the vehicle has, where it lags, else of that which is commanded; drag is air.
+  /// Tilt: the actual one if it is a state, else the commanded one. Aerodynamic drag is not part of
+  /// the thrust.
   template <class S>
   Vec2<S> lean([[maybe_unused]] const std::array<S, nx>& x,
                [[maybe_unused]] const std::array<S, nu>& u) const {
@@ -158,7 +164,8 @@ struct LaggedHoverMultirotor {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2]; a climb that is commanded is not pushed.
+  /// Rate of the state under an acceleration a in G [m/s^2]; a directly commanded climb is not
+  /// affected.
   std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
     const Vec2<double> a_V = rotate<double>({x[3], -x[4]}, {a.x, a.y});
     std::array<double, nx> change = {0, 0, 0, 0, 0, a_V.x, a_V.y};

@@ -12,7 +12,7 @@ bool all_finite(std::span<const double> values) noexcept {
 
 bool normalise_heading(double* d) noexcept {
   const double length = norm(d[0], d[1]);
-  constexpr double shortest = 1e-6;  // below, a direction is rounding
+  constexpr double shortest = 1e-6;  // below this, rounding determines the direction
   if (!(length > shortest) || !std::isfinite(length)) return false;
   d[0] /= length;
   d[1] /= length;

@@ -1,4 +1,4 @@
-/// Any robot behind one interface, so that teams are composed at run time.
+/// Type-erased robot model, so that teams can be composed at run time.
 #pragma once
 
 #include <algorithm>
@@ -18,9 +18,10 @@
 
 namespace sightline {
 
-/// What a robot's struct must offer; see robots.hpp. It may have `u_max()`, the limits of its inputs, and `u_min()`;
-/// without them they are 1, and -u_max. `parameters()` describes its numbers (base/parameter.hpp), and `check()` refuses
-/// what does not fit together. With `--threads` its functions are called by several threads at a time.
+/// Requirements on a robot's struct; see robots.hpp. Optional: `u_max()` and `u_min()`, the limits
+/// of its inputs, by default 1 and -u_max. `parameters()` describes its parameters
+/// (base/parameter.hpp), and `check()` rejects inconsistent ones. With `--threads` several threads
+/// call its functions concurrently.
 template <class M>
 concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
                               const std::array<double, M::nu>& u) {
@@ -30,9 +31,9 @@ concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
   { M::name } -> std::convertible_to<std::string_view>;
 };
 
-/// What a robot shows at state x under input u: pose(x), its rate while x' = f(x, u) as the velocity, and its lean where
-/// the struct has `Vec2<S> lean(x, u)`: of the thrust that the plan asks, forward and to the left (frames.hpp). A robot
-/// without one stands upright.
+/// Sight of a robot at state x under input u. The pose is pose(x); the velocity is its rate under
+/// x' = f(x, u). The tilt is that of the commanded thrust, forward and to the left (frames.hpp),
+/// from an optional `Vec2<S> lean(x, u)`. Without it the robot is upright.
 template <class S, class M>
 Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S, M::nu>& u) {
   const std::array<S, M::nx> rate = model.f(x, u);
@@ -45,18 +46,19 @@ Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S
   return seen;
 }
 
-/// A robot model of any type. Constant and shared; arrays have the lengths nx and nu. What the struct's functions throw
-/// leaves numbers that are none.
+/// A robot model of any type; immutable and shared. Arrays have the lengths nx and nu. If a
+/// function of the struct throws, its results are NaN.
 class Model {
  public:
-  /// @throws std::invalid_argument for a parameter out of its range, and from the robot's own check()
+  /// @throws std::invalid_argument for a parameter out of its range, and from the robot's own
+  /// check()
   template <RobotModel M>
   Model(const M& model) : block_(std::make_shared<const Block<M>>(model)) {
     if constexpr (Described<M>) check_parameters(model);
     if constexpr (requires { model.check(); }) model.check();
   }
 
-  /// A robot of any kind; of a struct it is made from that.
+  /// Interface of a robot of any kind; Block implements it for a struct.
   struct Interface {
     int nx = 0, nu = 0;
     std::string_view name;
@@ -76,7 +78,7 @@ class Model {
     virtual void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const = 0;
     virtual Sight<Symbol> sight(std::span<const Symbol> x, std::span<const Symbol> u) const = 0;
   };
-  /// A robot whose numbers of states and inputs are known at run time, as that of a text.
+  /// A robot whose numbers of states and inputs are known only at run time, such as a TextRobot.
   explicit Model(std::shared_ptr<const Interface> block) : block_(std::move(block)) {}
 
   int nx() const { return block_->nx; }
@@ -84,12 +86,12 @@ class Model {
   std::string_view name() const { return block_->name; }
   std::span<const std::string_view> states() const { return block_->states; }
   std::span<const std::string_view> inputs() const { return block_->inputs; }
-  /// What the inputs are limited to unless the team says otherwise.
+  /// Default limits of the inputs; the team may override them.
   std::span<const double> u_min() const { return block_->u_min; }
   std::span<const double> u_max() const { return block_->u_max; }
-  /// Its parameters in words; none of a robot that does not describe them.
+  /// Descriptions of its parameters; empty if the robot does not describe them.
   std::vector<ParameterText> parameters() const { return block_->parameters(); }
-  /// Whether its state says where it heads; else it heads along x of G.
+  /// Whether its state includes a heading; else the heading is along x of G.
   bool turns() const { return block_->turns; }
   /// Whether it drives on wheels, which may slip.
   bool rolls() const { return block_->rolls; }
@@ -97,25 +99,25 @@ class Model {
   /// rate = x' = f(x, u).
   void f(const double* x, const double* u, double* rate) const noexcept { block_->f(x, u, rate); }
   Sight<double> sight(const double* x, const double* u) const noexcept { return block_->sight(x, u); }
-  /// x after one Runge-Kutta step of dt [s] with u held.
+  /// Advances x by one Runge-Kutta step of dt [s] with u held.
   void step(double* x, const double* u, double dt) const noexcept { block_->step(x, u, dt); }
-  /// The state of rest in a pose; a heading of (0, 0) stands for "any".
+  /// Writes the state at rest in a pose; a heading of (0, 0) means any heading.
   void at_rest(const Pose<double>& pose, double* x) const noexcept { at_rest({&pose, 1}, x, 0, 1); }
-  /// Those in many poses; entry i of the k-th at x[k stage + i entry].
+  /// The same for many poses; entry i of the k-th state at x[k stage + i entry].
   void at_rest(std::span<const Pose<double>> poses, double* x, std::ptrdiff_t stage,
                std::ptrdiff_t entry) const noexcept {
     block_->at_rest(poses, x, stage, entry);
   }
-  /// Adds the rate of the state under an acceleration of G [m/s^2] to `rate`; nothing for a model without
-  /// `push`.
+  /// Adds the rate of the state under an acceleration in G [m/s^2] to `rate`; adds nothing for a
+  /// model without `push`.
   void push(const double* x, const Vec3<double>& acceleration, double* rate) const noexcept {
     block_->push(x, acceleration, rate);
   }
-  /// Puts a measured state back on its manifold (|d| = 1, psi within (-pi, pi]).
-  /// @return false where that cannot be: a number that is not finite, a heading of (0, 0)
+  /// Projects a measured state onto its manifold (|d| = 1, psi within (-pi, pi]).
+  /// @return false if that is impossible: a number is not finite, or the heading is (0, 0)
   [[nodiscard]] bool normalise(double* x) const noexcept { return block_->normalise(x); }
 
-  /// The recorded f and sight, for derivatives.
+  /// Symbolic f and sight, for derivatives.
   void f(std::span<const Symbol> x, std::span<const Symbol> u, std::span<Symbol> rate) const {
     block_->f(x, u, rate);
   }
@@ -130,9 +132,10 @@ class Model {
   std::shared_ptr<const Interface> block_;
 };
 
-/// |d| = 1 again. @return false for (0, 0)
+/// Scales d to |d| = 1.
+/// @return false if d is (nearly) (0, 0) or not finite
 [[nodiscard]] bool normalise_heading(double* d) noexcept;
-/// psi within (-pi, pi], (15).
+/// psi wrapped to (-pi, pi], (15).
 double wrap_angle(double psi) noexcept;
 [[nodiscard]] bool all_finite(std::span<const double> values) noexcept;
 

@@ -1,4 +1,4 @@
-/// The simplest robot: a point that its inputs accelerate.
+/// The simplest robot: a point mass with commanded acceleration.
 #pragma once
 
 #include <array>
@@ -9,7 +9,8 @@
 
 namespace sightline {
 
-/// A point mass in three dimensions, linear: v' = u - drag v. It has no heading of its own: V is parallel to G.
+/// A point mass in three dimensions, linear: v' = u - drag v. It has no heading: V is parallel to
+/// G.
 ///
 ///   x = [p_x, p_y, p_z, v_x, v_y, v_z]  position [m] and velocity [m/s] in G
 ///   u = [u_x, u_y, u_z]                 acceleration in G [m/s^2]
@@ -36,7 +37,8 @@ struct PointMass {
     return {{x[0], x[1], x[2]}, {S(1.0), S(0.0)}};
   }
 
-  /// Of the horizontal acceleration that is asked, over that of gravity; drag is air.
+  /// Tilt: commanded horizontal acceleration over gravity. Aerodynamic drag is not part of the
+  /// thrust.
   template <class S>
   Vec2<S> lean(const std::array<S, nx>&, const std::array<S, nu>& u) const {
     return {(1 / gravity) * u[0], (1 / gravity) * u[1]};
@@ -46,7 +48,7 @@ struct PointMass {
     return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2].
+  /// Rate of the state under an acceleration a in G [m/s^2].
   std::array<double, nx> push(const std::array<double, nx>&, const Vec3<double>& a) const {
     return {0, 0, 0, a.x, a.y, a.z};
   }

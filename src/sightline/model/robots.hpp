@@ -1,7 +1,7 @@
-/// The robots. Each is one struct: x' = f(x, u), pose(x), and the state of a robot at rest in a given pose.
+/// Robot models. Each is one struct: x' = f(x, u), pose(x), and the state at rest in a given pose.
 ///
-/// A robot of one's own is a struct of the same form; everything else (velocity in G, derivatives) follows
-/// from it.
+/// A user-defined robot is a struct of the same form. Everything else (velocity in G, derivatives)
+/// follows from it.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace sightline {
 
 namespace detail {
 
-/// What (24) and (15) have in common.
+/// Common parameters of (24) and (15).
 template <class M>
 constexpr auto multirotor_parameters() {
   return std::tuple{parameter("b_z", &M::b_z, "m/s", any_finite, "climb per command"),
@@ -28,10 +28,11 @@ constexpr auto multirotor_parameters() {
 
 }  // namespace detail
 
-/// Hover-controlled multirotor with the heading as a direction vector, (24); the defaults are the
+/// Hover-controlled multirotor with the heading as a direction vector, (24). The defaults are the
 /// AR.Drone 2.0, (16).
 ///
-///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]  position [m], heading, velocity forward and sideward in V [m/s]
+///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s]  position [m], heading, velocity forward and to the
+///                                            left in V [m/s]
 ///   u = [u_f, u_s, u_z, u_psi]               normalised commands, within [-1, 1]
 struct Multirotor {
   static constexpr int nx = 7, nu = 4;
@@ -68,7 +69,7 @@ struct Multirotor {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
   }
 
-  /// What is commanded is the acceleration of the tilt; drag is air.
+  /// Tilt: that of the commanded acceleration. Aerodynamic drag is not part of the thrust.
   template <class S>
   Vec2<S> lean(const std::array<S, nx>&, const std::array<S, nu>& u) const {
     return {(b_f / gravity) * u[0], (-b_s / gravity) * u[1]};
@@ -78,19 +79,20 @@ struct Multirotor {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0.0, 0.0};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2]; the vertical velocity is commanded and not
-  /// pushed.
+  /// Rate of the state under an acceleration a in G [m/s^2]. It does not affect the vertical
+  /// velocity, which is commanded.
   std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
     const Vec2<double> a_V = rotate<double>({x[3], -x[4]}, {a.x, a.y});
     return {0, 0, 0, 0, 0, a_V.x, a_V.y};
   }
 
-  /// Position of the heading (d_x, d_y) in the state.
+  /// Index of the heading (d_x, d_y) in the state.
   static constexpr int heading_at = 3;
 };
 
-/// The same multirotor with the yaw angle psi as a state, (14), (15). It is here to show what (24) avoids:
-/// the angle jumps at pi, and a controller that tracks it there turns round and round (Fig. 4).
+/// The same multirotor with the yaw angle psi as a state, (14), (15). It demonstrates the problem
+/// that (24) avoids: the angle jumps at pi, and a controller that tracks it there keeps rotating
+/// (Fig. 4).
 ///
 ///   x = [p_x, p_y, p_z, psi, v_f, v_s]
 struct AngleMultirotor {
@@ -129,11 +131,11 @@ struct AngleMultirotor {
     return {0, 0, 0, 0, a_V.x, a_V.y};
   }
 
-  /// Position of the angle psi in the state.
+  /// Index of the angle psi in the state.
   static constexpr int angle_at = 3;
 };
 
-/// Something that is not controlled, a target or an obstacle: it goes on with the velocity it has.
+/// A body that is not controlled, a target or an obstacle; its velocity is constant.
 ///
 ///   x = [p_x, p_y, p_z, v_x, v_y, v_z]
 struct Body {
@@ -157,7 +159,7 @@ struct Body {
   }
 };
 
-/// A robot that nobody here steers, as those see it who are coupled with it: a Body that keeps its heading.
+/// Model of an external robot in the couplings of others: a Body that keeps its heading.
 ///
 ///   x = [p_x, p_y, p_z, v_x, v_y, v_z, d_x, d_y]
 struct PosedBody {
@@ -181,11 +183,11 @@ struct PosedBody {
     return {pose.p.x, pose.p.y, pose.p.z, 0, 0, 0, pose.d.x, pose.d.y};
   }
 
-  /// Position of the heading d in the state.
+  /// Index of the heading d in the state.
   static constexpr int heading_at = 6;
 };
 
-/// Writes what is seen of a robot as the state of a Body or, where it has room for a heading, of a PosedBody.
+/// Writes a robot's Sight as the state of a Body or, if x has room for a heading, of a PosedBody.
 inline void write_body(const Sight<double>& seen, std::span<double> x) {
   x[0] = seen.p.x, x[1] = seen.p.y, x[2] = seen.p.z;
   x[3] = seen.v.x, x[4] = seen.v.y, x[5] = seen.v.z;

@@ -12,14 +12,14 @@
 namespace sightline {
 namespace {
 
-/// How the sight moves with each state: at(i, k) is d sight_i / d x_k, in the order of `write_sight`.
+/// Jacobian of the sight: at(i, k) is d sight_i / d x_k, in the order of `write_sight`.
 struct Slopes {
   std::vector<double> of;
   std::size_t nx;
   double at(std::size_t i, std::size_t k) const { return of[i * nx + k]; }
 };
 
-/// The slopes of a robot, as a formula of its states and inputs.
+/// The Jacobian of a robot's sight as a program of its states and inputs.
 Program slopes_of(const Model& model) {
   Graph graph;
   const auto nx = static_cast<std::size_t>(model.nx());
@@ -37,7 +37,7 @@ Program slopes_of(const Model& model) {
   return Program(graph, slopes, model.nx() + model.nu());
 }
 
-/// The formulas of a robot, over its states, then its inputs.
+/// Symbolic formulas of a robot, over its states, then its inputs.
 class RobotFormulas {
  public:
   explicit RobotFormulas(const Model& model) : states_(model.nx()) {
@@ -69,7 +69,7 @@ class RobotFormulas {
     return graph_.subtract(graph_.multiply(d_x, rate_of(d_y)), graph_.multiply(d_y, rate_of(d_x)));
   }
 
-  /// The states, then the inputs, that a term depends on.
+  /// Indices of the variables that a term depends on: states, then inputs.
   std::vector<int> dependences(Term of) {
     std::vector<int> all;
     const std::vector<Term> slope = gradient(graph_, of, variables_);
@@ -92,7 +92,7 @@ class RobotFormulas {
 
 StateRoles roles_of(const Model& model) {
   constexpr int samples = 5;
-  constexpr std::size_t heading = 3, velocity = 5;  // where they stand in a sight
+  constexpr std::size_t heading = 3, velocity = 5;  // indices in a sight
   const auto nx = static_cast<std::size_t>(model.nx());
   const Program slopes = slopes_of(model);
   std::mt19937_64 random(1);

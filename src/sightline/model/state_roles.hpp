@@ -1,4 +1,4 @@
-/// What the states and inputs of a robot are, found from its formulas.
+/// Roles of a robot's states and inputs, determined from its formulas.
 #pragma once
 
 #include <array>
@@ -8,29 +8,33 @@ namespace sightline {
 
 class Model;
 
-/// Indices into the state; -1 where no state is that.
+/// Indices into the state; -1 if no state has the role.
 struct StateRoles {
-  std::array<int, 3> position = {-1, -1, -1};  ///< p_x, p_y, p_z but for what other states add [m]
+  std::array<int, 3> position = {-1, -1, -1};  ///< p_x, p_y, p_z, up to contributions of other states [m]
   std::array<int, 2> direction = {-1, -1};     ///< the heading (d_x, d_y)
   int angle = -1;                              ///< the heading psi [rad]
-  std::vector<int> velocities{};               ///< by 1 m/s each moves the robot 1 m/s faster, rising
+  std::vector<int> velocities{};               ///< 1 m/s of each changes the robot's speed by 1 m/s;
+                                               ///< ascending
 
   bool has_position() const { return position[0] >= 0 || position[1] >= 0 || position[2] >= 0; }
   bool has_heading() const { return direction[0] >= 0 || angle >= 0; }
 };
 
-/// From the gradients of the recorded pose and velocity at a few states; names play no part. Set-up: allocates.
+/// Roles from the gradients of the symbolic pose and velocity at a few states; names are not used.
+/// Allocates: call only during set-up.
 StateRoles roles_of(const Model& model);
 
-/// Whether anything can change its height: a state or an input that the vertical velocity depends on, or one that is
-/// not 0 at rest. A robot that drives on the ground has none. Set-up: allocates.
+/// Whether the robot can change its height. True if the vertical velocity depends on a state or an
+/// input, or is not 0 at rest. False for a ground robot. Allocates: call only during set-up.
 bool has_height(const Model& model);
 
-/// The input that the yaw rate follows, at once or through the fewest states; -1 where none does, or where several do
-/// (the wheels of a differential drive). Names play no part. Set-up: allocates.
+/// The input that the yaw rate depends on, directly or through the fewest states. -1 if there is
+/// none, or several (the wheels of a differential drive). Names are not used. Allocates: call only
+/// during set-up.
 int yaw_input(const Model& model);
 
-/// Whether an acceleration of G, as wind gives it, changes the rate of its state. Set-up: allocates.
+/// Whether an acceleration in G, such as wind, changes the rate of its state. Allocates: call only
+/// during set-up.
 bool takes_push(const Model& model);
 
 }  // namespace sightline

@@ -16,14 +16,14 @@ namespace {
 
 constexpr double corner = 1e-6;
 
-/// The place of a state, by its name.
+/// Index of a state, by its name.
 std::size_t place_of(const TextRobot& robot, std::string_view what, const std::string& name) {
   const auto found = std::find(robot.states.begin(), robot.states.end(), name);
   if (found == robot.states.end()) throw_invalid("{} = \"{}\", expected the name of a state", what, name);
   return static_cast<std::size_t>(found - robot.states.begin());
 }
 
-/// Names, and views of them for as long as they live.
+/// Strings, and views of them with the same lifetime.
 struct Names {
   explicit Names(const std::vector<std::string>& names) : texts(names), views(texts.begin(), texts.end()) {}
   std::vector<std::string> texts;

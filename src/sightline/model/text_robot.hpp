@@ -1,4 +1,5 @@
-/// A robot of one's own as text: x' = f(x, u) in the formula language, with names for states and inputs.
+/// A user-defined robot as text: x' = f(x, u) in the formula language, with names for states and
+/// inputs.
 #pragma once
 
 #include <array>
@@ -10,10 +11,10 @@
 
 namespace sightline {
 
-/// Most states and inputs of a robot that is text.
+/// Maximum numbers of states and inputs of a text robot.
 inline constexpr std::size_t text_states_max = 16, text_inputs_max = 8;
 
-/// A car, as an example:
+/// Definition of a robot by formulas. A car, as an example:
 ///
 ///   TextRobot{.states = {"p_x", "p_y", "p_z", "psi", "v"},
 ///             .inputs = {"a", "w"},
@@ -22,26 +23,29 @@ inline constexpr std::size_t text_states_max = 16, text_inputs_max = 8;
 ///             .heading = {"psi"},
 ///             .parameters = {{"drag", "0.5"}}}
 ///
-/// All is in SI units; f may use the states, the inputs and the parameters. Its corners (abs, min, max, norm) are
-/// rounded off over 1e-6. The robot runs interpreted, to the same bits as a struct of its formulas would.
+/// All numbers are in SI units; f may use the states, the inputs and the parameters. Corners (abs,
+/// min, max, norm) are smoothed over 1e-6. The robot runs in the interpreter and gives the same
+/// bits as a struct with the same formulas.
 struct TextRobot {
   std::string name = "text";
-  std::vector<std::string> states, inputs;  ///< each a name of its own
+  std::vector<std::string> states, inputs;  ///< unique names
   std::vector<std::string> f;               ///< the rate of each state
-  std::array<std::string, 3> position;      ///< the states that are p_x, p_y and p_z in G [m]
-  std::vector<std::string>
-      heading{};  ///< the state psi [rad], or the two of the direction; none: along x of G
-  std::vector<Definition> parameters{};  ///< numbers or formulas of others
+  std::array<std::string, 3> position;      ///< names of the states p_x, p_y and p_z in G [m]
+  std::vector<std::string> heading{};  ///< name of the state psi [rad], or the two of d; empty: along x of G
+  std::vector<Definition> parameters{};  ///< numbers, or formulas of other parameters
   std::vector<double> u_min{},
-      u_max{};  ///< limits of the inputs unless the team says otherwise; empty: -1 and 1
+      u_max{};  ///< limits of the inputs, which the team may override; empty: -1 and 1
 
   /// The names that its formulas may use.
-  /// @throws FormulaError for a parameter, std::invalid_argument for a name of a state or an input
+  /// @throws FormulaError for a parameter, std::invalid_argument for an invalid name of a state or
+  /// an input
   Vocabulary vocabulary() const;
-  /// @throws as vocabulary(), FormulaError for a rate, std::invalid_argument for what does not fit together
+  /// @throws as vocabulary(); FormulaError for a rate; std::invalid_argument for inconsistent sizes
+  /// or names
   Model model() const;
-  /// The same of rates that were recorded elsewhere than from text, over states, then inputs; `f` and `parameters` are not read.
-  /// @throws std::invalid_argument for a name of a state or an input, and for what does not fit together
+  /// The same from recorded rates, over states, then inputs; the rates in `f` are not used, and
+  /// `parameters` are only checked.
+  /// @throws as vocabulary(); std::invalid_argument for inconsistent sizes or names
   Model model(std::vector<Expression> rates) const;
 };
 

@@ -1,4 +1,4 @@
-/// Multirotors whose autopilot takes velocities and a yaw rate, and follows them with lags.
+/// Multirotors whose autopilot receives velocities and a yaw rate, and follows them with lags.
 #pragma once
 
 #include <array>
@@ -9,28 +9,29 @@
 
 namespace sightline {
 
-/// Which velocities follow their commands with a lag, and so are states, besides those in the plane of V.
+/// Lagging quantities that are states, in addition to the velocities in the plane of V.
 enum class Lags { plane, climb, yaw, all };
 
-/// Where the velocity in the plane stays while the vehicle yaws.
+/// Frame in which the horizontal velocity is constant while the vehicle yaws.
 enum class VelocityFrame {
-  heading,  ///< in V: it turns along with the heading
-  level,    ///< in G, as that of a body with mass does
+  heading,  ///< in V: the velocity rotates with the heading
+  level,    ///< in G, as for a body with mass
 };
 inline constexpr std::array<std::string_view, 2> velocity_frames = {"heading", "level"};
 
-/// Multirotor under velocity commands in V: a velocity follows its command by
+/// Multirotor under velocity commands in V. A velocity follows its command by
 ///
-///   v' = (u - v) / tau,   or at once, where it is no state
+///   v' = (u - v) / tau,   or without delay if it is not a state
 ///
-/// With a lag, height and heading go on moving for a while when a command ends. With the frame `level` the Coriolis term of V is
-/// there, r the rate of the heading:
+/// With a lag, height and heading continue to change for a while after a command ends. The frame
+/// `level` adds the Coriolis term of V, with r the rate of the heading:
 ///
 ///   v_f' = (u_f - v_f) / tau_f + r v_s,   v_s' = (u_s - v_s) / tau_s - r v_f
 ///
-///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, v_z, r]  position [m], heading, velocity forward, to the left and up
-///                                                    [m/s], yaw rate [rad/s]; v_z and r where they lag
-///   u = [u_f, u_s, u_z, u_psi]                       velocity forward, to the left and up [m/s], yaw rate
+///   x = [p_x, p_y, p_z, d_x, d_y, v_f, v_s, v_z, r]  position [m], heading, velocity forward, left
+///                                                    and up [m/s], yaw rate [rad/s]; v_z and r
+///                                                    only if they lag
+///   u = [u_f, u_s, u_z, u_psi]                       velocity forward, left and up [m/s], yaw rate
 ///                                                    anticlockwise [rad/s]
 ///
 /// The defaults are px4().
@@ -39,7 +40,7 @@ struct LaggedMultirotor {
   static constexpr bool climb_lags = lags == Lags::climb || lags == Lags::all;
   static constexpr bool yaw_lags = lags == Lags::yaw || lags == Lags::all;
   static constexpr int nx = 7 + (climb_lags ? 1 : 0) + (yaw_lags ? 1 : 0), nu = 4;
-  static constexpr std::size_t climb_at = climb_lags ? 7 : 0, rate_at = nx - 1;  // where they are states
+  static constexpr std::size_t climb_at = climb_lags ? 7 : 0, rate_at = nx - 1;  // if they are states
   static constexpr std::string_view name = "velocity_multirotor";
   static constexpr std::array<std::string_view, nx> states = [] {
     std::array<std::string_view, nx> all = {"p_x", "p_y", "p_z", "d_x", "d_y", "v_f", "v_s"};
@@ -74,10 +75,11 @@ struct LaggedMultirotor {
                   "where its velocity stays while it yaws: with the heading, or level, in G")};
   }
 
-  /// A quadrotor of the PX4 class, flown with care. Its lags are ours and want identifying on one's own vehicle.
+  /// A quadrotor of the PX4 class with moderate limits. Its lags are our estimates; identify those
+  /// of your own vehicle.
   static constexpr LaggedMultirotor px4() { return {}; }
-  /// The AR.Drone 2.0 of (16): tau = -1/a in the plane, limits b/-a = 2.863 m/s, b_z = 1 m/s and b_psi = 1.6 rad/s.
-  /// (16) has no lags of climb and yaw rate; those here are ours.
+  /// The AR.Drone 2.0 of (16): tau = -1/a in the plane, limits b/-a = 2.863 m/s, b_z = 1 m/s and
+  /// b_psi = 1.6 rad/s. (16) has no lags of climb and yaw rate; those here are our estimates.
   static constexpr LaggedMultirotor ar_drone() {
     constexpr double tau = 1 / 0.5092;
     return {.tau_f = tau,
@@ -92,7 +94,7 @@ struct LaggedMultirotor {
     return std::array{Preset<LaggedMultirotor>{"px4", px4()},
                       Preset<LaggedMultirotor>{"ar_drone", ar_drone()}};
   }
-  /// What a scenario gets: the vehicle without the states whose lag is 0, given to `make`.
+  /// Calls `make` with the model that a scenario uses: without the states whose lag is 0.
   template <class Make>
   auto reduced(Make&& make) const {
     if (tau_z == 0 && tau_psi == 0) return make(LaggedMultirotor<Lags::plane>::of(*this));
@@ -100,7 +102,7 @@ struct LaggedMultirotor {
     if (tau_psi == 0) return make(LaggedMultirotor<Lags::climb>::of(*this));
     return make(*this);
   }
-  /// The same vehicle with other lags as states.
+  /// The same vehicle with another choice of lag states.
   template <Lags others>
   static constexpr LaggedMultirotor of(const LaggedMultirotor<others>& m) {
     return {m.tau_f, m.tau_s, m.tau_z, m.tau_psi, m.v_max, m.climb_max, m.yaw_max, m.frame};
@@ -110,7 +112,8 @@ struct LaggedMultirotor {
 
   template <class S>
   std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
-    // In the form of (24), gains of 1 included: a robot without further lags is one of its kernels.
+    // In the form of (24), including gains of 1, so that a robot without further lags uses the
+    // kernel of (24).
     const double a_f = -1 / tau_f, b_f = 1 / tau_f, a_s = -1 / tau_s, b_s = -1 / tau_s, b_z = 1.0,
                  b_psi = 1.0;
     const Vec2<S> d = {x[3], x[4]}, v_V = {x[5], x[6]};
@@ -137,8 +140,9 @@ struct LaggedMultirotor {
     return {{x[0], x[1], x[2]}, {x[3], x[4]}};
   }
 
-  /// Of the acceleration in G, by its components in V: (u - v) / tau, and what turns the velocity along with the heading where
-  /// it does. The model knows no drag, and the climb is left out: 1 m/s^2 of it changes the lean by a tenth.
+  /// Tilt from the acceleration in G, by its components in V: (u - v) / tau, plus the rotation of
+  /// the velocity with the heading for frame `heading`. The model has no drag and neglects the
+  /// climb: 1 m/s^2 of climb changes the tilt by a tenth.
   template <class S>
   Vec2<S> lean(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
     if (frame == VelocityFrame::level) {
@@ -153,7 +157,8 @@ struct LaggedMultirotor {
     return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y};
   }
 
-  /// Rate of the state under an acceleration a of G [m/s^2]; a vertical velocity that is commanded is not pushed.
+  /// Rate of the state under an acceleration a in G [m/s^2]. It does not affect a directly
+  /// commanded vertical velocity.
   std::array<double, nx> push(const std::array<double, nx>& x, const Vec3<double>& a) const {
     const Vec2<double> a_V = rotate<double>({x[3], -x[4]}, {a.x, a.y});
     std::array<double, nx> change = {0, 0, 0, 0, 0, a_V.x, a_V.y};

@@ -29,14 +29,14 @@ ActiveTeam::ActiveTeam(Team all, std::vector<Presence> presence) {
 }
 
 std::string ActiveTeam::apply(const Action& action, double t, double ramp) {
-  // What has faded away makes room.
+  // Terms that have faded out free their names.
   const auto over = [t](const auto& term) { return term.ramp.is_over(t); };
   std::erase_if(now_.couplings, over);
   std::erase_if(now_.constraints, over);
   return std::visit([&](const auto& it) { return it.apply(TeamChange{now_, t, ramp}); }, action);
 }
 
-/// What keeps the steered robots of a swarm off those of it that brake or sink.
+/// Couplings that keep the steered robots of a swarm off its robots that brake or descend.
 std::vector<Coupling> ActiveTeam::swarm_couplings() const {
   std::vector<Coupling> couplings;
   for (const Swarm& swarm : now_.all.swarms()) {

@@ -1,4 +1,5 @@
-/// The active team: which bodies are present and which couplings are in force, as events change them.
+/// The active team: which bodies are present and which couplings are in force, as events change
+/// them.
 #pragma once
 
 #include <string>
@@ -8,41 +9,41 @@
 
 namespace sightline {
 
-/// Of each body of a roster, what is in force for it: what those need to know that judge and guard commands.
+/// Present state of each body of a team, for the evaluation and the guard of commands.
 struct Membership {
   std::vector<Presence> presence;  ///< [body]
   std::vector<std::vector<BodyId>>
-      partners;                     ///< [robot]: bodies that it feels a coupling with; none unless steered
+      partners;                     ///< [robot]: bodies with couplings that act on it; empty unless steered
   std::vector<InputLimits> limits;  ///< [robot]
-  Surroundings around{};            ///< as events changed it
+  Surroundings around{};            ///< changes by events
 };
 
 class ActiveTeam {
  public:
-  /// @param all       every body there will ever be, and what couples them at first
-  /// @param presence  of each body; those that are missing are there: robots steered, the others on hold
+  /// @param all       every body of the flight, and the initial couplings
+  /// @param presence  of each body; missing entries: robots are steered, other bodies on hold
   explicit ActiveTeam(Team all, std::vector<Presence> presence = {});
 
-  /// Makes one change at time t [s]; weights are blended over `ramp` [s].
-  /// @return why it cannot be, a sentence: then nothing was changed; else empty
+  /// Applies one change at time t [s]; weights are blended over `ramp` [s].
+  /// @return the reason of a rejection, a sentence, with the team unchanged; else empty
   std::string apply(const Action& action, double t, double ramp);
 
-  /// The robots that are steered, and what they feel, at time t and on. Bodies are in the order of all(); a robot
-  /// that is not steered is an obstacle with its heading to those that feel it, and to those that a swarm keeps off
-  /// it. Terms that have faded away are left out.
-  /// @throws std::invalid_argument where no robot is left
+  /// The steered robots and the terms that act on them, from time t on. Bodies keep the order of
+  /// all(). A robot that is not steered is an obstacle with its heading, for the robots coupled
+  /// with it and for the robots of its swarms. Terms that have faded out are omitted.
+  /// @throws std::invalid_argument if no steered robot is left
   Team team(double t) const;
-  /// When the last weight that moves at t comes to rest [s]; minus infinity where none moves.
+  /// Time at which the last ramp that is active at t ends [s]; minus infinity without one.
   double at_rest_from(double t) const;
 
   Membership membership() const;
 
   const Team& all() const { return now_.all; }
-  /// A robot as it is tuned now.
+  /// A robot with its present tuning.
   const Agent& agent(AgentId robot) const { return now_.agents[now_.place(robot)]; }
   const std::vector<Presence>& presence() const { return now_.presence; }
   Presence presence(BodyId body) const { return now_.presence[at(body)]; }
-  /// Those in force or fading, of bodies that are there or not.
+  /// Couplings in force or fading, of present and of absent bodies.
   const std::vector<Coupling>& couplings() const { return now_.couplings; }
   const std::vector<Constraint>& constraints() const { return now_.constraints; }
   /// Whether a coupling or constraint of that name is in force or fading in.

@@ -64,7 +64,7 @@ class Examination {
     }
   }
 
-  /// Whom an observer of a choice observes, no other event says.
+  /// Rejects events that turn an observer of a choice; only the choice may.
   void check_choices() {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       for (const Action& action : events_[i].actions) {
@@ -86,7 +86,7 @@ class Examination {
     return std::visit([](const auto& trigger) { return trigger.takes_no_time(); }, event.trigger);
   }
 
-  /// Stages that follow each other in no time must not come back to the first.
+  /// Rejects cycles of stages that follow each other in no time.
   void check_cycles() {
     std::map<std::string, std::vector<std::size_t>> ways;
     for (std::size_t i = 0; i < events_.size(); ++i) {
@@ -117,8 +117,8 @@ class Examination {
     }
   }
 
-  /// Events of fixed times happen in their order: those that cannot be are wrong, unless one that nobody can foresee
-  /// is about the same.
+  /// Applies events with fixed times in their order. A rejected change is an error, unless an event
+  /// of unknown time changes the same subject.
   void check_times() {
     struct Fixed {
       double t;
@@ -163,7 +163,7 @@ class Examination {
         if (!refusal.empty() && !unforeseen.contains(what)) fault(it.event, "at = {}: {}", it.t, refusal);
       }
     }
-    // What lies ahead of all events, and is wrong in any order.
+    // Two changes of one subject in one event are wrong at any time.
     for (std::size_t i = 0; i < events_.size(); ++i) {
       std::set<std::string> once;
       for (const Action& action : events_[i].actions) {

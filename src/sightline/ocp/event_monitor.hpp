@@ -1,4 +1,4 @@
-/// When the events of a script happen: looks at the world once each period.
+/// Determines once each period which events of a script happen.
 #pragma once
 
 #include <atomic>
@@ -17,15 +17,16 @@ class EventMonitor {
   /// @param all  the bodies of the script
   EventMonitor(const Script& script, const Team& all);
 
-  /// The events that happen now, in their order; a stage that one of them enters begins now. Allocates nothing.
+  /// The events that happen now, in the order of the script; a stage that one of them enters begins
+  /// now. Allocates nothing.
   /// @return indices in the script, valid until the next call
   std::span<const std::size_t> look(const EventContext& known) noexcept;
 
-  /// From any thread: the message is there; the events that wait for it happen at the next look.
+  /// Registers a message; the events that wait for it happen at the next look(). Thread-safe.
   /// @return whether an event of the script has this signal
   bool signal(std::string_view name) noexcept;
 
-  /// The present stage of a region; empty where the script has none of it.
+  /// The present stage of a region; empty if the script has none of it.
   std::string_view stage(std::string_view region = {}) const noexcept;
 
  private:

@@ -20,8 +20,9 @@ std::vector<Term> terms(Graph& graph, std::span<const Symbol> symbols) {
   return t;
 }
 
-/// Appends the nonzeros of a symmetric Hessian to the outputs, each once, and lists them in both triangles.
-/// @param keep  whether row i, column j is wanted
+/// Appends the nonzeros of a symmetric Hessian to the outputs, each once, and lists them in both
+/// triangles.
+/// @param keep  whether row i, column j is needed
 template <class Keep>
 void list_hessian(const Graph& graph, const std::vector<Term>& upper, int n, Keep&& keep,
                   std::vector<Term>& outputs, std::vector<Entry>& entries) {
@@ -56,7 +57,7 @@ Formulas Tracing::formulas(std::span<const BodyId> agents) {
   Formulas formulas;
   for (const BodyId body : agents) formulas.agents.push_back(trace_agent(team_.agent(body), body));
 
-  // Couplings of one pair that are felt alike become one formula and share what they have in common.
+  // Couplings that are alike() become one formula and share common terms.
   std::vector<bool> taken(team_.couplings().size(), false);
   for (std::size_t i = 0; i < taken.size(); ++i) {
     if (taken[i]) continue;

@@ -1,11 +1,12 @@
-/// The optimal control problem of a team over a horizon: what every solver is given. Constant and shareable.
+/// The optimal control problem of a team over a horizon, the input of every solver. Constant and
+/// shareable.
 ///
 ///   min over u   phi(x(t_f), t_f) + int l(x, u, tau) dtau                        (1)
 ///   subject to   x' = f(x, u),  x(t_0) = x_k,  u_min <= u <= u_max               (2)
 ///   with         l = sum_i l_i(x_i, u_i) + sum_c k_c l_c(x_i, x_j)               (8)
 ///
-/// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). The formulas of each agent and each coupled pair are traced when
-/// they are first asked for, once for all copies; agents and pairs of one kind share a program.
+/// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). The first request traces the formulas of each
+/// agent and each coupled pair, once for all copies. Agents and pairs of one kind share a program.
 #pragma once
 
 #include <memory>
@@ -43,14 +44,14 @@ struct AgentFormula {
   std::vector<Entry> hessian;   ///< row and column in z, both triangles, output of `second`
 };
 
-/// The couplings between one pair of bodies that are alike, at their whole weights, z = (x_a, u_a, x_b, u_b):
+/// The couplings between one pair of bodies that are alike, at their full weights, z = (x_a, u_a,
+/// x_b, u_b):
 ///
 ///   inputs    z, t, then x and u of the third body, if there is one
 ///   first     l_z for each variable in `gradient`
 ///   second    the nonzeros of the Hessian with respect to the agents' part of z
 ///
-/// Only what is felt is there: rows of agents that do not feel the coupling are missing, so the mask acts on
-/// H_u and H_x alike, (9), (10).
+/// Rows of agents outside `felt_by` are missing, so the mask acts on H_u and H_x alike, (9), (10).
 struct PairFormula {
   BodyId a, b, third;
   std::shared_ptr<const Program> first, second;
@@ -74,11 +75,12 @@ class Ocp {
   int nx() const { return team_.nx(); }
   int nu() const { return team_.nu(); }
 
-  /// The first call of any copy traces them, which takes milliseconds and memory: a solver that reads them asks when it is
-  /// made. Any thread; the others wait. They live as long as a copy.
+  /// The first call on any copy traces them, which takes milliseconds and allocates: a solver
+  /// requests them in its constructor. Thread-safe; concurrent callers wait. The formulas live as
+  /// long as a copy.
   /// @throws what a formula throws while it is traced; the next call tries again
   const Formulas& formulas() const;
-  /// Whether they are there.
+  /// Whether they are traced.
   bool is_traced() const noexcept;
 
   /// Body of each agent, in the order of team().agents().
@@ -93,8 +95,9 @@ class Ocp {
   std::shared_ptr<Traced> traced_;
 };
 
-/// l(x, u, t) of the whole team with the weights it has at t, masked or not, at the stacked states and inputs.
-/// @throws std::invalid_argument where these are not nx and nu numbers
+/// l(x, u, t) of the whole team with the weights at t, regardless of the mask, at the stacked
+/// states and inputs.
+/// @throws std::invalid_argument unless x has nx and u has nu numbers
 double stage_cost(const Team& team, double t, std::span<const double> x, std::span<const double> u);
 
 }  // namespace sightline

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int samples = 500;
 
-/// Two robots somewhere, told apart by nothing but what is drawn.
+/// Random Sights of robots in the given range; deterministic.
 class Draw {
  public:
   double operator()(double low, double high) {
@@ -33,7 +33,7 @@ class Draw {
   std::mt19937 random_{1};
 };
 
-/// Whether both poses moved alike, and any velocity, lean and time, leave the potential as it is.
+/// Whether the potential ignores a common shift of both poses, and any velocity, tilt and time.
 bool sees_differences_alone(const Potential& potential, double radius) {
   Draw draw;
   for (int i = 0; i < samples; ++i) {
@@ -52,7 +52,7 @@ bool sees_differences_alone(const Potential& potential, double radius) {
   return true;
 }
 
-/// The largest of weighted value and slope [1/m] just inside the radius, over directions and headings.
+/// The largest weighted value [-] or slope [1/m] at the radius, over directions and headings.
 double largest_at(const Weighted& term, double radius) {
   Draw draw;
   double largest = 0.0;

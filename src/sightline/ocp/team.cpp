@@ -134,7 +134,7 @@ void Team::check_weight(const Weighted& term) const {
   }
 }
 
-/// Names are of terms that last; one that fades out makes room for the next.
+/// Names belong to lasting terms; a term that fades out frees its name.
 void Team::check_new_name(std::string_view called) const {
   if (called.empty()) return;
   const auto has_it = [&](const auto& term) { return term.name == called && term.ramp.to > 0; };
@@ -192,7 +192,8 @@ void Team::couple(Coupling coupling) {
   couplings_.push_back(std::move(coupling));
 }
 
-/// What looks past a body, and no other potential, has one, which is neither of its two.
+/// A coupling has a third body if and only if its potential looks past one; it is neither of the
+/// two.
 void Team::check_third(const Coupling& coupling) const {
   const auto& [first, second] = coupling.between;
   const std::string_view potential = coupling.term.potential.name();

@@ -1,5 +1,4 @@
-/// The robots, their own costs, and their couplings. Composed at run time; `Ocp` is made from
-/// it.
+/// The robots, their own costs and their couplings. Composed at run time, the input of `Ocp`.
 #pragma once
 
 #include <array>
@@ -19,19 +18,19 @@
 
 namespace sightline {
 
-/// Anything that has a position: a robot, a target, an obstacle.
+/// Any body with a position: a robot, a target, an obstacle.
 struct BodyId {
   int index = -1;
   bool operator==(const BodyId&) const = default;
 };
 
-/// The place of a body in arrays over all of a team.
+/// Index of a body in arrays over all bodies of a team.
 constexpr std::size_t at(BodyId body) { return at(body.index); }
 
 /// A robot that is controlled.
 struct AgentId : BodyId {};
 
-/// The two ends of a coupling; the first is the observer where the potential has one.
+/// The two ends of a coupling; the first is the observer if the potential has one.
 struct Between {
   BodyId first, second;
 };
@@ -44,7 +43,7 @@ class InputLimits {
   InputLimits(std::vector<double> times, std::vector<std::vector<double>> u_min,
               std::vector<std::vector<double>> u_max);
 
-  /// Both of length nu, beyond which nothing is written; nothing is allocated.
+  /// Limits at t, each of length nu; writes no element beyond nu and allocates nothing.
   void at(double t, std::span<double> u_min, std::span<double> u_max) const noexcept;
 
   const std::vector<double>& times() const { return times_; }
@@ -56,7 +55,8 @@ class InputLimits {
   std::vector<std::vector<double>> u_min_, u_max_;  // [time][input]
 };
 
-/// A robot and its own cost (x* - x)' Q (x* - x) + (u* - u)' R (u* - u), at the end (x* - x)' Q_f (x* - x).
+/// A robot and its own cost (x* - x)' Q (x* - x) + (u* - u)' R (u* - u), at the end (x* - x)' Q_f
+/// (x* - x).
 struct Agent {
   std::string name;  ///< empty: uav0, uav1, ... in the order of adding
   Model model;
@@ -66,35 +66,37 @@ struct Agent {
   Reference x_ref{};
   std::vector<double> u_ref{};  ///< nu; empty: 0
   InputLimits limits;
-  std::vector<double> rate_max{};  ///< of the inputs either way, nu, > 0 [1/s]; empty: any
-  std::vector<double> R_rate{};    ///< of du/dt' diag(R_rate) du/dt in its cost, nu, >= 0 [s^2]; empty: 0
+  std::vector<double> rate_max{};  ///< greatest |du/dt| (nu), > 0 [1/s]; empty: no limit
+  std::vector<double> R_rate{};    ///< of the cost du/dt' diag(R_rate) du/dt (nu), >= 0 [s^2]; empty: 0
 };
 
-/// What each input of an agent is measured in (nu) where a solver compares steps, residuals and distances to limits with
-/// a threshold: half of its widest range. A range beyond 1000 / sqrt(R) is as good as none; there it is 1 / sqrt(R), at
-/// which the input costs 1. So the unit in which an input is written changes nothing.
+/// Scale of each input of an agent (nu): half of the input's widest range. A solver divides steps,
+/// residuals and distances to limits by it before it compares them with a threshold. A half range
+/// beyond 1000 / sqrt(R) counts as unlimited; then the scale is 1 / sqrt(R), at which the input
+/// costs 1. So the unit of an input has no effect.
 std::vector<double> input_scales(const Agent& agent);
 
-/// A body that is not controlled; it is predicted with constant velocity.
+/// A body that is not controlled; its prediction has constant velocity.
 struct Obstacle {
   std::string name;
-  bool has_heading = false;  ///< its state is that of a PosedBody; else a Body's, which heads along x of G
+  bool has_heading = false;  ///< its state is that of a PosedBody; else of a Body, with heading along x of G
 };
 
-/// A potential between two bodies, with its weight; felt by the agents listed.
+/// A potential between two bodies, with its weight; acts on the agents in `felt_by`.
 struct Coupling {
   Weighted term;
   Between between;
   std::vector<AgentId> felt_by;
-  std::string name{};  ///< for events to speak of it
+  std::string name{};  ///< by which events refer to it
   Ramp ramp{};
-  BodyId third{};  ///< a body that the potential looks past; it feels nothing. Index -1: none
+  BodyId third{};  ///< a body past which the potential looks; the coupling does not act on it. Index -1: none
 
   bool has_third() const { return third.index >= 0; }
 };
 
-/// The first of a coupling's bodies as its potential sees it: with the place of the third, if there is one.
-/// @param sight  of a body by its BodyId
+/// The first body of a coupling as its potential sees it, with the position of the third, if there
+/// is one.
+/// @param sight  returns the Sight of a body by its BodyId
 template <class SightOf>
 auto first_sight(const SightOf& sight, BodyId first, BodyId third) {
   auto seen = sight(first);
@@ -102,14 +104,14 @@ auto first_sight(const SightOf& sight, BodyId first, BodyId third) {
   return seen;
 }
 
-/// Whether one formula serves both: the same bodies, felt by the same agents, by the same part.
+/// Whether one formula can hold both: equal bodies, third body, felt_by and ramp.
 bool alike(const Coupling& a, const Coupling& b);
 
 /// A potential of one robot alone, with its weight.
 struct Constraint {
   Weighted term;
   AgentId agent;
-  std::string name{};  ///< for events to speak of it
+  std::string name{};  ///< by which events refer to it
   Ramp ramp{};
 };
 
@@ -119,29 +121,29 @@ struct BarrierTerm {
   AgentId agent;
 };
 
-/// One potential between all of some robots that are near each other.
+/// One potential between all nearby pairs of some robots.
 ///
-/// The potential lies between any two of these robots that are nearer than `radius`, and both feel it. It is a
-/// function of the difference of their poses alone, l(p_a - p_b, d_a - d_b), and next to nothing at the radius
-/// and beyond, so that a pair that appears or disappears causes no jump.
+/// The potential acts on both robots of every pair whose distance is below `radius`. It depends
+/// only on the difference of their poses, l(p_a - p_b, d_a - d_b). At the radius and beyond it is
+/// negligible, so that a pair that appears or disappears causes no jump.
 struct Swarm {
   Weighted term;
   std::vector<AgentId> agents;  ///< at least two, each once; a pair's a is the earlier of the list
   double radius = 2.5;          ///< [m], > 0
-  int capacity = 256;           ///< pairs at one time, >= 1; of more, the nearest count
+  int capacity = 256;           ///< greatest number of simultaneous pairs, >= 1; beyond it the nearest count
 
-  /// Weighted value and slope [1/m] that the potential may have at the radius.
+  /// Limit of the weighted value [-] and of its slope [1/m] at the radius.
   static constexpr double negligible = 1e-3;
 
-  /// Checks all but what the robots are.
-  /// @throws std::invalid_argument naming what is out of its range
+  /// Checks everything except that the agents are robots of a team.
+  /// @throws std::invalid_argument with the value that is out of range
   void check() const;
 
-  /// l of the weighted potential between all pairs that are nearer than the radius, of robots seen like this.
+  /// l of the weighted potential over all pairs within the radius, for the Sights of the robots.
   double cost(std::span<const Sight<double>> robots, double t) const;
 };
 
-/// A bound of each of n inputs; left out, it is the model's own.
+/// A bound of each of n inputs; if omitted, it is the model's own.
 template <std::size_t n>
 class InputBound {
  public:
@@ -180,12 +182,13 @@ struct AgentOptions {
   }
 };
 
-/// A list of agents that feel a coupling; the others' optimality conditions do not see it, (8)-(10).
+/// A list of agents on which a coupling acts; it does not enter the optimality conditions of other
+/// agents, (8)-(10).
 std::vector<AgentId> felt_by(std::initializer_list<AgentId> agents);
 std::vector<AgentId> felt_by(AgentId agent);
 
-/// Agents, obstacles, couplings and constraints. Every call checks what it is given and throws
-/// std::invalid_argument with a sentence that names it.
+/// Agents, obstacles, couplings and constraints. Every call checks its arguments and throws
+/// std::invalid_argument with a sentence that names the faulty one.
 class Team {
  public:
   template <RobotModel M>
@@ -206,21 +209,21 @@ class Team {
   AgentId add(Agent agent);
   BodyId add(Obstacle obstacle);
 
-  /// Couples two bodies; felt by all robots of `between`, or by those listed.
+  /// Couples two bodies; acts on all robots of `between`, or on the listed ones.
   void couple(const Weighted& term, Between between);
   void couple(const Weighted& term, Between between, std::vector<AgentId> felt_by);
   void couple(Coupling coupling);
-  /// A potential between all pairs of these robots that are nearer than `radius` [m], felt by both; of more than
-  /// `capacity` pairs the nearest count.
+  /// A potential between all pairs of these robots whose distance is below `radius` [m], acting on
+  /// both; beyond `capacity` pairs, the nearest count.
   void keep_apart(const Weighted& term, std::vector<AgentId> agents, double radius, int capacity);
-  /// A potential that one robot feels by itself.
+  /// A potential of one robot alone.
   void constrain(const Weighted& term, AgentId agent);
   void constrain(Constraint constraint);
   /// A limit of one robot's state and input.
   void constrain(const RelaxedBarrier& barrier, AgentId agent);
 
-  /// Bodies in the order of adding; `body` is an agent or an obstacle. Here and below an id that is none of the team
-  /// throws std::out_of_range.
+  /// Bodies in the order of adding; `body` is an agent or an obstacle. Here and below, an id that
+  /// is not of the team throws std::out_of_range.
   int bodies() const { return static_cast<int>(bodies_.size()); }
   bool is_agent(BodyId body) const { return bodies_[index(body)].agent >= 0; }
   const Agent& agent(BodyId body) const;
@@ -234,12 +237,12 @@ class Team {
   const std::vector<Swarm>& swarms() const { return swarms_; }
   const std::vector<Constraint>& constraints() const { return constraints_; }
   const std::vector<BarrierTerm>& barriers() const { return barriers_; }
-  /// Those of one robot, in the order of adding.
+  /// Barriers of one robot, in the order of adding.
   std::vector<RelaxedBarrier> barriers(BodyId body) const;
 
-  /// Where a body's state stands in the stacked state x of all bodies, in the order of adding.
+  /// Offset of a body's state in the stacked state x of all bodies, in the order of adding.
   int state_offset(BodyId body) const { return bodies_[index(body)].state_offset; }
-  /// Where an agent's input stands in the stacked input u.
+  /// Offset of an agent's input in the stacked input u.
   int input_offset(BodyId body) const { return bodies_[index(body)].input_offset; }
   int nx() const { return nx_; }
   int nu() const { return nu_; }
@@ -271,7 +274,7 @@ class Team {
   int nx_ = 0, nu_ = 0;
 };
 
-/// u* of all robots, in the order of the team (nu): what they are told before anybody tells them something.
+/// u* of all robots, in the order of the team (nu): the inputs in force before the first command.
 std::vector<double> resting_inputs(const Team& team);
 
 }  // namespace sightline

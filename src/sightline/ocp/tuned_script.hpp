@@ -1,8 +1,8 @@
-/// Events that somebody makes while the team flies, behind those of its script: they happen as they come.
+/// Events that a user adds in flight, after those of the script; they happen when they arrive.
 ///
-/// One thread adds them, the control thread takes one a period, and others read what became of them. Nobody waits for anybody: an event
-/// never changes once it is counted. Written behind the scenario with the times at which they happened, they are events like any others,
-/// and the flight is the same.
+/// One thread adds events, the control thread takes one per period, and other threads read their
+/// state. No thread waits: an event never changes once it is counted. Appended to the scenario with
+/// the times at which they happened, they are ordinary events, and a replay gives the same flight.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,13 +21,13 @@ namespace sightline {
 
 class TunedScript {
  public:
-  static constexpr std::size_t room = 1000;  ///< events of one flight
+  static constexpr std::size_t room = 1000;  ///< greatest number of events of one flight
 
   TunedScript() : all_(room) {}
 
   bool is_full() const noexcept { return size() == room; }
-  /// One thread; not once it is full.
-  /// @param text  the keys of its [[event]] beside `at`, as a scenario has them, with their line ends
+  /// Appends an event. By one thread; not once the script is full.
+  /// @param text  the keys of its [[event]] other than `at`, as in a scenario, with their line ends
   void add(TeamEvent event, std::string text) {
     const std::size_t i = size();
     all_[i] = std::make_unique<Tuned>(std::move(event), std::move(text));
@@ -36,16 +36,16 @@ class TunedScript {
 
   std::size_t size() const noexcept { return size_.load(std::memory_order_acquire); }
   const TeamEvent& event(std::size_t i) const noexcept { return all_[i]->event; }
-  /// When it happened [s]; not a number before.
+  /// Time at which it happened [s]; NaN before.
   double at(std::size_t i) const noexcept { return all_[i]->at.load(std::memory_order_acquire); }
-  /// Whether it could not be, and changed nothing.
+  /// Whether the team rejected it, with no change.
   bool is_ignored(std::size_t i) const noexcept { return all_[i]->ignored.load(std::memory_order_acquire); }
-  /// As an [[event]] at t [s].
+  /// The text as an [[event]] at t [s].
   std::string text(std::size_t i, double t) const {
     return fmt::format("\n[[event]]\nat = {}\n{}", t, all_[i]->text);
   }
 
-  // The control thread.
+  // By the control thread only.
 
   void occur(std::size_t i, double t) noexcept { all_[i]->at.store(t, std::memory_order_release); }
   void ignore(std::size_t i) noexcept { all_[i]->ignored.store(true, std::memory_order_release); }
@@ -63,8 +63,9 @@ class TunedScript {
   std::atomic<std::size_t> size_{0};
 };
 
-/// The event of that number in a flight: of the script, then of what was tuned; none where there is no such.
-/// @param tuned  none: nothing is
+/// The event of that number in a flight: of the script, then of the tuned ones; null beyond the
+/// last.
+/// @param tuned  null: no tuned events
 inline const TeamEvent* flown_event(const Script& script, const TunedScript* tuned, std::size_t number) {
   const std::size_t n = script.events.size();
   if (number < n) return &script.events[number];

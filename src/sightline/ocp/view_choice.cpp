@@ -89,7 +89,7 @@ ViewChooser::ViewChooser(const ViewChoice& choice)
   order_.reserve(want_.size());
 }
 
-/// Whether the way to a known place is shorter by this target.
+/// Takes this target if the path to a known position has a lower cost by it.
 void ViewChooser::consider(Node& of, const Node& target) noexcept {
   const std::size_t i = size(of.observer), j = size(target.target);
   if (used_[j] >= choice_.at_most) return;
@@ -129,7 +129,7 @@ void ViewChooser::plan(const EventInstant& now) noexcept {
       const int its = want_[size(next->observer)];
       order_.push_back(size(next->observer));
       if (++used_[size(its)] >= choice_.at_most) {
-        // No room for others: they look again among those whose way is known.
+        // The target is full: other observers of it choose again among the finished nodes.
         for (Node& other : nodes_) {
           if (other.done || other.observer < 0 || want_[size(other.observer)] != its) continue;
           other.cost = unseen;
@@ -147,7 +147,7 @@ void ViewChooser::plan(const EventInstant& now) noexcept {
   }
 }
 
-/// Whether no target has too many observers, and none is in a circle.
+/// Whether no target has too many observers and no observer is in a cycle.
 bool ViewChooser::can_be(std::span<const int> targets) const noexcept {
   std::fill(count_.begin(), count_.end(), 0);
   for (std::size_t i = 0; i < targets.size(); ++i) {
@@ -176,7 +176,7 @@ void ViewChooser::look(const EventInstant& now) noexcept {
   for (std::size_t i = 0; i < want_.size(); ++i) {
     changed_[i] = due_[i] = 0;
     const bool has = present_[i] >= 0 && now.is_there(choice_.targets[size(present_[i])]);
-    // One without a path, or not steered, leaves only a place that others need.
+    // An observer without a path, or not steered, leaves its target only if others need the place.
     const bool leaves = want_[i] >= 0 || (present_[i] >= 0 && used_[size(present_[i])] >= choice_.at_most);
     if (want_[i] == present_[i] || !leaves) {
       since_[i] = unseen;
@@ -196,7 +196,7 @@ void ViewChooser::look(const EventInstant& now) noexcept {
     }
     return;
   }
-  // One by one: those that give a place free, then those nearest to a known place.
+  // One by one: first those that free a place, then those nearest to a known position.
   std::copy(present_.begin(), present_.end(), trial_.begin());
   const auto attempt = [&](std::size_t i) {
     if (due_[i] == 0) return;

@@ -1,3 +1,4 @@
+/// Potential that turns a sensor towards a target.
 #pragma once
 
 #include <cmath>
@@ -7,21 +8,22 @@
 
 namespace sightline {
 
-/// Turns the sensor towards the target, from wherever it looks: 1 less the cosine of the angle gamma between
-/// the sensor axis and the target. docs/equations.md, 13.
+/// Turns the sensor towards the target from any initial direction: 1 minus the cosine of the angle
+/// gamma between the sensor axis and the target. docs/equations.md, 13.
 ///
 ///   l = 1 - (cos beta (x cos omega + y sin omega) - sin beta z) / sqrt(x^2 + y^2 + z^2 + width^2)
 ///
-/// with (x, y, z) the target seen from the sensor in the frame that it is fixed to, V or B (x ahead, y left, z up) and
-/// beta the pitch of the mount; l is in [0, 2], and 1 - cos gamma for omega = 0 and a target farther than `width`.
+/// with (x, y, z) the target relative to the sensor in the frame that the mount is fixed to, V or B
+/// (x ahead, y left, z up), and beta the pitch of the mount. l is in [0, 2]; it is 1 - cos gamma
+/// for omega = 0 and a target much farther than `width`.
 ///
-/// Straight behind, left and right are alike and nothing would turn the robot. So with phi the horizontal
-/// angle of the target off the nose the axis is turned to the left by
+/// With the target straight behind, l would be stationary and the robot would not turn. So, with
+/// phi the horizontal angle from the nose to the target, the axis is rotated to the left by
 ///
 ///   omega = tilt sig(-0.906 - cos phi, 40),   cos phi = x / sqrt(x^2 + y^2 + width^2)
 ///
-/// which is 0.96 to 0.98 of `tilt` where |phi| exceeds 170 degrees (with the default from there to 189 degrees
-/// the robot turns left), and less than 1e-6 rad where |phi| is below 123 degrees.
+/// which is 0.96 to 0.98 of `tilt` for |phi| above 170 degrees, and less than 1e-6 rad for |phi|
+/// below 123 degrees. With the default, the robot turns left from 170 to 189 degrees.
 struct Bearing {
   double alpha = 0.5;
   double width = 0.1;
@@ -56,7 +58,7 @@ struct Bearing {
     return 1.0 - (cos(mount.pitch) * ahead - sin(mount.pitch) * p_V.z) * (1.0 / sqrt(level + square(p_V.z)));
   }
 
-  /// How far the target is out of view: alpha_t - alpha [rad], (71).
+  /// Angle by which the target is out of view: alpha_t - alpha [rad], (71).
   double violation(const Sight<double>& observer, const Sight<double>& target) const {
     return view_angle(mount, observer, target.p) - alpha;
   }

@@ -1,4 +1,4 @@
-/// Where one robot may be: limits that need no partner, by the workflow of section 5.
+/// Position bounds of a single robot, derived by the workflow of section 5.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace sightline {
 
 namespace detail {
 
-/// One side of a limit, outside = how far beyond it [m]: a step with a slope that leads back.
+/// One side of a bound: a step with a slope that leads back inside.
+/// @param outside  distance beyond the bound [m]
 template <class Step, class S>
 S beyond(const Step& eps, double kappa_G, const S& outside) {
   return eps(outside) * (1.0 + kappa_G * square(outside));
@@ -57,13 +58,13 @@ struct AltitudeBand {
     return over<SigmoidStep, S>({kappa_A}, robot);
   }
 
-  /// How far outside the band [m].
+  /// Distance outside the band [m].
   double violation(const Sight<double>& robot) const {
     return std::max(robot.p.z - z_max, z_min - robot.p.z);
   }
 };
 
-/// Keeps a robot within a box of G: the sum of the six sides, each as AltitudeBand has two.
+/// Keeps a robot within a box of G: the sum over the six sides, each in the form of AltitudeBand.
 struct Geofence {
   std::array<double, 3> low = {-10.0, -10.0, 0.0};
   std::array<double, 3> high = {10.0, 10.0, 5.0};
@@ -102,7 +103,7 @@ struct Geofence {
     return over<SigmoidStep, S>({kappa_A}, robot);
   }
 
-  /// How far outside the box, the worst axis [m].
+  /// Distance outside the box, largest over the axes [m].
   double violation(const Sight<double>& robot) const {
     const std::array<double, 3> p = {robot.p.x, robot.p.y, robot.p.z};
     double worst = p[0] - high[0];

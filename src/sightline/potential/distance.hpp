@@ -1,3 +1,4 @@
+/// Potentials that limit the distance of two robots, by a sigmoid step.
 #pragma once
 
 #include "sightline/model/frames.hpp"
@@ -6,10 +7,11 @@
 
 namespace sightline {
 
-/// Keeps two robots apart ("collision avoidance", (49)-(54), with the sign of the step mended).
+/// Keeps two robots apart ("collision avoidance", (49)-(54), with the sign of the step corrected).
 ///
-///   c = d_min^2 - D^2 <= 0,   l = sig(c, kappa_A) (kappa_H - kappa_G D^2),   D the distance of the positions
-///   [m]
+///   c = d_min^2 - D^2 <= 0,   l = sig(c, kappa_A) (kappa_H - kappa_G D^2)
+///
+/// with D the distance of the positions [m].
 struct KeepOut {
   double d_min = 1.0;
   double kappa_H = 4.5;
@@ -40,11 +42,11 @@ struct KeepOut {
     return over<SigmoidStep, S>({kappa_A}, a, b);
   }
 
-  /// How much too near: d_min - D [m].
+  /// Distance below the limit: d_min - D [m].
   double violation(const Sight<double>& a, const Sight<double>& b) const { return d_min - norm(a.p - b.p); }
 };
 
-/// Keeps two robots together, (55)-(59), with the sign of the step mended.
+/// Keeps two robots together, (55)-(59), with the sign of the step corrected.
 ///
 ///   c = D^2 - d_max^2 <= 0,   l = sig(c, kappa_A) (kappa_H + kappa_G D^2)
 struct Cohesion {
@@ -77,7 +79,7 @@ struct Cohesion {
     return over<SigmoidStep, S>({kappa_A}, a, b);
   }
 
-  /// How much too far: D - d_max [m].
+  /// Distance above the limit: D - d_max [m].
   double violation(const Sight<double>& a, const Sight<double>& b) const { return norm(a.p - b.p) - d_max; }
 };
 

@@ -22,7 +22,7 @@ constexpr int batch = 512;
 using Random = std::mt19937_64;
 using InputNumbers = std::array<double, inputs>;
 
-/// Value, gradient and Hessian, each distinct entry once.
+/// Value, gradient and Hessian; each distinct entry once.
 struct Recorded {
   Program program;
   bool sees_time;
@@ -60,7 +60,7 @@ Sight<double> draw_sight(Random& random, double reach, bool on_axes) {
   return {{{place(), place(), place()}, d}, {place() / 10, place() / 10, place() / 10}};
 }
 
-/// Each draws something of its own.
+/// Separate generators, so that one kind of draw does not change the others.
 struct Draws {
   Random places{1}, leans{2}, thirds{3};
 };
@@ -80,7 +80,7 @@ InputNumbers draw(Draws& draws, const FiniteSearch& search) {
     write_sight(sight, std::span(z).subspan(first));
   }
   z.back() = std::uniform_real_distribution<double>(search.from, search.until)(random);
-  // At one of the two, between them, or anywhere.
+  // At one of the two bodies, between them, or anywhere.
   const double part = clamp(std::uniform_real_distribution<double>(-0.5, 1.5)(thirds), 0.0, 1.0);
   const bool is_between = thirds() % 2 == 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -91,7 +91,7 @@ InputNumbers draw(Draws& draws, const FiniteSearch& search) {
   return z;
 }
 
-/// Looks at many places at once for one that is no number.
+/// Evaluates a program on batches of inputs and finds a result that is not finite.
 class Seeker {
  public:
   explicit Seeker(const Program& program)
@@ -100,7 +100,8 @@ class Seeker {
     for (int i = 0; i < program.outputs(); ++i) evaluation_.output(i, out_[i]);
   }
 
-  /// The first of `count` numbers that `next` gives.
+  /// The first input from `next` with a result that is not finite; `count` is rounded up to whole
+  /// batches.
   template <class Next>
   std::optional<InputNumbers> first(std::int64_t count, Next&& next) {
     for (std::int64_t done = 0; done < count; done += batch) {
@@ -130,7 +131,8 @@ class Seeker {
   Evaluation evaluation_;
 };
 
-/// Until when it is finite at a place where it is not at its time; none if it is not at the beginning either.
+/// Time until which the result is finite, for an input that is not finite at its own time; none if
+/// it is not finite at `from` either.
 std::optional<double> end_of(const Seeker& seeker, InputNumbers z, double from) {
   double bad = z.back();
   z.back() = from;

@@ -1,4 +1,4 @@
-/// Searches for poses and times at which a potential is not finite, before a flight.
+/// Search, before a flight, for poses and times at which a potential is not finite.
 #pragma once
 
 #include <optional>
@@ -8,27 +8,31 @@
 
 namespace sightline {
 
-/// What a potential sees at one time.
+/// Arguments of a potential at one time.
 struct Spot {
   Sight<double> observer, target;
   double t = 0.0;                       ///< [s]
-  std::optional<double> ends{};         ///< there it is finite from the beginning on until this time [s]
-  std::optional<Vec3<double>> third{};  ///< where the third body is [m], of one that looks past it
+  std::optional<double> ends{};         ///< at these poses it is finite from the start of the search until
+                                        ///< this time [s]
+  std::optional<Vec3<double>> third{};  ///< position of the third body [m], if the potential uses one
 };
 
-/// Where and when to search.
+/// Range of the search.
 struct FiniteSearch {
   double from = 0.0, until = 100.0;  ///< [s]
-  double period = 0.0;               ///< every multiple of it is looked at where the time counts [s]; 0: none
-  Vec3<double> centre{};             ///< half of the places are around it, half around the origin [m]
+  double period = 0.0;               ///< grid of the times to test, if the potential depends on time [s]; 0:
+                                     ///< none
+  Vec3<double> centre{};             ///< half of the positions are around it, half around the origin [m]
   int samples = 20'000;
 };
 
-/// A spot where the value, a gradient or a curvature is not finite, of those that are tried: bodies up to
-/// 30 m apart, and on top of each other, in line and on the axes. None is no proof. Set-up: allocates.
+/// Returns the first sampled spot at which the value, a gradient or a curvature is not finite.
+/// Samples have bodies up to 30 m apart, coincident, aligned and on the axes. An empty result is no
+/// proof. Allocates: call only during set-up.
 std::optional<Spot> not_finite_at(const Potential& potential, const FiniteSearch& search = {});
 
-/// "observer at (1, 2, 3) m heading (1, 0), target at ..., t = 0 s", and until when it is finite there.
+/// Description, "observer at (1, 2, 3) m heading (1, 0), target at ..., t = 0 s", with the time
+/// until which it is finite there.
 std::string to_string(const Spot& spot);
 
 }  // namespace sightline

@@ -14,19 +14,20 @@ namespace {
 constexpr double cos_limit = -0.5, sin_limit = 0.86602540378443864676;  // of 120 degrees
 constexpr double cos_tie = -0.99619469809174553230;                     // of 175 degrees
 
-/// How two headings are to each other.
+/// Angle between two headings.
 struct Angle {
-  double cosine, sine, length2;  // in the product of their lengths, and its square
+  double cosine, sine, length2;  // cosine and sine times the product of their lengths, and the square of that
+                                 // product
 
   Angle(const Vec2<double>& from, const Vec2<double>& to)
       : cosine(from.x * to.x + from.y * to.y),
         sine(from.x * to.y - from.y * to.x),
         length2((from.x * from.x + from.y * from.y) * (to.x * to.x + to.y * to.y)) {}
 
-  /// Whether it is beyond an angle of that cosine, < 0.
+  /// Whether the angle exceeds the one with this cosine, which must be < 0.
   bool exceeds(double cos_of) const { return cosine < 0 && cosine * cosine > cos_of * cos_of * length2; }
   bool turns_left() const { return sine >= 0 || exceeds(cos_tie); }
-  /// What turns `to` to 120 degrees from `from`.
+  /// Rotation that takes `to` to 120 degrees from `from`.
   Vec2<double> excess() const {
     const double per_length = 1.0 / std::sqrt(length2);
     return rotate<double>({per_length * cosine, -per_length * sine},
@@ -34,8 +35,9 @@ struct Angle {
   }
 };
 
-/// Whether the limit leaves the headings (x, y) of n stages unchanged for one of two simple reasons: no stage has a heading,
-/// or each differs by less than a right angle from the previous one, the first from `own`. Costs one comparison per stage.
+/// Fast test, one comparison per stage: whether the headings (x, y) of n stages stay unchanged.
+/// True if no stage has a heading, or if each differs by less than a right angle from the previous
+/// one, the first from `own`.
 bool stays_unchanged(const Vec2<double>& own, const double* x, const double* y, int n, std::ptrdiff_t stage) {
   const double* const x_end = x + n * stage;
   if (*x == 0 && *y == 0) {
@@ -84,7 +86,7 @@ bool HeadingErrorLimit::operator()(const double* x, std::ptrdiff_t x_entry, doub
   bool turns = false, turned = false;
   for (int k = 0; k < n; ++k, x_ref += stage) {
     const Vec2<double> now = {x_ref[x_at], x_ref[y_at]};
-    if (now.x == 0 && now.y == 0) continue;  // no heading is asked for
+    if (now.x == 0 && now.y == 0) continue;  // the reference has no heading
     if (Angle(before, now).exceeds(cos_limit)) {
       const Angle from_seen(seen, now);
       turns = from_seen.exceeds(cos_limit);

@@ -1,4 +1,5 @@
-/// Limits that many robots have, ready for a RelaxedBarrier. Each is scaled so that c is -1 farthest from its borders.
+/// Common limits of one robot, for a RelaxedBarrier. Each is scaled so that c is -1 farthest from
+/// its borders.
 #pragma once
 
 #include <algorithm>
@@ -7,12 +8,13 @@
 
 namespace sightline {
 
-/// Keeps the horizontal speed v of a robot in G between two bounds, min^2 <= v^2 = v_x^2 + v_y^2 <= max^2.
+/// Keeps the horizontal speed v of a robot in G between two bounds, min^2 <= v^2 = v_x^2 + v_y^2 <=
+/// max^2.
 ///
-///   c = v^2 / max^2 - 1                                              min = 0
-///   c = ((2 v^2 - max^2 - min^2) / (max^2 - min^2))^2 - 1            min > 0, as what flies by its wings needs it
+///   c = v^2 / max^2 - 1                                     min = 0
+///   c = ((2 v^2 - max^2 - min^2) / (max^2 - min^2))^2 - 1   min > 0, for fixed-wing aircraft
 ///
-/// Of a multirotor v^2 is v_f^2 + v_s^2.
+/// For a multirotor v^2 is v_f^2 + v_s^2.
 struct SpeedLimit {
   double max = 1.0;
   double min = 0.0;
@@ -37,7 +39,8 @@ struct SpeedLimit {
   }
 };
 
-/// Keeps two inputs of a robot together within a disc, as the tilt of a multirotor asks of u_f and u_s.
+/// Keeps two inputs of a robot within a disc, for example u_f and u_s of a multirotor, which set
+/// its tilt.
 ///
 ///   c = (u_i^2 + u_j^2) / radius^2 - 1
 struct InputDisc {

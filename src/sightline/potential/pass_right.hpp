@@ -1,4 +1,4 @@
-/// Keeps robots apart that pass each other, each on its right: head-on encounters end in no deadlock.
+/// Keeps passing robots apart, each on its right, so that head-on encounters end in no deadlock.
 /// docs/equations.md, 14.
 #pragma once
 
@@ -6,15 +6,17 @@
 
 namespace sightline {
 
-/// Pushes two robots apart as TooNear does, from where each has the other a little to its left.
+/// Pushes two robots apart as TooNear does, with each robot's position shifted to its left.
 ///
-///   l = softplus(kappa (d_min - D_e)) / kappa,   D_e = |p_a - p_b - (delta/2) J (d_a - d_b)|,   J (x, y) = (-y, x)
+///   l = softplus(kappa (d_min - D_e)) / kappa
+///   D_e = |p_a - p_b - (delta/2) J (d_a - d_b)|,   J (x, y) = (-y, x)
 ///
-/// J d points to the left of a robot with heading d: head on, each is pushed to its right; where paths cross, the one
-/// that comes from the right is slowed down less; for robots with equal headings nothing changes. They pass at
-/// d_min - delta on the right and at d_min + delta on the left.
+/// J d points to the left of a robot with heading d. Head on, each robot is pushed to its right. At
+/// crossing paths, the robot from the right is slowed down less. For robots with equal headings l
+/// equals that of TooNear. They pass at d_min - delta on the right and at d_min + delta on the
+/// left.
 ///
-/// Surprise: the heading is taken for the direction of travel, so give the heading a reference.
+/// Note: the heading is taken as the direction of travel, so the heading needs a reference.
 struct PassRight {
   double d_min = 1.0;
   double delta = 0.2;
@@ -42,7 +44,7 @@ struct PassRight {
     return (1.0 / kappa) * softplus(kappa * (d_min - detail::distance_with_slope(moved(a, b), none)));
   }
 
-  /// How much too near: d_min - D_e [m].
+  /// Distance below the limit: d_min - D_e [m].
   double violation(const Sight<double>& a, const Sight<double>& b) const { return d_min - norm(moved(a, b)); }
 
  private:

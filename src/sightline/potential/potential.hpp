@@ -1,22 +1,25 @@
-/// Any potential behind one interface, with its weight.
+/// Type-erased potential of any kind, with its weight.
 ///
-/// A potential is a struct with `template <class S> S operator()(...) const` over the Sights of two robots (a
-/// coupling) or of one (a constraint of that robot), with the time [s] as a last argument where it wants it:
+/// A potential is a struct with `template <class S> S operator()(...) const` over the Sights of two
+/// robots (a coupling) or of one (a constraint of that robot). It may have the time [s] as a last
+/// argument:
 ///
 ///   S operator()(const Sight<S>& observer, const Sight<S>& target) const;
 ///   S operator()(const Sight<S>& robot, const S& time) const;
 ///
-/// and, where it states a limit, `double violation(same Sights) const`, with the time as above: > 0 where the
-/// limit is broken, in its unit. Its name is `name`, a constant of the type or a function; its parameters are described
-/// by `parameters()` (base/parameter.hpp). What else is asked of it, it says beside them, as constants or functions:
+/// If it states a limit, it has `double violation(same Sights) const`, with the time as above. The
+/// result is > 0 where the limit is violated, in the limit's unit. Its name is `name`, a constant
+/// of the type or a function. Its parameters are described by `parameters()` (base/parameter.hpp).
+/// Further optional properties are constants or functions:
 ///
-///   limit_unit    unit of the violation, "m"; left out: "in its own unit"
-///   keeps_apart   whether the limit is a least distance; left out: found by looking at the limit (protection.hpp)
-///   observes       whether the first body looks at the second; left out: it has a sensor and does not keep apart
-///   mount         the sensor's place on the observer; a scenario sets it from [agent.NAME.sensor]
-///   alpha         of one that observes: the angle of view [rad]
-///   d_min, d_max  the distances that it keeps [m]
-///   sees_third    whether Sight::third of the first body is something to it; left out: no
+///   limit_unit    unit of the violation, "m"; default: "in its own unit"
+///   keeps_apart   whether the limit is a least distance; default: sampled (protection.hpp)
+///   observes      whether the first body observes the second; default: it has a sensor and
+///                 does not keep the bodies apart
+///   mount         the sensor's mount on the observer; a scenario sets it from [agent.NAME.sensor]
+///   alpha         with a sensor: the angle of view [rad]
+///   d_min, d_max  the limits of the distance [m]
+///   sees_third    whether it depends on Sight::third of the first body; default: no
 #pragma once
 
 #include <concepts>
@@ -39,22 +42,24 @@ namespace sightline {
 
 inline constexpr double half_pi = std::numbers::pi / 2;
 
-/// @throws std::invalid_argument "potential.field = value, expected ..." unless the condition holds and the
-/// value is finite
+/// @throws std::invalid_argument "potential.field = value, expected ..." unless the condition holds
+/// and the value is finite
 void require(bool holds, std::string_view potential, std::string_view field, double value,
              std::string_view expected);
 
-/// The angles of a field of view.
+/// Range of the angles of a field of view.
 inline constexpr Bounds acute_angle = {std::numeric_limits<double>::min(), half_pi*(1 - 1e-16),
                                        "in (0, pi/2)"};
-/// Greatest pitch of a sensor [rad]: straight down, pi/2 rounded up to four digits.
+/// Largest pitch of a sensor [rad]: straight down, pi/2 rounded up to four digits.
 inline constexpr double steepest_mount = 1.5708;
 inline constexpr std::string_view mount_pitches = "in [-pi/2, pi/2] rad";
 
-/// @throws std::invalid_argument unless |pitch| <= steepest_mount, the offset is finite and `sigmas` >= 0
+/// @throws std::invalid_argument unless |pitch| <= steepest_mount, the offset is finite and
+/// `sigmas` >= 0
 void check_mount(std::string_view potential, const SensorMount& mount);
 
-/// Corners of a potential that are rounded off, over a width in the unit of what has them.
+/// Corners of a potential that are smoothed, over a width in the unit of the function with the
+/// corner.
 struct Rounding {
   double width;
   std::set<std::string> corners;  ///< "abs", "min"
@@ -75,19 +80,20 @@ concept SinglePotentialOver = requires(const P& p, const Sight<S>& a, const S& t
   { p(a, t) } -> std::same_as<S>;
 };
 
-/// Sees two robots.
+/// Potential of two robots.
 template <class P>
 concept PairPotential = PairPotentialOver<P, double> && PairPotentialOver<P, Symbol>;
-/// Sees one robot.
+/// Potential of one robot.
 template <class P>
 concept SinglePotential =
     !PairPotential<P> && SinglePotentialOver<P, double> && SinglePotentialOver<P, Symbol>;
 
-/// A potential of any type. Constant and shared. One that sees a single robot ignores the second Sight. Where its
-/// function throws on numbers, the value is NaN.
+/// A potential of any type; immutable and shared. A potential of a single robot ignores the second
+/// Sight. If its function throws for numbers, the value is NaN.
 class Potential {
  public:
-  /// @throws std::invalid_argument for a parameter out of its range, and from the potential's own check()
+  /// @throws std::invalid_argument for a parameter out of its range, and from the potential's own
+  /// check()
   template <class P>
   requires PairPotential<P> || SinglePotential<P> Potential(const P& potential)
       : block_(std::make_shared<const Block<P>>(potential)) {
@@ -97,7 +103,7 @@ class Potential {
 
   std::string_view name() const { return block_->name; }
   bool is_pair() const { return block_->is_pair; }
-  /// Its parameters in words; none of a potential that does not describe them.
+  /// Descriptions of its parameters; empty if the potential does not describe them.
   std::vector<ParameterText> parameters() const { return block_->parameters(); }
 
   /// l [-] of the observer a and the target b at time t [s].
@@ -107,42 +113,46 @@ class Potential {
   Symbol operator()(const Sight<Symbol>& a, const Sight<Symbol>& b, const Symbol& t) const {
     return block_->trace(a, b, t);
   }
-  /// > 0 where the limit is broken, in the limit's unit; -infinity for a potential that states no limit.
+  /// > 0 where the limit is violated, in the limit's unit; -infinity for a potential without a
+  /// limit.
   double violation(const Sight<double>& a, const Sight<double>& b, double t = 0.0) const noexcept {
     return block_->violation(a, b, t);
   }
 
-  /// The distance beyond which it keeps two bodies, and within which [m], where it has a field of this name.
+  /// Least and greatest distance of two bodies [m], if the potential has a field of this name.
   std::optional<double> d_min() const { return block_->d_min(); }
   std::optional<double> d_max() const { return block_->d_max(); }
-  /// The angle of view up to which it counts as kept [rad], of one that observes and has a field of this name.
+  /// Angle of view within which the target counts as in view [rad], if the potential has a sensor
+  /// and a field of this name.
   std::optional<double> alpha() const { return block_->alpha(); }
-  /// Whether it depends on where a third body is, by Sight::third of the first of its two.
+  /// Whether it depends on the position of a third body, Sight::third of its first body.
   bool sees_third() const { return block_->sees_third(); }
-  /// What its violation is measured in: "m", "rad"; "in its own unit" where it does not say.
+  /// Unit of its violation: "m", "rad"; default "in its own unit".
   std::string_view limit_unit() const { return block_->limit_unit; }
-  /// What it says of itself; none: it does not. keeps_apart() and observes() of protection.hpp know then.
+  /// Declared properties; none if not declared. keeps_apart() and observes() of protection.hpp then
+  /// determine them.
   std::optional<bool> says_keeps_apart() const { return block_->keeps_apart; }
   std::optional<bool> says_observes() const { return block_->observes; }
-  /// The limits that all have to hold in it, each as a potential; none where it states a single one.
+  /// Its limits that all have to hold, each as a potential; empty if it states a single limit.
   std::vector<Potential> conjuncts() const { return block_->conjuncts(); }
-  /// Its rounded corners, if it is a formula that can have some, and the same with others.
+  /// Its smoothed corners, if it is a formula that can have some; and a copy with another width.
   std::optional<Rounding> rounding() const { return block_->rounding(); }
   Potential smoothed_over(double width) const { return block_->smoothed_over(width).value_or(*this); }
 
-  /// l over the unit step, with its slope, (34): 0 where the limit holds; NaN if it was not written over a step.
+  /// l over the unit step, with its slope, (34): 0 where the limit holds. NaN if the potential is
+  /// not written over a step.
   double sloped(const Sight<double>& a, const Sight<double>& b, double t = 0.0) const {
     return block_->sloped(a, b, t);
   }
-  /// The sharpness of its sigmoid, or none.
+  /// Sharpness of its sigmoid, or none.
   std::optional<double> kappa_A() const { return block_->kappa_A(); }
-  /// The same with another sharpness; itself if it has none.
+  /// A copy with another sharpness; itself if it has none.
   Potential sharpened(double kappa_A) const { return block_->sharpened(kappa_A).value_or(*this); }
-  /// Where its sensor sits on the observer, if it has one, and the same with the sensor elsewhere.
+  /// Mount of its sensor on the observer, nullptr without a sensor; and a copy with another mount.
   const SensorMount* mount() const { return block_->mount(); }
   Potential seen_from(const SensorMount& mount) const { return block_->seen_from(mount).value_or(*this); }
 
-  /// The potential as the type it was made from, or none.
+  /// The potential as the type that it was constructed from, or nullptr.
   template <class P>
   const P* as() const {
     const auto* block = dynamic_cast<const Block<P>*>(block_.get());
@@ -318,7 +328,7 @@ class Potential {
   std::shared_ptr<const Interface> block_;
 };
 
-/// A potential times its weight k: `0.4 * SensorCone{}`.
+/// A potential multiplied by its weight k: `0.4 * SensorCone{}`.
 struct Weighted {
   double weight = 1.0;
   Potential potential;

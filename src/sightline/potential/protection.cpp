@@ -9,7 +9,7 @@ namespace {
 constexpr int encounters = 64;
 constexpr double near = 1e-6, far = 1e4, away = 1e6;  // [m]
 
-/// Two bodies; `from` is where on the observer's axis the distance is measured from [m].
+/// Two bodies; the distance is measured from the point at `from` [m] on the observer's axis.
 struct Encounter {
   Sight<double> observer, target;
 
@@ -29,7 +29,7 @@ struct Encounter {
   }
 };
 
-/// Whether the limit is broken in all encounters at this distance, or holds in all.
+/// Whether the limit is violated in all encounters at this distance (`broken`), or holds in all.
 bool is_always(bool broken, const Potential& potential, double distance, double from) {
   for (int i = 0; i < encounters; ++i) {
     const Encounter e(i, distance, from);

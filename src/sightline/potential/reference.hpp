@@ -18,7 +18,7 @@
 
 namespace sightline {
 
-/// One place for ever.
+/// A constant pose.
 struct Constant {
   static constexpr std::string_view name = "constant";
   Vec3<double> p{};
@@ -31,7 +31,8 @@ struct Constant {
   Pose<double> operator()(double) const;
 };
 
-/// A circle at constant height: p = centre + radius (cos(rate t), sin(rate t), 0), (70); the heading is free.
+/// A circle at constant height: p = centre + radius (cos(rate t), sin(rate t), 0), (70). The
+/// heading is free.
 struct Circle {
   static constexpr std::string_view name = "circle";
   Vec3<double> centre{};
@@ -66,8 +67,8 @@ constexpr auto timed_parameters() {
 
 }  // namespace detail
 
-/// Straight lines between poses at given times, the heading the shorter way round; held before the first and after the
-/// last.
+/// Straight lines between poses at given times; the heading takes the shorter direction. Held
+/// before the first and after the last time.
 struct Waypoints {
   static constexpr std::string_view name = "waypoints";
   std::vector<double> times;
@@ -75,7 +76,8 @@ struct Waypoints {
   std::vector<double> heading = {};
 
   static constexpr auto parameters() { return detail::timed_parameters<Waypoints>(); }
-  /// @throws std::invalid_argument unless the times rise, all lists are as long and their numbers finite
+  /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
+  /// numbers are finite
   void check() const;
   Pose<double> operator()(double t) const;
 };
@@ -88,20 +90,23 @@ struct Steps {
   std::vector<double> heading = {};
 
   static constexpr auto parameters() { return detail::timed_parameters<Steps>(); }
-  /// @throws std::invalid_argument unless the times rise, all lists are as long and their numbers finite
+  /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
+  /// numbers are finite
   void check() const;
   Pose<double> operator()(double t) const;
 };
 
-/// A reference x*(t) of any form. A pose stands for the robot at rest there; a heading of (0, 0) is no
-/// heading. Where a function throws, or gives a state of another length, x* is NaN, and the solver's status not_finite.
+/// A reference x*(t) of any form. A pose represents the robot at rest there; a heading of (0, 0)
+/// means no heading. If a function throws, or returns a state of another length, x* is NaN and the
+/// solver reports not_finite.
 class Reference {
  public:
   /// The origin at rest, without a heading.
   Reference() : Reference([](double) { return Pose<double>{}; }) { constant_ = true; }
 
   /// t -> Pose<double>.
-  /// @throws std::invalid_argument for a parameter out of its range, and from the trajectory's own check()
+  /// @throws std::invalid_argument for a parameter out of its range, and from the trajectory's own
+  /// check()
   template <std::invocable<double> F>
   requires std::same_as<std::invoke_result_t<F, double>, Pose<double>> Reference(F pose)
       : write_([pose](const Times& times, const Model& model, const Target& x) {
@@ -125,8 +130,8 @@ class Reference {
     if constexpr (Described<F>) check_parameters(pose);
   }
 
-  /// t -> std::array<double, nx>, or another range of always the same length: the whole state.
-  /// @throws std::invalid_argument where it is empty at t = 0
+  /// t -> std::array<double, nx>, or another range of constant length: the whole state.
+  /// @throws std::invalid_argument if it is empty at t = 0
   template <std::invocable<double> F>
   requires std::convertible_to<std::invoke_result_t<F, double>, std::span<const double>> Reference(F state)
       : write_([state](const Times& times, const Model& model, const Target& x) {
@@ -138,7 +143,7 @@ class Reference {
         length_(checked_length(std::span<const double>(state(0.0)).size())) {}
 
   /// A constant state of length nx.
-  /// @throws std::invalid_argument where it is empty
+  /// @throws std::invalid_argument if it is empty
   template <std::size_t n>
   Reference(const std::array<double, n>& state)
       : Reference(std::vector<double>(state.begin(), state.end())) {}
@@ -149,29 +154,30 @@ class Reference {
         length_(checked_length(state.size())),
         constant_(true) {}
 
-  /// From one reference to another: (1 - ramp) x*_from + ramp x*_to.
-  /// @throws std::invalid_argument where both are whole states of unlike lengths, or one has more than `max_states`
+  /// Transition from one reference to another: (1 - ramp) x*_from + ramp x*_to.
+  /// @throws std::invalid_argument if both are whole states of different lengths, or one has more
+  /// than `max_states`
   static Reference between(const Reference& from, const Reference& to, const Ramp& ramp);
 
-  /// Whether x* is the same at all times.
+  /// Whether x* is constant in time.
   bool is_constant() const { return constant_; }
 
-  /// x*(t) into x, of length nx; NaN where it is of another. Allocates nothing if the function it was made from does
-  /// not.
+  /// Writes x*(t) into x, of length nx; NaN if the reference has another length. Allocates nothing
+  /// if the wrapped function does not.
   void operator()(double t, const Model& model, std::span<double> x) const noexcept {
     write_or_nan(x.data(), x.size(), [&] {
       expect(x.size() == static_cast<std::size_t>(model.nx()));
       write_({t, 0.0, 1}, model, {x.data(), 0, 1});
     });
   }
-  /// x*(t + k h), k = 0 .. n - 1; entry i of the k-th at x[k stage + i entry].
+  /// Writes x*(t + k h), k = 0 .. n - 1; entry i of the k-th at x[k stage + i entry].
   void along(double t, double h, int n, const Model& model, double* x, std::ptrdiff_t stage,
              std::ptrdiff_t entry) const noexcept;
 
-  /// Numbers in the state it gives; 0 for a pose, which suits any robot.
+  /// Length of its state; 0 for a pose, which suits any robot.
   std::size_t length() const { return length_; }
 
-  /// States of a robot whose reference is between two.
+  /// Largest state in a transition between two references.
   static constexpr int max_states = 64;
 
  private:
@@ -189,11 +195,11 @@ class Reference {
         x[k * stage + static_cast<std::ptrdiff_t>(i) * entry] = state[i];
     }
   };
-  /// @throws std::length_error, which ends in NaN
+  /// @throws std::length_error, which the callers convert to NaN
   static void expect(bool fits) {
     if (!fits) throw std::length_error("a state of the reference is of another length");
   }
-  /// @throws std::invalid_argument for none
+  /// @throws std::invalid_argument if length is 0
   static std::size_t checked_length(std::size_t length);
 
   std::function<void(const Times&, const Model&, const Target&)> write_;

@@ -79,7 +79,7 @@ void check_range(const Parameter& p, const Vocabulary& names) {
   }
 }
 
-/// max(c, 0), the slope of Softplus over the unit step; and over the sigmoid, of which it is the integral.
+/// Softplus slope: max(c, 0) over the unit step, and its smooth form, the integral of the sigmoid.
 double ramp(const UnitStep&, double c) { return std::max(c, 0.0); }
 template <class S>
 S ramp(const SigmoidStep& eps, const S& c) {
@@ -121,7 +121,7 @@ Region::Part Region::read(Parsed& parsed, const Limits& limits, bool opposite, i
         fmt::format("all_of, any_of and not are nested deeper than {}, expected fewer", region_depth_max));
   }
   if (limits.kind == Kind::opposite) return read(parsed, limits.parts.at(0), !opposite, depth + 1);
-  // What is not all of them is any of their opposites.
+  // De Morgan: the negation of all_of is any_of of the negations.
   const bool all = limits.kind == Kind::limit ? !opposite : (limits.kind == Kind::all_of) != opposite;
   Part part{all ? Kind::all_of : Kind::any_of};
   if (limits.kind != Kind::limit) {
@@ -216,7 +216,7 @@ Region::Variables<S> Region::variables(const Sight<S>& observer, const Sight<S>&
   return v;
 }
 
-/// How a part of the region is left: the step, the step with its slope, and the ramp of Softplus.
+/// Result of one part of the region: the step, the step with its slope, and the ramp of Softplus.
 template <class S>
 struct Region::Beyond {
   S step, sloped, ramp;
@@ -237,7 +237,7 @@ Region::Beyond<S> Region::evaluate(const Part& part, const Step& eps, std::span<
   }
   Beyond<S> all = evaluate(part.parts.back(), eps, variables);
   if (part.kind == Kind::all_of) {
-    // Left by the first limit that is broken; the others count only where it holds, (30).
+    // The first violated limit determines the value; later limits count only where it holds, (30).
     for (std::size_t i = part.parts.size() - 1; i-- > 0;) {
       const Beyond<S> one = evaluate(part.parts[i], eps, variables);
       const S holds = 1.0 - one.step;
@@ -245,7 +245,8 @@ Region::Beyond<S> Region::evaluate(const Part& part, const Step& eps, std::span<
     }
     return all;
   }
-  // Left where every part is; the slope is the mean of theirs, the ramp the shortest way back.
+  // any_of is violated only where all parts are. The slope is the mean of theirs, the ramp the
+  // smallest.
   S mean = all.sloped;
   for (std::size_t i = part.parts.size() - 1; i-- > 0;) {
     const Beyond<S> one = evaluate(part.parts[i], eps, variables);

@@ -1,13 +1,14 @@
-/// Inequalities of one robot beyond the boxes of its inputs: c(x, u) <= 0, kept by a relaxed logarithmic
-/// barrier (Feller and Ebenbauer 2017) in its stage cost. docs/equations.md, 12.
+/// Inequalities of one robot in addition to its input limits: c(x, u) <= 0, enforced by a relaxed
+/// logarithmic barrier (Feller and Ebenbauer 2017) in its stage cost. docs/equations.md, 12.
 ///
-/// A limit is a struct with `template <class S> S operator()(...) const` that gives c, <= 0 where it is kept,
-/// over what is seen of the robot, or over its state and input:
+/// A limit is a struct with `template <class S> S operator()(...) const` that returns c, <= 0 where
+/// the limit holds. Its arguments are the robot's Sight, or its state and input:
 ///
 ///   S operator()(const Sight<S>& robot) const;
 ///   S operator()(std::span<const S> x, std::span<const S> u) const;
 ///
-/// The second form may say how many numbers it reads by `int states() const` and `int inputs() const`.
+/// The second form may define `int states() const` and `int inputs() const`, the numbers of entries
+/// that it reads.
 #pragma once
 
 #include <cmath>
@@ -25,7 +26,7 @@ concept LimitOver = requires(const C& c, const Sight<S>& robot) {
   { c(z, z) } -> std::same_as<S>;
 };
 
-/// c(x, u) <= 0 of any type. Constant and shared.
+/// A limit c(x, u) <= 0 of any type; immutable and shared.
 class Limit {
  public:
   /// @throws std::invalid_argument from the limit's own check()
@@ -37,13 +38,13 @@ class Limit {
   }
 
   std::string_view name() const { return block_->name; }
-  /// Its parameters in words; none of a limit that does not describe them.
+  /// Descriptions of its parameters; empty if the limit does not describe them.
   std::vector<ParameterText> parameters() const { return block_->parameters(); }
-  /// States and inputs that a robot must have at least.
+  /// Minimum numbers of states and inputs of the robot.
   int states() const { return block_->states; }
   int inputs() const { return block_->inputs; }
 
-  /// c of a robot that is seen so, at its state x (nx) and input u (nu).
+  /// c of a robot with this Sight, state x (nx) and input u (nu).
   double operator()(const Sight<double>& robot, std::span<const double> x,
                     std::span<const double> u) const noexcept {
     return block_->value(robot, x, u);
@@ -97,7 +98,7 @@ class Limit {
   std::shared_ptr<const Interface> block_;
 };
 
-/// The cost of a limit: a logarithm inside, a parabola from -c = delta outwards, so that it is finite and
+/// Cost of a limit: a logarithm inside, a parabola from -c = delta outwards. It is finite and
 /// convex in c everywhere, with two continuous derivatives.
 ///
 ///   B(c) = -mu ln(-c)                                       for -c >= delta
@@ -123,7 +124,7 @@ struct RelaxedBarrier {
     return -mu * (std::log(delta) + relaxed_log(c * (-1.0 / delta)));
   }
 
-  /// B of a robot, as `Limit` is called.
+  /// B of a robot, with the arguments of `Limit`.
   template <class S>
   S operator()(const Sight<S>& robot, std::span<const S> x, std::span<const S> u) const {
     return of<S>(limit(robot, x, u));

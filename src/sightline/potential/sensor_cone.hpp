@@ -1,3 +1,4 @@
+/// Potential of a cone-shaped field of view.
 #pragma once
 
 #include <cmath>
@@ -10,8 +11,7 @@ namespace sightline {
 
 /// How the limit angle of a cone enters (27).
 enum class ConeForm {
-  sine,     ///< y^2 + z^2 <= (x sin alpha)^2, as printed: the half angle is atan(sin alpha), 0.447 rad at 0.5
-            ///< rad
+  sine,     ///< y^2 + z^2 <= (x sin alpha)^2, as printed: half angle atan(sin alpha), 0.447 rad at 0.5 rad
   tangent,  ///< y^2 + z^2 <= (x tan alpha)^2: the half angle is alpha
 };
 
@@ -51,7 +51,7 @@ struct SensorCone {
   }
 
   /// l over any step; UnitStep with kappa_G = 0 is (30).
-  /// @param observer  a Sight, or the Pose of a robot that stands upright
+  /// @param observer  a Sight, or the Pose of an upright robot
   template <class Step, class S, template <class> class Seen>
   S over(const Step& eps, const Seen<S>& observer, const Pose<S>& target) const {
     const Vec3<S> p_S = mount(observer, target.p);
@@ -68,7 +68,7 @@ struct SensorCone {
     return over<SigmoidStep, S>({kappa_A}, observer, target);
   }
 
-  /// How far the target is out of view: alpha_t - alpha [rad], (71).
+  /// Angle by which the target is out of view: alpha_t - alpha [rad], (71).
   double violation(const Sight<double>& observer, const Sight<double>& target) const {
     return view_angle(mount, observer, target.p) - alpha;
   }

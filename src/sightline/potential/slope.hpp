@@ -1,5 +1,5 @@
-/// Potentials of distance and of relative velocity whose gradient does not vanish while the limit is broken.
-/// docs/equations.md, 13.
+/// Potentials of distance and relative velocity whose gradient does not vanish while the limit is
+/// violated. docs/equations.md, 13.
 #pragma once
 
 #include "sightline/base/elementary.hpp"
@@ -10,8 +10,8 @@ namespace sightline {
 
 namespace detail {
 
-/// Distance of two places [m], with a slope of 0.7 where they are one: there a is moved along +x of G, and b along
-/// -x. It differs from the true distance by less than 0.02 m.
+/// Distance of two positions [m], with a slope of 0.7 where they coincide: there a moves along +x
+/// of G, and b along -x. It differs from the true distance by less than 0.02 m.
 template <class S>
 S distance_with_slope(const Vec3<S>& a, const Vec3<S>& b) {
   constexpr double width = 0.01;
@@ -21,11 +21,12 @@ S distance_with_slope(const Vec3<S>& a, const Vec3<S>& b) {
 
 }  // namespace detail
 
-/// Pushes two robots apart that are nearer than a distance.
+/// Pushes two robots apart that are closer than a distance.
 ///
 ///   l = softplus(kappa (d_min - D)) / kappa,   softplus(c) = ln(1 + e^c)
 ///
-/// in metres: d_min - D well inside, 0 well outside. The gradient of KeepOut, in contrast, vanishes well inside.
+/// in metres: d_min - D well inside, 0 well outside. The gradient of KeepOut, in contrast, vanishes
+/// well inside.
 struct TooNear {
   double d_min = 1.0;
   double kappa = 10.0;
@@ -46,15 +47,16 @@ struct TooNear {
     return (1.0 / kappa) * softplus(kappa * (d_min - detail::distance_with_slope(a.p, b.p)));
   }
 
-  /// How much too near: d_min - D [m].
+  /// Distance below the limit: d_min - D [m].
   double violation(const Sight<double>& a, const Sight<double>& b) const { return d_min - norm(a.p - b.p); }
 };
 
-/// Pulls two robots together that are farther than a distance.
+/// Pulls two robots together that are farther apart than a distance.
 ///
 ///   l = softplus(kappa (D - d_max)) / kappa
 ///
-/// in metres: D - d_max well outside, 0 well inside. The gradient of Cohesion, in contrast, vanishes well outside.
+/// in metres: D - d_max well outside, 0 well inside. The gradient of Cohesion, in contrast,
+/// vanishes well outside.
 struct TooFar {
   double d_max = 2.0;
   double kappa = 10.0;
@@ -75,11 +77,12 @@ struct TooFar {
     return (1.0 / kappa) * softplus(kappa * (detail::distance_with_slope(a.p, b.p) - d_max));
   }
 
-  /// How much too far: D - d_max [m].
+  /// Distance above the limit: D - d_max [m].
   double violation(const Sight<double>& a, const Sight<double>& b) const { return norm(a.p - b.p) - d_max; }
 };
 
-/// Damps the relative velocity of two robots, and not the velocity over ground: following costs nothing.
+/// Damps the relative velocity of two robots, but not their velocity in G: equal velocities have no
+/// cost.
 ///
 ///   l = |v_a - v_b|^2 / v_0^2
 struct RelativeVelocity {

@@ -1,7 +1,8 @@
-/// From an inequality to a step: epsilon(c) is 1 where c <= 0 is violated and 0 where it is met, (29).
+/// Step functions of an inequality: epsilon(c) is 1 where c <= 0 is violated and 0 where it holds,
+/// (29).
 ///
-/// A potential is written once over its step. UnitStep gives the region as it is meant, for pictures and
-/// tests; SigmoidStep its smooth form, (35), which is what a solver sees.
+/// A potential is written once over its step. UnitStep gives the exact region, for plots and tests;
+/// SigmoidStep the smooth form, (35), which the solver uses.
 #pragma once
 
 #include "sightline/base/elementary.hpp"

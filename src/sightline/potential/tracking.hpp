@@ -5,8 +5,8 @@
 
 namespace sightline {
 
-/// (x* - x)' diag(Q) (x* - x) + (u* - u)' diag(R) (u* - u); with the heading's entries of Q this is (25).
-/// All spans of the lengths nx and nu; also the terminal cost, with Q_f and no inputs.
+/// (x* - x)' diag(Q) (x* - x) + (u* - u)' diag(R) (u* - u); with the heading's entries of Q this is
+/// (25). All spans have the lengths nx and nu. Also the terminal cost, with Q_f and no inputs.
 template <class S>
 S tracking_cost(std::span<const S> x, std::span<const S> x_ref, std::span<const S> Q, std::span<const S> u,
                 std::span<const S> u_ref, std::span<const S> R) {

@@ -1,6 +1,7 @@
-/// What the cameras of a run are, and what their detections are of, as a log keeps it.
+/// Camera intrinsics of a run in the log: topic, message encoding and writer.
 ///
-///     /OBSERVER/camera_info   sensor_msgs/CameraInfo in the optical frame, once, in the first period: a pinhole without distortion
+///     /OBSERVER/camera_info   sensor_msgs/CameraInfo in the optical frame, once, in the first
+///                             period: a pinhole camera without distortion
 #pragma once
 
 #include <array>
@@ -17,24 +18,28 @@
 
 namespace sightline {
 
-/// From a point of the optical frame (x right, y down, z ahead) to its pixel, 3 x 3, row by row [px].
+/// Maps a point of the optical frame (x right, y down, z ahead) to its pixel; 3 x 3, row-major
+/// [px].
 std::array<double, 9> intrinsics(const Camera& camera);
 
 RosSchema camera_info_schema();  ///< sensor_msgs/msg/CameraInfo
 
-/// @param frame  the optical one: x right, y down, z ahead
+/// Encodes one CameraInfo message.
+/// @param frame  name of the optical frame: x right, y down, z ahead
+/// @param time   stamp [ns]
 void encode_camera_info(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
                         const Camera& camera);
-/// Size and focal length of a camera, what else it is at its default; nothing if the bytes are no such message.
+/// Decodes size and focal length of a camera; all other members keep their defaults. Empty if the
+/// bytes are no such message.
 std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes);
 
 /// Writes the topic above.
 class CameraLog {
  public:
-  /// The sink outlives this.
+  /// @param to  receives the messages; must outlive this object
   CameraLog(const Scenario& scenario, MessageSink& to);
 
-  /// The first time says what the cameras are.
+  /// The first call writes one message for each camera; later calls do nothing.
   /// @param time  [s]
   void add(double time);
 

@@ -48,7 +48,8 @@ void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
       .put(frame);
 }
 
-// Upright the turn about z that takes the x axis to d: (cos ψ/2, sin ψ/2) without an angle, w >= 0.
+// Without tilt the rotation about z takes the x axis to d: (cos ψ/2, sin ψ/2) without computing an
+// angle, w >= 0.
 void put_pose(CdrEncoder& to, const StampedPose& pose) {
   const double length = norm(pose.d[0], pose.d[1]);
   const double c = pose.d[0] / length, s = pose.d[1] / length;
@@ -88,7 +89,7 @@ StampedPose read_pose(CdrDecoder& from) {
   return pose;
 }
 
-constexpr std::size_t least_pose = 12 + 1 + 7 * sizeof(double);  // header with an empty frame, pose [B]
+constexpr std::size_t least_pose = 12 + 1 + 7 * sizeof(double);  // header with an empty frame, and pose [B]
 
 }  // namespace
 

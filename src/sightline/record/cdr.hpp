@@ -1,3 +1,4 @@
+/// CDR encoding of ROS 2 messages, and the message types of the log.
 #pragma once
 
 #include <array>
@@ -18,12 +19,12 @@ namespace sightline {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as CDR_LE stores them");
 
-/// A number as CDR aligns it: on multiples of its own size, at most 8 bytes.
+/// A number that CDR aligns to a multiple of its own size, at most 8 bytes.
 template <class T>
 concept CdrNumber = std::is_arithmetic_v<T> && !std::same_as<T, bool> && sizeof(T) <= 8;
 
-/// Encodes one message as XCDR1, little-endian (CDR_LE), the way ROS 2 stores it; clears `bytes` first and
-/// allocates nothing once they have grown.
+/// Encodes one message as XCDR1, little-endian (CDR_LE), as ROS 2 stores it. Clears `bytes` first;
+/// allocates nothing once `bytes` has reached its final size.
 class CdrEncoder {
  public:
   explicit CdrEncoder(std::vector<std::byte>& bytes) : bytes_(bytes) {
@@ -38,7 +39,7 @@ class CdrEncoder {
     return *this;
   }
 
-  /// Length with the closing zero, then the characters.
+  /// Length including the terminating zero, then the characters.
   CdrEncoder& put(std::string_view text) {
     put(static_cast<std::uint32_t>(text.size() + 1));
     const auto characters = std::as_bytes(std::span(text));
@@ -48,11 +49,12 @@ class CdrEncoder {
   }
 
  private:
-  static constexpr std::size_t head = 4;  // alignment counts from behind the encapsulation header [B]
+  static constexpr std::size_t head = 4;  // alignment counts from the end of the encapsulation header [B]
   std::vector<std::byte>& bytes_;
 };
 
-/// Decodes what CdrEncoder wrote and trusts none of it: past the end, everything is zero and ok() is false.
+/// Decodes bytes of CdrEncoder without trusting them: past the end every value is zero and ok() is
+/// false.
 class CdrDecoder {
  public:
   explicit CdrDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
@@ -68,7 +70,7 @@ class CdrDecoder {
     return value;
   }
 
-  /// The view holds as long as the bytes.
+  /// The view is valid as long as the bytes.
   std::string_view string() {
     const auto length = number<std::uint32_t>();
     const auto taken = take(length);
@@ -77,7 +79,7 @@ class CdrDecoder {
     return {reinterpret_cast<const char*>(taken.data()), length - 1};
   }
 
-  /// Length of a sequence, each of whose elements takes at least `least` bytes.
+  /// Length of a sequence whose elements take at least `least` bytes each.
   std::size_t length(std::size_t least) {
     const auto count = number<std::uint32_t>();
     ok_ = ok_ && count <= (bytes_.size() - place_) / least;
@@ -87,7 +89,7 @@ class CdrDecoder {
   bool ok() const { return ok_; }
   bool finished() const {
     return ok_ && place_ == bytes_.size();
-  }  ///< Everything read, and nothing was missing.
+  }  ///< True if all bytes were read and none was missing.
 
  private:
   std::span<const std::byte> take(std::size_t count) {
@@ -103,7 +105,7 @@ class CdrDecoder {
   bool ok_ = true;
 };
 
-/// Position and heading at a time, in the frame of the message that holds it.
+/// Position and heading at a time, in the frame of the message that contains it.
 struct StampedPose {
   std::uint64_t time = 0;     ///< [ns], below 2^31 s
   std::array<double, 3> p{};  ///< position [m]
@@ -112,29 +114,29 @@ struct StampedPose {
   std::array<double, 2> lean{};  ///< tangent of the tilt, forward and to the left [-]
 };
 
-/// Velocity at a time.
+/// Velocity at a time, in the frame of the message that contains it.
 struct StampedTwist {
   std::uint64_t time = 0;           ///< [ns], below 2^31 s
   std::array<double, 3> linear{};   ///< [m/s]
   std::array<double, 3> angular{};  ///< [rad/s]
 };
 
-/// Attitude at a time, as what turns the axes of the body into those of the message's frame.
+/// Attitude at a time: the rotation from the body axes to the axes of the message's frame.
 struct StampedAttitude {
   std::uint64_t time = 0;               ///< [ns], below 2^31 s
-  std::array<double, 4> q{0, 0, 0, 1};  ///< (x, y, z, w) of a quaternion of length 1
+  std::array<double, 4> q{0, 0, 0, 1};  ///< unit quaternion (x, y, z, w)
 };
 
-/// Covariance of position and turn about x, y, z, row by row [m^2], [m rad], [rad^2].
+/// Covariance of position and rotation about x, y, z, row-major [m^2], [m rad], [rad^2].
 using PoseCovariance = std::array<double, 36>;
 
-/// What G is called in logs and on topics.
+/// Name of the frame G in logs and on topics.
 inline constexpr std::string_view frame_of_G = "map";
 
-/// A kind of ROS 2 message as a log names it.
+/// A ROS 2 message type as the log stores it.
 struct RosSchema {
   std::string_view name;  ///< "geometry_msgs/msg/PoseStamped"
-  std::string text;       ///< its definition and all it rests on, one after the other ("ros2msg")
+  std::string text;       ///< its definition followed by the definitions that it uses ("ros2msg")
 };
 
 RosSchema pose_schema();      ///< geometry_msgs/msg/PoseStamped
@@ -143,7 +145,7 @@ RosSchema path_schema();      ///< nav_msgs/msg/Path
 RosSchema attitude_schema();  ///< geometry_msgs/msg/QuaternionStamped
 RosSchema estimate_schema();  ///< geometry_msgs/msg/PoseWithCovarianceStamped
 
-/// Encode one message of the schemas above; `frame` names the frame the numbers are in, "map".
+/// Encode one message of the schemas above; `frame` names the frame of the numbers, "map".
 void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose);
 void encode_twist(std::vector<std::byte>& bytes, std::string_view frame, const StampedTwist& twist);
 void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
@@ -153,7 +155,7 @@ void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, cons
 void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose,
                      const PoseCovariance& covariance);
 
-/// Decode one message of the schemas above; nothing if the bytes are no such message.
+/// Decode one message of the schemas above; empty if the bytes are no such message.
 std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes);
 std::optional<StampedTwist> decode_twist(std::span<const std::byte> bytes);
 std::optional<StampedAttitude> decode_attitude(std::span<const std::byte> bytes);

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Who wrote the lock's file, " (process 4711)"; empty where it says nothing.
+/// Process that wrote the lock file, " (process 4711)"; empty if the file is empty.
 std::string holder(int file) {
   char text[32];
   const ssize_t size = ::pread(file, text, sizeof text, 0);
@@ -29,7 +29,7 @@ std::string holder(int file) {
   return fmt::format(" (process {})", pid);
 }
 
-/// Whether the open file is still what the name stands for.
+/// True if the name still refers to the open file.
 bool is_at(int file, const fs::path& name) {
   struct stat open {};
   struct stat named {};
@@ -37,7 +37,8 @@ bool is_at(int file, const fs::path& name) {
          open.st_ino == named.st_ino;
 }
 
-/// All of a file, locked for writing by whoever holds the open file: until it is closed, whatever ends its process.
+/// Write lock on a whole file, owned by the open file description: held until that is closed, also
+/// after a crash.
 struct flock whole_file() {
   struct flock lock {};
   lock.l_type = F_WRLCK;
@@ -94,10 +95,10 @@ void FolderLock::lock() {
       ::close(lock_);
       throw std::invalid_argument(sentence);
     }
-    if (is_at(lock_, file_)) break;  // else its last holder removed it just now
+    if (is_at(lock_, file_)) break;  // else the previous holder has just removed the file
     ::close(lock_);
   }
-  // On a full disk it stays empty, and locks as well.
+  // On a full disk the file stays empty; the lock works nevertheless.
   const std::string pid = fmt::format("{}\n", ::getpid());
   [[maybe_unused]] const int cut = ::ftruncate(lock_, 0);
   [[maybe_unused]] const ssize_t said = ::pwrite(lock_, pid.data(), pid.size(), 0);
@@ -111,7 +112,7 @@ FolderLock::~FolderLock() {
 bool is_written(const fs::path& folder) {
   const int file = ::open((folder / ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (file < 0) return false;
-  struct flock other = whole_file();  // asked for, not taken: who looks on keeps no writer out
+  struct flock other = whole_file();  // query only: a reader must not block a writer
   const bool taken = ::fcntl(file, F_OFD_GETLK, &other) == 0 && other.l_type != F_UNLCK;
   ::close(file);
   return taken;

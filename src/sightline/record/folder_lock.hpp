@@ -1,4 +1,4 @@
-/// A folder for one writer.
+/// Lock that gives one process exclusive write access to a folder.
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,17 @@
 
 namespace sightline {
 
-/// Keeps every other process from writing into a folder, as long as this lives. The kernel holds the lock, so it
-/// ends with the process, whatever ends that; the file `.lock`, which says who it is, is gone after an orderly end.
+/// Keeps every other process from writing into a folder during the lifetime of this object. The
+/// kernel holds the lock, so it ends with the process, also after a crash. The file `.lock`
+/// contains the process id; an orderly end removes it.
 class FolderLock {
  public:
-  /// Makes the folder if need be, and sees that it can be written. Nothing in it is touched.
-  /// @param files  of the folder, which will be written: none may be anything but a regular file
-  /// @throws std::invalid_argument naming the folder or the file and what is wrong with it; of a folder that is
-  ///                               taken the process that has it
+  /// Creates the folder if necessary and checks that it can be written. Changes no other file in
+  /// the folder.
+  /// @param files  names of the files that will be written in the folder; each must be a regular
+  ///   file or absent
+  /// @throws std::invalid_argument naming the folder or the file and the fault; for a locked
+  ///   folder, the process that holds the lock
   FolderLock(std::filesystem::path folder, std::initializer_list<std::string_view> files);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -29,7 +32,7 @@ class FolderLock {
   int lock_ = -1;
 };
 
-/// Whether some process writes into the folder now.
+/// True if a process writes into the folder now.
 bool is_written(const std::filesystem::path& folder);
 
 }  // namespace sightline

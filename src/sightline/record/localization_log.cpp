@@ -145,7 +145,7 @@ void LocalizationLog::add_estimate(Robot& of, const PoseEstimate& estimate, doub
   message_.put("covariance", upper_triangle(estimate.P));
   message_.send(of.localization, time);
   PoseCovariance covariance{};
-  constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, turn about z
+  constexpr std::array<std::size_t, 4> row = {0, 1, 2, 5};  // x, y, z, rotation about z
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j < 4; ++j)
       covariance[6 * row[i] + row[j]] = estimate.P(static_cast<int>(i), static_cast<int>(j));

@@ -1,19 +1,25 @@
-/// What robots that are localized by view were told, and what their filters made of it, as a log keeps it.
+/// Log of vision-localized robots: inputs and estimates of their filters.
 ///
-/// Topics of run.mcap, those without another word in JSON, all numbers exactly:
+/// Topics of run.mcap, in JSON unless stated, all numbers exact:
 ///
-///     /ROBOT/motion        {time, t, dt, v, yaw_rate, roll, pitch, gyro, force}: its motion over [t, t + dt], as its autopilot
-///                          told it (MotionSample), and `compass` where one told a heading
-///     /BODY/broadcast      {time, stamp, p, v, heading, yaw_rate, covariance}: its pose, as it told it by radio and as it
-///                          arrived; covariance of (p, heading), upper triangle row by row
-///     /ROBOT/estimate      geometry_msgs/PoseWithCovarianceStamped in G, upright; of roll and pitch nothing is said
-///     /ROBOT/localization  {time, stamp, accepted, p, v, heading, yaw_rate, covariance}: the same with velocity, and the stamp
-///                          of the last measurement that was believed
-///     /ROBOT/innovation    {time, target, stamp, verdict, dimension, squared, y}: how a detection of that exposure fitted
-///                          (DetectionFit), in the order of arrival
+///     /ROBOT/motion        {time, t, dt, v, yaw_rate, roll, pitch, gyro, force}: motion
+///                          over [t, t + dt] as the autopilot reports it (MotionSample);
+///                          `compass` if the autopilot reports a heading
+///     /BODY/broadcast      {time, stamp, p, v, heading, yaw_rate, covariance}: the body's
+///                          pose as received by radio; covariance of (p, heading), upper
+///                          triangle row by row
+///     /ROBOT/estimate      geometry_msgs/PoseWithCovarianceStamped in G, upright; without
+///                          information on roll and pitch
+///     /ROBOT/localization  {time, stamp, accepted, p, v, heading, yaw_rate, covariance}:
+///                          the estimate with velocity; accepted: stamp of the last
+///                          accepted measurement
+///     /ROBOT/innovation    {time, target, stamp, verdict, dimension, squared, y}: fit of
+///                          the detection with this exposure (DetectionFit), in the order
+///                          of arrival
 ///
-/// There is no estimate, and none of these messages, before a robot is localized. A replay reads motions, broadcasts and
-/// detections (recorded_flight.hpp), and compares what it makes of them with /ROBOT/localization.
+/// Before a robot is localized there is no estimate, so neither /ROBOT/estimate nor
+/// /ROBOT/localization. A replay reads motions, broadcasts and detections (recorded_flight.hpp) and
+/// compares its estimates with /ROBOT/localization.
 #pragma once
 
 #include <cstdint>
@@ -31,10 +37,10 @@ namespace sightline {
 /// Writes the topics above.
 class LocalizationLog {
  public:
-  /// The sink outlives this.
+  /// @param sink  receives the messages; must outlive this object
   LocalizationLog(const Scenario& scenario, MessageSink& sink);
 
-  /// Adds a sample; allocates nothing once the buffers have grown.
+  /// Adds a sample; allocates nothing once the buffers have reached their final size.
   void add(const Sample& sample);
 
  private:
@@ -60,8 +66,8 @@ class LocalizationLog {
   std::vector<std::byte> bytes_;
 };
 
-/// Messages of those topics, read again.
-/// @throws std::runtime_error for a message that is none of them
+/// Decode messages of these topics.
+/// @throws std::runtime_error if the message is of another kind
 MotionSample motion_of(const LogText& text);
 BroadcastPose broadcast_of(const LogText& text);
 PoseEstimate estimate_of(const LogText& text);

@@ -23,13 +23,13 @@ namespace sightline {
 namespace {
 
 const std::filesystem::path& prepared(const std::filesystem::path& folder) {
-  std::error_code ignored;  // the files that cannot be opened tell
+  std::error_code ignored;  // opening the files reports the error
   std::filesystem::create_directories(folder, ignored);
   std::filesystem::remove(beside(folder / "run.mcap"), ignored);
   return folder;
 }
 
-// What an earlier run left of what this one writes at its end, or not at all.
+// Removes results of an earlier run that this run writes only at its end, or never.
 void remove_results(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const char* name : {"summary.json", "report.html", "partition.json", "whole/summary.json"})
@@ -73,7 +73,7 @@ class Log::Files {
   double last_ = 0.0;  // time of the last sample [s]
   bool taken_ = false, begun_ = false, added_ = false;
 
-  // What was thrown, and after which time [s]: by judging, and by writing.
+  // Exceptions of judging and of writing, each with the time before it [s].
   struct Fault {
     std::exception_ptr what;
     double after = 0.0;
@@ -110,7 +110,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
   rows_ += ",allocations,iterations,missed\n";
 }
 
-// With the first sample the log takes the place of an earlier run's, whose results are no longer those of the log.
+// With the first sample the log replaces that of an earlier run, whose results no longer match.
 void Log::Files::begin() {
   timing_.write(std::exchange(rows_, {}));
   if (!mcap_.ok() || !timing_.error().empty()) return remove_parts();
@@ -126,7 +126,7 @@ void Log::Files::remove_parts() noexcept {
     std::filesystem::remove(beside(folder_ / name), ignored);
 }
 
-// Whatever a sample makes of judging and writing it, the next one is taken: a ring that nobody empties stops the flight.
+// Any failure of judging or writing is kept, because the flight stops if nothing drains the queue.
 void Log::Files::take(const Sample& sample) noexcept {
   try {
     if (!judging_.what) summary_.add(sample);
@@ -161,7 +161,7 @@ void Log::Files::tell(double time) noexcept {
   try {
     written_(time);
   } catch (...) {
-    written_ = nullptr;  // whoever looks on has gone
+    written_ = nullptr;  // the receiver has failed
   }
 }
 

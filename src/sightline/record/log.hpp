@@ -1,4 +1,4 @@
-/// The log of a run: a thread that writes the ring's samples to disk.
+/// Log of a run: a thread that writes the samples of a queue to disk.
 #pragma once
 
 #include <filesystem>
@@ -15,58 +15,62 @@ namespace sightline {
 
 /// Writes into the folder of a run
 ///
-///   run.mcap      what depends on simulated time alone, so that equal runs give equal bytes; log time is the
-///                 simulated time from 0 [ns]. Topics:
-///                   /BODY/state                {time, x}: all numbers, exactly
+///   run.mcap      only data that depends on simulated time, so equal runs give equal bytes; log
+///                 time is the simulated time from 0 [ns]. Topics:
+///                   /BODY/state                {time, x}: all numbers, exact
 ///                   /BODY/pose, /BODY/twist    of the true state, in G
-///                   /BODY/measured             the pose the controllers saw, where noise or delay change it
-///                   /AGENT/attitude            the true one, of vehicles; by the model of other robots with a camera
-///                                              that is fixed to the body
+///                   /BODY/measured             the pose that the controllers receive, if noise or
+///                                              delay change it
+///                   /AGENT/attitude            true attitude of vehicles; from the model for other
+///                                              robots with a body-fixed camera
 ///                   /AGENT/camera_info         sensor_msgs/CameraInfo of a camera, once
-///                   /AGENT/input               {time, u, raw}: applied, and before the solver's clamp
-///                   /AGENT/path                the prediction, where the sample has one
-///                   /AGENT/reference           {time, p, d}, each 0.1 s; without p or d where that is free
-///                   /AGENT/barrier             {time, active, conflict, reserve}, where there is a barrier
-///                   /solver                    {time, status, residual, iterations, cost}; of several
-///                                              controllers /controller0/solver, ...; with pairs where robots
-///                                              are kept apart
+///                   /AGENT/input               {time, u, raw}: applied, and before the solver's
+///                                              clamp
+///                   /AGENT/path                the prediction, if the sample has one
+///                   /AGENT/reference           {time, p, d}, each 0.1 s; without p or d if free
+///                   /AGENT/barrier             {time, active, conflict, reserve}, with a barrier
+///                   /solver                    {time, status, residual, iterations, cost}; with
+///                                              several controllers /controller0/solver, ...; with
+///                                              pairs if robots are kept apart
 ///                   /events                    {time, kind, controller, value}
-///                   /tuned                     {time, number, name, text}, of a flight that is tuned
-///                 what a replay needs, as recorded_flight.hpp says; and words: "sightline" with scenario, version,
-///                 compiler, seed, solver and team, "files" with the texts of the files that the scenario names.
-///                 Beside those of the periods there are states, poses and twists of periods that were missed, where the
-///                 world knows the truth, and at the end those after the last command.
-///   timing.csv    measured times [us], allocations and missed periods; a row for each period
+///                   /tuned                     {time, number, name, text}, of a tuned flight
+///                 the inputs of a replay, see recorded_flight.hpp; and metadata: "sightline" with
+///                 scenario, version, compiler, seed, solver and team; "files" with the texts of
+///                 the files that the scenario names.
+///                 States, poses and twists also cover missed periods, if the world knows the
+///                 truth, and the time after the last command.
+///   timing.csv    measured times [us], allocations and missed periods; one row for each period
 ///
-/// In JSON, null is a number that was not finite; ROS messages with such numbers are left out.
+/// In JSON, null is a number that was not finite; ROS messages with such numbers are omitted.
 ///
-/// Each 0.1 s of simulated time a chunk closes and is handed to the kernel with the rows of timing.csv, so a
-/// killed run leaves all chunks before. Where the disk fails, or a sample cannot be written or judged, the ring is
-/// still drained: the loop goes on, and error() tells what is lost.
+/// Each 0.1 s of simulated time a chunk closes and goes to the kernel with the rows of timing.csv;
+/// so a killed run keeps all earlier chunks. If the disk fails, or a sample cannot be written or
+/// judged, the thread still drains the queue. The loop continues, and error() reports the loss.
 class Log {
  public:
-  /// Makes the folder if need be and opens the files beside those of an earlier run. With the first sample they take their
-  /// place, and the earlier results go; without one, what stood there stays.
-  /// @param ring     outlives the log
-  /// @param written  called by the thread with the simulated time [s] up to which all is on its way to the
-  ///                 disk; not after a failure, nor after it threw
-  /// @param flown    how it was flown, beside what the scenario says; stands with the words "sightline"
+  /// Creates the folder if necessary and opens new files beside those of an earlier run. With the
+  /// first sample the new files replace the old ones, and the earlier results are removed. Without
+  /// a sample the earlier files stay.
+  /// @param ring     queue of samples; must outlive the log
+  /// @param written  called by the log's thread with the simulated time [s] up to which all data
+  ///   was passed to the kernel; not called after a failure, nor after it has thrown
+  /// @param flown    how the scenario is flown, beyond its text; stored in the metadata "sightline"
   Log(const Scenario& scenario, const std::filesystem::path& folder, const Controllers& controllers,
       SpscQueue<Sample>& ring, std::function<void(double)> written = {}, const McapWords& flown = {});
-  ~Log();  ///< As finish(), once the ring is closed, which it is here for a loop that never ran.
+  ~Log();  ///< Same as finish(), after the queue is closed; closes it itself if the loop never ran.
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
   /// Starts the thread.
   void start();
-  /// Waits until the ring is closed and drained, and ends the files.
+  /// Waits until the queue is closed and drained, then completes the files.
   void finish();
 
-  /// After finish(): the first failure, a sentence; empty if all was written and judged.
+  /// After finish(): the first failure as a sentence; empty if all was written and judged.
   std::string error() const;
-  /// After finish(): whether the folder holds this log, and not what was there before.
+  /// After finish(): true if the folder contains this log, not the earlier files.
   bool begun() const;
-  /// After finish(): of all samples that could be judged, written or not.
+  /// After finish(): summary of all samples that could be judged, written or not.
   const Summary& summary() const;
 
  private:

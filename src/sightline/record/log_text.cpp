@@ -97,7 +97,7 @@ std::string_view LogText::quoted() {
   return text_.substr(from, at_++ - from);
 }
 
-/// A number or null.
+/// Reads a number or null.
 void LogText::value() {
   skip_space();
   if (text_.substr(at_).starts_with("null")) {
@@ -107,7 +107,7 @@ void LogText::value() {
   }
   double number = 0.0;
   const auto [next, fault] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
-  if (fault != std::errc() || !std::isfinite(number)) throw_invalid();  // "inf" is no JSON
+  if (fault != std::errc() || !std::isfinite(number)) throw_invalid();  // JSON has no "inf"
   at_ = static_cast<std::size_t>(next - text_.data());
   numbers_.push_back(number);
 }

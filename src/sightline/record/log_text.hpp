@@ -1,4 +1,4 @@
-/// The JSON of a log's messages: numbers that read back to the same bits.
+/// JSON messages of the log, with numbers that read back to the same bits.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,28 +17,29 @@
 
 namespace sightline {
 
-/// Times of a log [ns].
+/// Converts a time [s] to log time [ns].
 std::uint64_t nanoseconds(double time);
 
-/// Writes the messages of a log, {time, ...} each, in one buffer; allocates nothing once that has grown.
+/// Writes messages {time, ...} of the log in one buffer; allocates nothing once the buffer has
+/// reached its final size.
 class LogMessage {
  public:
   explicit LogMessage(MessageSink& to) : to_(to) {}
 
   /// @param time  [s]
   void begin(double time);
-  /// The shortest text that reads back to the same bits; null for a number that is not finite.
+  /// Adds the shortest text that reads back to the same bits; null for a number that is not finite.
   void put(std::string_view key, double value);
   void put(std::string_view key, std::span<const double> values);
-  /// A word without quotes and backslashes.
+  /// Adds a word without quotes and backslashes.
   void put(std::string_view key, std::string_view word);
   template <std::integral T>
   void put(std::string_view key, T value) {
     fmt::format_to(std::back_inserter(text_), ",\"{}\":{}", key, value);
   }
-  /// Closes the message: its text, until the next begins.
+  /// Closes the message and returns its text, valid until the next begin().
   std::string_view end();
-  /// Ends and writes it.
+  /// Ends the message and writes it.
   /// @param time  [s]
   void send(McapChannel& channel, double time);
 
@@ -47,21 +48,22 @@ class LogMessage {
   std::string text_;
 };
 
-/// The schema of a message {time, ...}: each property with its type, "numbers" a list of them.
+/// Schema of a message {time, ...}: each property with its type; "numbers" is a list of numbers.
 std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties);
 
-/// Reads the flat JSON object of a message, into memory that it keeps; trusts no byte of it.
+/// Reads the flat JSON object of a message into reused memory; trusts no byte of the text.
 class LogText {
  public:
-  /// @throws std::runtime_error where the text is no object of numbers, words, null, true, false and lists of numbers
+  /// @throws std::runtime_error if the text is no object of numbers, words, null, true, false and
+  ///   lists of numbers
   void read(std::string_view text);
 
   bool has(std::string_view key) const noexcept;
-  /// The number of this name; not a number for null. @throws std::runtime_error where there is none
+  /// Number with this key; NaN for null. @throws std::runtime_error if the key is missing
   double number(std::string_view key) const;
-  /// The list of this name, null as not a number. @throws std::runtime_error where there is none
+  /// List with this key; null reads as NaN. @throws std::runtime_error if the key is missing
   std::span<const double> numbers(std::string_view key) const;
-  /// The word of this name, without escapes. @throws std::runtime_error where there is none
+  /// Word with this key, without escapes. @throws std::runtime_error if the key is missing
   std::string_view word(std::string_view key) const;
 
  private:

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double reference_step = 0.1;  // [s]
 
-// d x d' about z [rad/s]; 0 for a body without a heading.
+// Yaw rate d x d' about z [rad/s]; 0 for a body without a heading.
 double turn_rate(const Model& model, const StateRoles& roles, const double* x, const double* u) {
   if (!roles.has_heading()) return 0.0;
   std::vector<double> rate(size(model.nx()));
@@ -96,7 +96,7 @@ void LogTopics::open_body(BodyId body, bool is_measured, bool has_barrier) {
   bodies_.push_back(channels);
 }
 
-/// Of vehicles, and of robots with a camera that leans with them.
+/// Opens attitude topics for vehicles and for robots with a body-fixed camera.
 void LogTopics::open_attitudes(const Scenario& scenario) {
   const std::vector<bool> leans = leaning_bodies(scenario);
   for (BodyChannels& channels : bodies_) {
@@ -143,7 +143,7 @@ void LogTopics::add_body(BodyChannels& channels, const Sample& sample) {
   if (finite && channels.attitude) add_attitude(channels, sample);
 }
 
-/// State, pose and twist.
+/// Adds state, pose and twist.
 void LogTopics::add_place(BodyChannels& channels, const Sample& sample) {
   const Model& model = team_.model(channels.body);
   const std::size_t nx = size(model.nx()), offset = size(team_.state_offset(channels.body));

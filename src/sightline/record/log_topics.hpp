@@ -1,4 +1,4 @@
-/// The topics of a run's log: what a flight says of itself, period by period.
+/// Topics of a run's log, period by period.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,21 @@
 
 namespace sightline {
 
-/// Makes the messages of run.mcap, which log.hpp lists, of samples: for the log, and for those who look on.
+/// Converts samples to the messages of run.mcap (listed in log.hpp), for the log and for
+/// subscribers.
 class LogTopics {
  public:
   /// Opens the topics.
-  /// @param controllers  solver records in each sample
-  /// @param to           outlives this
+  /// @param controllers  number of solver records in each sample
+  /// @param to           receives the messages; must outlive this object
   LogTopics(const Scenario& scenario, std::size_t controllers, MessageSink& to);
 
-  /// Adds a sample; allocates nothing once the buffers have grown.
-  /// @param present  has followed the sample
-  /// @param cost     its stage cost; not a number: not known
-  /// @return whether it is the first in its 0.1 s of simulated time
+  /// Adds a sample; allocates nothing once the buffers have reached their final size.
+  /// @param present  the team at the sample; must have processed the sample with follow()
+  /// @param cost     stage cost of the sample; NaN if unknown
+  /// @return true for the first sample in each 0.1 s of simulated time
   bool add(const Sample& sample, const PresentTeam& present, double cost);
-  /// Of a sample without an update.
+  /// Adds a sample without an update.
   void add_states(const Sample& sample);
 
  private:
@@ -43,7 +44,7 @@ class LogTopics {
     StateRoles roles;
     McapChannel state, pose, twist;
     std::optional<McapChannel> measured{}, input{}, path{}, reference{}, barrier{}, attitude{};
-    std::size_t robot = 0;  // its place among the robots
+    std::size_t robot = 0;  // index among the robots
   };
 
   void open_body(BodyId body, bool is_measured, bool has_barrier);
@@ -80,7 +81,7 @@ class LogTopics {
   std::optional<LocalizationLog> localization_;
   std::optional<CameraLog> cameras_;
   std::optional<TunedLog> tuned_;
-  std::int64_t tenth_ = -1;  // of simulated time, that the last sample was in
+  std::int64_t tenth_ = -1;  // index of the 0.1 s of simulated time that contains the last sample
 
   std::vector<std::byte> bytes_;
   LogMessage message_{to_};

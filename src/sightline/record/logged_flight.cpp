@@ -14,15 +14,16 @@
 namespace sightline {
 namespace {
 
-/// Samples that may wait for the log: a second of flight at 100 Hz and more, within this much memory.
+/// Capacity of the queue to the log: more than a second of flight at 100 Hz, within this much
+/// memory.
 std::size_t ring_capacity(const Sample& sample) {
-  constexpr std::size_t memory = 256'000'000;  // bytes
+  constexpr std::size_t memory = 256'000'000;  // [B]
   const std::size_t numbers =
       2 * sample.x.size() + 2 * sample.u.size() + sample.path.size() + sample.path_u.size();
   return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
 }
 
-/// What makes a run a failure, a sentence each.
+/// Reasons why a run failed, one sentence each.
 std::vector<std::string> faults_of(const LoopOutcome& outcome, const World& world, const Log& log) {
   std::vector<std::string> faults = log.summary().out_of_view();
   for (std::string& sentence : log.summary().plans().failures()) faults.push_back(std::move(sentence));
@@ -44,7 +45,7 @@ std::vector<std::string> faults_of(const LoopOutcome& outcome, const World& worl
 RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts) {
   const auto& compare = scenario.simulation.compare;
   std::vector<std::filesystem::path> folders = {folder};
-  // Of comparisons, those too that an earlier flight left, whose summaries go.
+  // Also lock existing folders of earlier comparisons, because their summaries will be removed.
   const auto add = [&](std::string_view name, bool needed) {
     if (needed || std::filesystem::is_directory(folder / name)) folders.push_back(folder / name);
   };
@@ -79,7 +80,7 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
   flight.faults = faults_of(flight.outcome, world, log);
   flight.begun = log.begun();
   flight.logged = flight.begun && log.error().empty();
-  // Beside an earlier log stands its own summary.
+  // An earlier log keeps its own summary.
   std::string lost = flight.begun ? write_summary(folder, flight.summary) : "";
   if (!lost.empty()) {
     flight.faults.push_back(std::move(lost));

@@ -1,4 +1,5 @@
-/// A flight with its log, as `sightline run` and programs fly one: it leaves the files of a run, and says what was wrong with it.
+/// A flight with its log, for `sightline run` and for programs: writes the files of a run and
+/// reports its faults.
 #pragma once
 
 #include <atomic>
@@ -15,10 +16,11 @@
 
 namespace sightline {
 
-/// Where a flight leaves its files, and where its comparisons leave theirs; for this process alone.
+/// Folders for the files of a flight and of its comparisons; locked for this process.
 class RunFolder {
  public:
-  /// @param in_parts  whether the flight is compared with that of one solver for the whole team
+  /// @param in_parts  true if the flight of a partitioned team is compared with one solver for the
+  ///   whole team
   /// @throws std::invalid_argument as FolderLock
   RunFolder(const std::filesystem::path& folder, const Scenario& scenario, bool in_parts = false);
 
@@ -28,33 +30,35 @@ class RunFolder {
   std::list<FolderLock> locks_;
 };
 
-/// What a flight has besides its scenario and its controllers.
+/// Options of a flight beyond its scenario and its controllers.
 struct FlightOptions {
-  World* world = nullptr;                            ///< none: the scenario's, simulated
+  World* world = nullptr;                            ///< null: the scenario's simulated world
   TeamSwitcher* team_switcher = nullptr;             ///< of the Controls, if the scenario has one
-  std::int64_t (*allocations)() noexcept = nullptr;  ///< of the calling thread so far, where they are counted
-  const std::atomic<bool>* stop = nullptr;           ///< ends the flight at the next period once it is true
-  std::function<void(double)> written{};  ///< as Log's; called by its thread, with the simulated time [s]
-  McapWords flown{};                      ///< how it is flown, as Log's
-  /// Puts another sink before the log's, which the prototype is an item of, and gives it back; it outlives the flight.
+  std::int64_t (*allocations)() noexcept = nullptr;  ///< allocations so far of the calling thread, if counted
+  const std::atomic<bool>* stop = nullptr;           ///< when true, the flight ends at the next period
+  std::function<void(double)> written{};  ///< see Log; called by the log's thread with the simulated time [s]
+  McapWords flown{};                      ///< how it is flown, see Log
+  /// Returns a sink that replaces the log's sink and forwards to it; `prototype` is one item of the
+  /// log's sink. The returned sink must outlive the flight.
   std::function<Sink<Sample>&(Sink<Sample>& log, const Sample& prototype)> watched{};
-  /// Flies the loop; none: ClosedLoop::fly(). Closes the sink where it does not.
+  /// Flies the loop; if empty, ClosedLoop::fly(). Must close the sink if it does not call
+  /// ClosedLoop::fly().
   std::function<LoopOutcome(ClosedLoop&, Sink<Sample>&)> fly{};
-  /// Completes the text of summary.json.
+  /// Returns the final text of summary.json, given its first version.
   std::function<std::string(std::string)> summarised{};
 };
 
-/// What a flight left, beside its files.
+/// Results of a flight, beyond its files.
 struct LoggedFlight {
   std::string summary;              ///< text of summary.json
-  std::vector<std::string> faults;  ///< what makes the run a failure, a sentence each
-  bool begun = false;               ///< the folder holds its files, and not those of an earlier flight
-  bool logged = false;              ///< they are whole
+  std::vector<std::string> faults;  ///< reasons why the run failed, one sentence each
+  bool begun = false;               ///< the folder contains this flight's files, not earlier ones
+  bool logged = false;              ///< these files are complete
   LoopOutcome outcome{};
 };
 
-/// Flies the scenario under its controllers; leaves run.mcap, timing.csv and summary.json in the folder. All memory is taken before
-/// the first period.
+/// Flies the scenario with its controllers; writes run.mcap, timing.csv and summary.json into the
+/// folder. Allocates all memory before the first period.
 /// @throws std::invalid_argument as make_world() and ClosedLoop, before anything is written
 LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& folder, Clock& clock,
                         const Controllers& controllers, const FlightOptions& options = {});

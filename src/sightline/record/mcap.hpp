@@ -1,3 +1,4 @@
+/// Writer and reader of logs in the MCAP format.
 #pragma once
 
 #include <cstddef>
@@ -16,12 +17,12 @@ struct ZSTD_CCtx_s;
 
 namespace sightline {
 
-/// What the MCAP specification fixes, and the limits we set ourselves.
+/// Constants of the MCAP specification, and our own limits.
 namespace mcap {
 
-inline constexpr std::string_view magic = "\x89MCAP0\r\n";               // opens and closes every file
+inline constexpr std::string_view magic = "\x89MCAP0\r\n";               // first and last bytes of every file
 inline constexpr std::uint64_t record_head = 9;                          // kind and length of a record [B]
-inline constexpr std::uint64_t record_limit = std::uint64_t{128} << 20;  // no record of ours is longer [B]
+inline constexpr std::uint64_t record_limit = std::uint64_t{128} << 20;  // upper bound on our records [B]
 
 /// Kinds of records.
 enum RecordKind : std::uint8_t {
@@ -42,27 +43,27 @@ enum RecordKind : std::uint8_t {
 
 using Span = std::span<const std::byte>;
 
-/// CRC-32 of bytes that follow those of crc.
+/// Continues a CRC-32 over more bytes; `crc` is that of the preceding bytes.
 std::uint32_t crc32_of(std::uint32_t crc, Span bytes);
 
 }  // namespace mcap
 
-/// Name of a schema inside one log.
+/// Identifier of a schema inside one log.
 enum class SchemaId : std::uint16_t {};
 
-/// Name of a channel inside one log.
+/// Identifier of a channel inside one log.
 enum class ChannelId : std::uint16_t {};
-/// A channel, and how many messages it has had.
+/// A channel and its message count so far.
 struct McapChannel {
   ChannelId id{};
   std::uint32_t sequence = 0;
 };
 
-/// Words by name, as MCAP attaches them to channels and metadata; sorted, so that equal words give equal
-/// bytes.
+/// Key-value pairs that MCAP attaches to channels and metadata; sorted, so equal content gives
+/// equal bytes.
 using McapWords = std::map<std::string, std::string>;
 
-/// Where the messages of a log go: into its file, or to those who look on.
+/// Destination of log messages: a file or subscribers.
 class MessageSink {
  public:
   MessageSink() = default;
@@ -70,7 +71,7 @@ class MessageSink {
   MessageSink& operator=(const MessageSink&) = delete;
   virtual ~MessageSink() = default;
 
-  /// Adds the layout of a kind of message.
+  /// Adds a message type.
   /// @param encoding  "ros2msg" or "jsonschema"
   virtual SchemaId schema(std::string_view name, std::string_view encoding, std::string_view text) = 0;
 
@@ -79,7 +80,7 @@ class MessageSink {
   virtual ChannelId channel(SchemaId schema, std::string_view topic, std::string_view message_encoding,
                             const McapWords& metadata) = 0;
 
-  /// Adds a message; allocates nothing once the buffers have grown.
+  /// Adds a message; allocates nothing once the buffers have reached their final size.
   /// @param log_time  [ns], also the time of publication
   virtual void message(ChannelId channel, std::uint32_t sequence, std::uint64_t log_time,
                        std::span<const std::byte> bytes) = 0;
@@ -87,15 +88,15 @@ class MessageSink {
 
 /// Writes a log in the MCAP format (mcap.dev), which Foxglove, PlotJuggler and McapReader open.
 ///
-/// Messages gather in a chunk; flush() compresses it (zstd) and hands it to the kernel at once by write(2),
-/// so a killed run loses the open chunk and nothing before it.  The same calls give the same bytes.
+/// Messages collect in a chunk. flush() compresses the chunk (zstd) and passes it to the kernel at
+/// once by write(2). A killed run loses only the open chunk. Equal calls give equal bytes.
 ///
-/// Nothing here throws for the disk's sake: the first failure is kept as a sentence in error(), every later
-/// call does nothing, and the file is cut back to its last whole chunk.  One thread at a time.
+/// No disk failure throws. error() keeps the first failure as a sentence, later calls do nothing,
+/// and the file is truncated to its last complete chunk. One thread at a time.
 class McapWriter final : public MessageSink {
  public:
-  /// Opens `path` for writing, empties it and writes the header.
-  /// @param profile  what the channels agree to follow, "ros2"
+  /// Opens `path` for writing, truncates it and writes the header.
+  /// @param profile  convention of the channels, "ros2"
   /// @param library  name and version of the writing program
   McapWriter(const std::filesystem::path& path, std::string_view profile, std::string_view library);
   ~McapWriter() override;  ///< Closes the log if close() was not called.
@@ -103,28 +104,29 @@ class McapWriter final : public MessageSink {
   SchemaId schema(std::string_view name, std::string_view encoding, std::string_view text) override;
   ChannelId channel(SchemaId schema, std::string_view topic, std::string_view message_encoding,
                     const McapWords& metadata) override;
-  /// Into the open chunk; a chunk past 4 MiB closes by itself.
+  /// Appends to the open chunk; a chunk above 4 MiB closes automatically.
   void message(ChannelId channel, std::uint32_t sequence, std::uint64_t log_time,
                std::span<const std::byte> bytes) override;
 
-  /// Closes the open chunk and writes it; nothing if it holds no message.
+  /// Closes the open chunk and writes it; does nothing if it contains no message.
   void flush();
 
-  /// Writes words about the whole log, at once.
+  /// Writes key-value pairs about the whole log, immediately.
   void metadata(std::string_view name, const McapWords& words);
 
-  /// Moves the file to `path`, in place of what stands there; what is written later is there at once.
+  /// Renames the file to `path`, replacing an existing file; later writes go to the same file.
   void settle(const std::filesystem::path& path);
 
   /// Writes the open chunk, the summary and the footer, and closes the file.
   void close();
 
-  /// Closes the file behind its last whole chunk and without its end, as a killed run leaves it.
+  /// Closes the file after its last complete chunk without summary and footer, as a killed run
+  /// leaves it.
   void abandon() noexcept;
 
-  bool ok() const { return error_.empty(); }           ///< True until something failed.
+  bool ok() const { return error_.empty(); }           ///< True until the first failure.
   const std::string& error() const { return error_; }  ///< The first failure, a sentence; empty if none.
-  std::uint64_t bytes_written() const { return position_; }  ///< Length of the sound part of the file [B].
+  std::uint64_t bytes_written() const { return position_; }  ///< Length of the intact part of the file [B].
 
  private:
   using Bytes = std::vector<std::byte>;
@@ -145,26 +147,26 @@ class McapWriter final : public MessageSink {
 
   std::string path_;
   std::string error_;
-  int file_ = -1;               // -1: closed, or failed
+  int file_ = -1;               // -1: closed or failed
   std::uint64_t position_ = 0;  // bytes written
   std::uint64_t sound_ =
-      std::numeric_limits<std::uint64_t>::max();  // where the summary begins, which counts whole alone
+      std::numeric_limits<std::uint64_t>::max();  // start of the summary [B], which is valid only if complete
   std::uint32_t crc_ = 0;                         // of the data section, then of the summary section
   std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
 
   Bytes chunk_;  // records of the open chunk, uncompressed
-  Bytes out_;    // what goes to the kernel in one piece
+  Bytes out_;    // buffer of one write to the kernel
   std::uint64_t chunk_first_ = 0, chunk_last_ = 0, chunk_messages_ = 0;
   std::vector<Channel> channels_;
 
-  // the summary as it grows, one run of records per kind
+  // The summary as it grows, one sequence of records per kind.
   Bytes schema_records_, channel_records_, metadata_indexes_;
   std::uint64_t first_ = 0, last_ = 0, messages_ = 0;
   std::uint32_t chunks_ = 0, metadata_count_ = 0;
   std::uint16_t schemas_ = 0;
 };
 
-/// One message as it stands in a log; the views hold inside the visit only.
+/// One message of a log; the views are valid only during the visit.
 struct McapMessage {
   std::string_view topic;
   std::string_view schema;    ///< name of the schema, "geometry_msgs/msg/PoseStamped"
@@ -174,11 +176,11 @@ struct McapMessage {
   std::span<const std::byte> bytes;
 };
 
-/// Reads a log that McapWriter wrote, whole or cut off anywhere, and trusts no byte of it.
+/// Reads a log of McapWriter, complete or truncated anywhere, without trusting its bytes.
 ///
-/// Opening walks over the records and reads header and metadata; visit() reads everything and checks every
-/// CRC.  A log without its end (a killed run) is read to its last whole chunk and says truncated(); anything
-/// else that is wrong ends in a sentence in error() that names the place.
+/// The constructor scans the records and reads header and metadata. visit() reads everything and
+/// checks every CRC. A log without its end (a killed run) is read up to its last complete chunk,
+/// and truncated() is true. Any other fault gives a sentence in error() that names the byte offset.
 class McapReader {
  public:
   explicit McapReader(const std::filesystem::path& path);
@@ -186,12 +188,12 @@ class McapReader {
   McapReader(const McapReader&) = delete;
   McapReader& operator=(const McapReader&) = delete;
 
-  /// Shows every message in the order of the file, up to the first fault; a chunk is shown only if its CRC
-  /// holds.
+  /// Passes every message to the visitor in file order, up to the first fault; a chunk is passed
+  /// only if its CRC matches.
   /// @return ok()
   bool visit(const std::function<void(const McapMessage&)>& visitor);
-  /// Shows what has come to the log since the last call, or since visit(), of one that is still written: a chunk that is
-  /// not whole yet comes with a later call.
+  /// Passes the messages that were appended to a growing log since the last call, or since visit().
+  /// An incomplete chunk is passed by a later call.
   /// @return ok()
   bool read_on(const std::function<void(const McapMessage&)>& visitor);
 
@@ -200,21 +202,21 @@ class McapReader {
   bool truncated() const { return truncated_; }        ///< True if the end of the log is missing.
   const std::string& profile() const { return profile_; }
   const std::string& library() const { return library_; }
-  const std::map<std::string, McapWords>& metadata() const { return metadata_; }  ///< Words by name.
+  const std::map<std::string, McapWords>& metadata() const { return metadata_; }  ///< Pairs by name.
 
-  /// A topic, and how its messages are to be read.
+  /// A topic and the format of its messages.
   struct Topic {
     std::string topic, encoding;  ///< "cdr" or "json"
     std::string schema, schema_encoding,
         schema_text;  ///< "geometry_msgs/msg/PoseStamped", "ros2msg", its definition
   };
-  /// Those that stand outside of chunks, as McapWriter writes them; in the order of the file.
+  /// Topics outside of chunks, where McapWriter writes them; in file order.
   std::vector<Topic> topics();
 
  private:
   struct Record {
     std::uint8_t kind = 0;
-    std::uint64_t at = 0;      // place of the record in the file [B]
+    std::uint64_t at = 0;      // offset of the record in the file [B]
     std::uint64_t length = 0;  // of its content [B]
   };
   struct Schema {
@@ -238,19 +240,20 @@ class McapReader {
 
   std::string path_, error_, profile_, library_;
   int file_ = -1;
-  std::uint64_t size_ = 0;  // of the file [B]
+  std::uint64_t size_ = 0;  // size of the file [B]
   bool truncated_ = false;
   bool sealed_ = false;  // the file ends in the closing magic
-  // How far the messages are shown: the next record, the CRC of the data section, then of the summary.
+  // Read position of the messages: the next record; the CRC of the data section, then of the
+  // summary.
   std::uint64_t position_ = 0;
   std::uint32_t crc_ = 0;
   bool in_summary_ = false, footed_ = false;
   std::map<std::string, McapWords> metadata_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Topic> channels_;
-  std::vector<std::byte> window_;  // the piece of the file read last
+  std::vector<std::byte> window_;  // last part of the file that was read
   std::uint64_t window_at_ = 0;
-  std::vector<std::byte> chunk_;  // the chunk read last, uncompressed
+  std::vector<std::byte> chunk_;  // last chunk that was read, uncompressed
 };
 
 }  // namespace sightline

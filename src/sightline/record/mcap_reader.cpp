@@ -19,9 +19,9 @@ namespace {
 
 using namespace mcap;
 
-constexpr std::uint64_t window_bytes = 64 << 10;  // least piece read from the file
+constexpr std::uint64_t window_bytes = 64 << 10;  // smallest read from the file
 
-// Reading: never past the end; once short, everything after is zero and good() says so.
+// Reads without passing the end; after a short read every value is zero and good() is false.
 class Cursor {
  public:
   explicit Cursor(Span bytes) : rest_(bytes) {}
@@ -63,17 +63,17 @@ class Cursor {
   }
 
   bool good() const { return good_; }
-  bool finished() const { return good_ && rest_.empty(); }  // everything read, and nothing was missing
+  bool finished() const { return good_ && rest_.empty(); }  // all bytes read, none missing
 
  private:
   Span rest_;
   bool good_ = true;
 };
 
-// The magic, or what is left of it in a file cut short.
-// Writers that compute none write 0.
+// Writers that compute no CRC write 0.
 bool is_crc(std::uint32_t reported, std::uint32_t crc) { return reported == 0 || reported == crc; }
 
+// Also accepts the beginning of the magic, for a truncated file.
 bool is_magic(Span bytes) {
   return bytes.size() <= magic.size() &&
          std::ranges::equal(bytes, std::as_bytes(std::span(magic)).first(bytes.size()));
@@ -82,7 +82,7 @@ bool is_magic(Span bytes) {
 }  // namespace
 
 McapReader::McapReader(const std::filesystem::path& path) : path_(path.string()) {
-  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a FIFO must not hold us up
+  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // opening a FIFO must not block
   struct stat status {};
   if (file_ < 0 || ::fstat(file_, &status) != 0) {
     error_ = fmt::format("{}: cannot be read: {}", path_, reason(errno));
@@ -104,7 +104,7 @@ McapReader::McapReader(const std::filesystem::path& path) : path_(path.string())
   }
   if (!look_at_end()) return;
 
-  // A first walk over the records' heads finds the metadata and whether the end is there.
+  // Scan the record heads for metadata and for the end of the log.
   std::uint64_t position = magic.size();
   for (Record record; next(position, record);) {
     if (record.kind == footer) {
@@ -141,7 +141,7 @@ bool McapReader::read_on(const std::function<void(const McapMessage&)>& visitor)
   return look_at_end() && walk(visitor);
 }
 
-// Whether the closing magic is there.
+// Sets sealed_ if the closing magic is present.
 bool McapReader::look_at_end() {
   sealed_ = false;
   if (size_ <= magic.size() + record_head) return true;
@@ -151,7 +151,7 @@ bool McapReader::look_at_end() {
   return true;
 }
 
-// Shows all from position_ on that is there whole.
+// Passes all complete records from position_ on to the visitor.
 bool McapReader::walk(const std::function<void(const McapMessage&)>& visitor) {
   if (file_ < 0 || size_ < magic.size()) return ok();
   if (footed_) return finish(position_) && ok();
@@ -212,7 +212,7 @@ void McapReader::fail(std::uint64_t at, std::string_view what) {
   if (error_.empty()) error_ = fmt::format("{}: byte {}: {}", path_, at, what);
 }
 
-// Bytes [at, at + count) of the file, good until the next call.
+// Bytes [at, at + count) of the file, valid until the next call.
 bool McapReader::fetch(std::uint64_t at, std::uint64_t count, Span& bytes) {
   const bool held =
       at >= window_at_ && at - window_at_ <= window_.size() && count <= window_.size() - (at - window_at_);
@@ -236,7 +236,7 @@ bool McapReader::fetch(std::uint64_t at, std::uint64_t count, Span& bytes) {
   return true;
 }
 
-// Steps to the record at `position` if it is there whole.
+// Reads the head of the record at `position` if the record is complete.
 bool McapReader::next(std::uint64_t& position, Record& record) {
   const std::uint64_t rest = position < size_ ? size_ - position : 0;
   if (rest < record_head) {
@@ -264,7 +264,7 @@ bool McapReader::next(std::uint64_t& position, Record& record) {
   return true;
 }
 
-// A log that was cut off has no closing magic; with it, a record that does not fit is a fault.
+// A truncated log has no closing magic. With the magic, an incomplete record is a fault.
 void McapReader::end_of_records(std::uint64_t position, std::string_view what) {
   if (sealed_) return fail(position, what);
   truncated_ = true;
@@ -283,7 +283,7 @@ bool McapReader::finish(std::uint64_t position) {
   return true;
 }
 
-// The header, or words about the log.
+// Reads the header or metadata.
 bool McapReader::read_words(const Record& record, Span content) {
   Cursor cursor(content);
   const std::string_view name = cursor.string();
@@ -374,7 +374,7 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
     cursor.number<std::uint16_t>();
     cursor.take(cursor.number<std::uint32_t>());
   } else {
-    return true;  // header and metadata are read on opening
+    return true;  // the constructor reads header and metadata
   }
   if (!cursor.finished())
     fail(at, fmt::format("a record of kind {:#04x} that contradicts its own lengths", kind));

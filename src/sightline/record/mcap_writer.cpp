@@ -20,7 +20,7 @@
 namespace sightline {
 
 std::uint32_t mcap::crc32_of(std::uint32_t crc, Span bytes) {
-  if (bytes.empty()) return crc;  // zlib begins anew where it is given no address
+  if (bytes.empty()) return crc;  // zlib returns its initial value for a null address
   return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
@@ -29,11 +29,11 @@ namespace {
 using namespace mcap;
 using Bytes = std::vector<std::byte>;
 
-constexpr std::uint64_t chunk_limit = 4 << 20;     // a longer chunk closes by itself [B]
+constexpr std::uint64_t chunk_limit = 4 << 20;     // longer chunks close automatically [B]
 constexpr std::uint64_t message_limit = 64 << 20;  // [B]
 constexpr int zstd_level = 1;
 
-// Writing: little-endian numbers, and strings and lists behind their lengths.
+// Writing: little-endian numbers; strings and lists preceded by their lengths.
 
 template <std::unsigned_integral T>
 void store(std::byte* place, T value) {
@@ -70,7 +70,7 @@ void put_words(Bytes& to, const McapWords& words) {
   }
 }
 
-// Opens a record whose length close_record() fills in; returns its place.
+// Opens a record and returns its offset; close_record() sets its length.
 std::size_t open_record(Bytes& to, RecordKind kind) {
   const std::size_t at = to.size();
   put(to, static_cast<std::uint8_t>(kind));
@@ -102,7 +102,7 @@ McapWriter::McapWriter(const std::filesystem::path& path, std::string_view profi
 McapWriter::~McapWriter() {
   try {
     close();
-  } catch (...) {  // no memory: the log ends like that of a killed run, and is read so
+  } catch (...) {  // out of memory: leave the log of a killed run, which is readable
     abandon();
   }
 }
@@ -144,7 +144,7 @@ void McapWriter::message(ChannelId channel, std::uint32_t sequence, std::uint64_
   const std::uint16_t id = static_cast<std::uint16_t>(channel);
   assert(id < channels_.size() && "a message goes to a channel of this log");
 
-  // The chunk's place in time.
+  // Time range of the chunk.
   chunk_first_ = chunk_messages_ == 0 ? log_time : std::min(chunk_first_, log_time);
   chunk_last_ = chunk_messages_ == 0 ? log_time : std::max(chunk_last_, log_time);
   ++chunk_messages_;
@@ -163,7 +163,7 @@ void McapWriter::message(ChannelId channel, std::uint32_t sequence, std::uint64_
 void McapWriter::flush() {
   if (file_ < 0 || chunk_messages_ == 0) return;
 
-  // The chunk, compressed in place behind its head.
+  // The chunk record, with its content compressed in place after the head.
   out_.clear();
   const std::size_t record = open_record(out_, chunk_record);
   put(out_, chunk_first_);
@@ -182,7 +182,7 @@ void McapWriter::flush() {
   store(out_.data() + length_at, std::uint64_t{compressed});
   close_record(out_, record);
 
-  // Where each channel's messages are.
+  // Message index: offsets of each channel's messages.
   for (std::size_t id = 0; id < channels_.size(); ++id) {
     const std::vector<Entry>& entries = channels_[id].entries;
     if (entries.empty()) continue;
@@ -197,7 +197,7 @@ void McapWriter::flush() {
   }
   write(out_);
 
-  // The next chunk begins empty; the buffers keep their room.
+  // The next chunk starts empty; the buffers keep their capacity.
   first_ = messages_ == 0 ? chunk_first_ : std::min(first_, chunk_first_);
   last_ = messages_ == 0 ? chunk_last_ : std::max(last_, chunk_last_);
   messages_ += chunk_messages_;
@@ -242,14 +242,14 @@ void McapWriter::close() {
   if (closed != 0 && errno != EINTR) fail("cannot be closed", errno);
 }
 
-// Where each chunk is, and where its lists are, read back from the file and written in pieces: in memory it would grow for as long as
-// one flies.
+// Writes the offsets of each chunk and of its message indexes. They are read back from the file and
+// written in pieces, because in memory they would grow with the flight time.
 void McapWriter::write_chunk_indexes(std::uint64_t data_end_at) {
   constexpr std::size_t chunk_head = record_head + 44;  // up to the compressed records
   constexpr std::size_t piece = 64 << 10;               // [B]
   std::array<std::byte, chunk_head> head;
   Bytes all;
-  std::optional<std::size_t> open;  // the index of the chunk before this record
+  std::optional<std::size_t> open;  // offset of the open chunk index in `all`
   std::size_t offsets_at = 0;
   std::uint64_t lists = 0, compressed = 0, uncompressed = 0;  // [B]
   const auto close_index = [&] {
@@ -311,7 +311,7 @@ void McapWriter::write_summary() {
   write(out_);
   if (file_ < 0) return;
 
-  // The summary: one group of records per kind, then where each group is.
+  // The summary: one group of records per kind, then the offset of each group.
   const std::uint64_t summary_at = sound_ = position_;
   crc_ = 0;  // of the summary from here on
   Bytes counts;
@@ -350,7 +350,7 @@ void McapWriter::write_summary() {
   const std::uint64_t offsets_at = position_;
   write(offsets);
 
-  // The footer's CRC covers the summary and the footer up to itself.
+  // The footer's CRC covers the summary and the footer up to the CRC itself.
   out_.clear();
   const std::size_t foot = open_record(out_, footer);
   put(out_, summary_at);

@@ -1,4 +1,4 @@
-/// Whether the periods of a log follow each other.
+/// Checks that the periods of a log are consecutive.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,20 @@
 
 namespace sightline {
 
-/// Counts periods from 0 on. Allocates where the loop missed some.
+/// Counts periods from 0. Allocates for missed periods.
 class PeriodOrder {
  public:
-  /// The loop missed `count` periods before this one, and said so.
+  /// The loop reported `count` missed periods before period `before`.
   void miss(std::int64_t before, std::int64_t count) { missed_[before] += count; }
 
-  /// Takes the next period, once all that was missed before it is known.
-  /// @return whether it follows the last one, but for those that the loop missed
+  /// Adds the next period; all missed periods before it must be known.
+  /// @return true if it follows the previous period, not counting the reported missed periods
   bool follows(std::int64_t period) {
     const auto missed = missed_.find(period);
     const std::int64_t gap = period - std::exchange(next_, period + 1);
     return gap == (missed != missed_.end() ? missed->second : 0);
   }
-  std::int64_t next() const { return next_; }  ///< behind the last one
+  std::int64_t next() const { return next_; }  ///< one after the last period
 
  private:
   std::map<std::int64_t, std::int64_t> missed_;

@@ -41,7 +41,7 @@ MeasurementLog::MeasurementLog(const Team& team, MessageSink& sink, const std::v
       sink.channel(sink.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
 }
 
-/// The schema of detections, at the first.
+/// Schema of detections, added with the first detection.
 SchemaId MeasurementLog::detection() {
   if (!detection_)
     detection_ = sink_.schema("sightline.Detection", "jsonschema",
@@ -55,7 +55,7 @@ SchemaId MeasurementLog::detection() {
   return *detection_;
 }
 
-/// Those that came up to now.
+/// Adds the goals that arrived up to `time` [s].
 void MeasurementLog::add_goals(double time) {
   for (Goals& robot : goals_) {
     for (; robot.written < robot.track->messages() && robot.track->time(robot.written) <= time;
@@ -106,7 +106,7 @@ void MeasurementLog::add(const Sample& sample) {
   message_.send(changes_, sample.time);
 }
 
-/// Puts each message where it belongs; the first body's measurement begins a period.
+/// Passes each message to the reader of its topic; the first body's state begins a period.
 class RecordedFlight::Reader {
  public:
   explicit Reader(RecordedFlight& flight) : flight_(flight) {
@@ -164,7 +164,7 @@ class RecordedFlight::Reader {
     found->second(message);
   }
 
-  /// Without a last period that is not whole, and those behind a gap.
+  /// Removes an incomplete last period and all periods after a gap.
   void end() {
     auto& periods = flight_.periods_;
     if (!drop_states() && !periods.empty() && !is_whole()) periods.pop_back();
@@ -182,7 +182,8 @@ class RecordedFlight::Reader {
     return flight_.periods_.back();
   }
 
-  /// States that stand alone are of no period of the loop: it missed that one, or had ended.
+  /// States without measurements and inputs belong to no period of the loop: a missed one, or after
+  /// the last command.
   bool drop_states() {
     const bool alone = !flight_.periods_.empty() && measurements_ == 0 && inputs_ == 0;
     if (alone) flight_.periods_.pop_back();
@@ -211,7 +212,7 @@ class RecordedFlight::Reader {
     const int bodies = flight_.team_.bodies();
     return states_ == bodies && measurements_ == bodies && inputs_ == agents_;
   }
-  /// A period has one message of each, in the order of the team.
+  /// Checks that a period has one message of each kind and body, in the order of the team.
   void take_turn(int& count, int number, std::string_view what) {
     if (number != count)
       throw std::runtime_error(fmt::format("the {} {} of the period at {} s where {} is expected", what,
@@ -315,7 +316,7 @@ Measured RecordedFlight::measure(double) noexcept {
           .broadcasts = now.broadcasts};
 }
 
-/// False after the last period.
+/// Returns false after the last period.
 bool RecordedFlight::apply(double, std::span<const double>, const Command&, double, std::int64_t) noexcept {
   if (std::exchange(measured_, false)) ++next_;
   return next_ < periods_.size();

@@ -1,15 +1,18 @@
-/// What a flight saw and did, as its log keeps it for a replay: written, and read as a world that can be flown again.
+/// Measurements and commands of a flight in its log: a writer, and a world that replays them.
 ///
-/// Topics of run.mcap, one message a period each:
+/// Topics of run.mcap; /BODY/measurement has one message per period, the others as data arrives:
 ///
-///     /BODY/measurement   {time, stamp, x}: the state that the controllers saw, all numbers exactly, and when it was
-///                         so; null in x is a number that was not finite, a null stamp is a body never seen
-///     /OBSERVER/detection {time, stamp, arrival, target, tags, p, q, covariance}: what its camera said of another body,
-///     in order
-///     /AGENT/goal         {time, after, p, heading}: where a person sent it, the waypoints one after another
-///     /team               {time}: a team that was asked for took over in this period, or was refused
+///     /BODY/measurement   {time, stamp, x}: the measured state that the controllers receive, all
+///                         numbers exact, and its time; null in x: a number that was not finite;
+///                         null stamp: a body that was never measured
+///     /OBSERVER/detection {time, stamp, arrival, target, tags, p, q, covariance}: detection of
+///                         another body by the observer's camera, in order
+///     /AGENT/goal         {time, after, p, heading}: goal that a person sent, as successive
+///                         waypoints
+///     /team               {time}: a requested team took effect in this period or was rejected
 ///
-/// beside those of localization (localization_log.hpp), /BODY/state (the truth), /AGENT/input (the command) and /events (missed periods). No time of the wall clock.
+/// A replay also uses the topics of localization (localization_log.hpp), /BODY/state (the truth),
+/// /AGENT/input (the command) and /events (missed periods). Nothing depends on wall-clock time.
 #pragma once
 
 #include <filesystem>
@@ -26,12 +29,13 @@
 
 namespace sightline {
 
-/// Writes the topics above, but for those of the log itself.
+/// Writes the four topics above; the others belong to LocalizationLog and LogTopics.
 class MeasurementLog {
  public:
   MeasurementLog(const Team& team, MessageSink& sink, const std::vector<RobotGoals>& goals = {});
 
-  /// Adds a sample; allocates nothing once the buffers have grown and each observer has detected something.
+  /// Adds a sample; allocates nothing once the buffers have reached their final size and each
+  /// observer has detected a body.
   void add(const Sample& sample);
 
  private:
@@ -51,7 +55,7 @@ class MeasurementLog {
   std::vector<Waypoint> waypoints_;
   std::vector<double> numbers_;
   std::vector<McapChannel> bodies_;                     // of each body
-  std::vector<std::optional<McapChannel>> detections_;  // of each body that detected one
+  std::vector<std::optional<McapChannel>> detections_;  // of each body with a detection
   std::optional<SchemaId> detection_{};
   McapChannel changes_;
 };
@@ -59,11 +63,11 @@ class MeasurementLog {
 /// One period of a recorded flight.
 struct RecordedPeriod {
   double time = 0.0;                                       ///< [s]
-  std::vector<double> measured{}, stamps{}, truth{}, u{};  ///< nx, bodies, nx, nu
+  std::vector<double> measured{}, stamps{}, truth{}, u{};  ///< sizes nx, bodies, nx, nu
   std::vector<Detection> detections{};
   std::vector<RobotMotion> motions{};
   std::vector<BodyBroadcast> broadcasts{};
-  /// Of a robot that was localized.
+  /// Estimate of a localized robot.
   struct Localized {
     BodyId robot{};
     PoseEstimate estimate{};
@@ -73,23 +77,25 @@ struct RecordedPeriod {
   bool team_answered = false;
 };
 
-/// A recorded flight as a world, and as the clock of a loop that flies in it: the same measurements in the same
-/// periods; periods that were missed are missed again. Commands move nothing; a sink compares them.
+/// A recorded flight as the world and the clock of a loop: the same measurements in the same
+/// periods; missed periods are missed again. Commands have no effect; a sink compares them.
 class RecordedFlight final : public World, public Clock {
  public:
-  /// @param team  of the scenario that was flown
-  /// @param goals  those of the team that took goals: their tracks are cleared, and get the recorded ones
-  /// @throws std::runtime_error with a sentence that names the file where it cannot be read, or holds no measurements
-  /// of this team
+  /// @param team    of the scenario that was flown
+  /// @param goals   of the team that received goals: their tracks are cleared and receive the
+  ///   recorded goals
+  /// @throws std::runtime_error with a sentence that names the file, if it cannot be read or
+  ///   contains no measurements of this team
   RecordedFlight(const std::filesystem::path& log, Team team, std::vector<double> start, double period,
                  std::vector<RobotGoals> goals = {});
 
   const std::vector<RecordedPeriod>& periods() const noexcept { return periods_; }
-  /// Whether the log ends in the middle, as that of a killed run.
+  /// True if the log is truncated, as after a killed run.
   bool truncated() const noexcept { return truncated_; }
-  /// Time after which samples were lost, so that what followed is not to be repeated [s]; none if all are there.
+  /// Time after which samples were lost, so that later periods cannot be replayed [s]; empty if
+  /// none was lost.
   std::optional<double> lost_after() const noexcept { return lost_after_; }
-  /// The number of the period at a time [s], from 0 where the flight began.
+  /// Number of the period at a time [s]; 0 at the start of the flight.
   std::int64_t number(double time) const noexcept;
 
   const Team& team() const noexcept override { return team_; }
@@ -120,7 +126,7 @@ class RecordedFlight final : public World, public Clock {
   std::vector<RobotGoals> goals_;
   std::vector<RecordedGoal> sent_;
   std::size_t next_goal_ = 0;
-  std::size_t next_ = 0;  // period to be measured
+  std::size_t next_ = 0;  // next period to be measured
   bool measured_ = false;
   MeasuredMost most_{};
   bool truncated_ = false;

@@ -42,7 +42,7 @@ template <class... Args>
   throw std::runtime_error(fmt::format(sentence, std::forward<Args>(args)...));
 }
 
-// null stands for a number that was not finite.
+// null represents a number that was not finite.
 double or_no_value(const json& value) { return value.is_null() ? no_value : value.get<double>(); }
 
 Vec3<double> point(const json& list) {
@@ -106,7 +106,7 @@ void read_team(const json& team, Recording& run) {
   run.script = team.value("events", std::vector<std::string>{});
 }
 
-// Each step is the shorter way round; what is not a number is stepped over.
+// Each step takes the shorter way around; NaN is skipped.
 void unwrap(std::vector<double>& psi) {
   constexpr double turn = 2 * std::numbers::pi;
   double last = no_value;
@@ -117,9 +117,10 @@ void unwrap(std::vector<double>& psi) {
   }
 }
 
-// Puts each message where it belongs. State and solver messages begin a row; what may be missing behind
-// them, where a number was not finite, stays not a number. Of what each period has one, each row has one: a log that lacks one, or
-// has two, is refused.
+// Passes each message to the reader of its topic. State and solver messages begin a row. Optional
+// messages after them are omitted for numbers that were not finite; their values stay NaN. Each row
+// has exactly one of the messages that a period has once. A log with a missing or a second one is
+// rejected.
 class RowReader {
  public:
   RowReader(Recording& run, std::size_t controllers) : run_(run) {
@@ -167,7 +168,7 @@ class RowReader {
     }
   }
 
-  // A chunk that closed by itself may end within a period.
+  // A chunk that closed automatically may end within a period.
   std::size_t rows() const {
     std::size_t rows = std::min(run_.time.size(), run_.cost.size());
     for (const Recording::Body& body : run_.bodies) {
@@ -179,7 +180,7 @@ class RowReader {
     return rows;
   }
 
-  /// Once all of a log is read; one that has its end ends with a whole period.
+  /// Ends the recording after all messages; a complete log must end with a complete period.
   void trim(bool has_end) {
     end_period();
     if (has_end) {
@@ -196,7 +197,7 @@ class RowReader {
       body.lean.resize(rows);
       for (auto& row : body.u) row.resize(rows);
       if (!body.barrier.empty()) body.barrier.resize(rows), body.reserve.resize(rows);
-      // A heading that is free at times is no line to draw.
+      // A heading that is sometimes free cannot be drawn as a line.
       if (body.reference_heading.size() < body.reference_time.size()) body.reference_heading.clear();
       if (body.reference_p.size() < body.reference_time.size()) body.reference_p.clear();
       unwrap(body.heading);
@@ -211,7 +212,7 @@ class RowReader {
   }
 
  private:
-  // Of a recording that is thinned: events, and what belongs to one of its periods.
+  // For a thinned recording: keeps events and the messages of its periods.
   bool is_kept(const McapMessage& message) const {
     if (message.topic == "/events" || message.topic == "/tuned" || message.topic.ends_with("/camera_info"))
       return true;
@@ -229,7 +230,8 @@ class RowReader {
     return json::parse(text, text + message.bytes.size());
   }
 
-  /// The period whose messages have all come follows the one before it, but for those that the loop missed and said so.
+  /// Checks that the completed period follows the previous one, not counting the reported missed
+  /// periods.
   void end_period() {
     if (!std::exchange(solved_, false)) return;
     const std::int64_t last = std::max<std::int64_t>(order_.next() - 1, 0);
@@ -237,7 +239,7 @@ class RowReader {
       run_.lost_after = run_.period * static_cast<double>(last);
   }
 
-  /// States that no record of a solver followed are of no update: of a missed period, or after the last command.
+  /// Removes states without solver record: those of a missed period or after the last command.
   void drop_states() {
     if (run_.cost.size() >= run_.time.size()) return;
     run_.time.pop_back();
@@ -251,13 +253,13 @@ class RowReader {
     }
   }
 
-  /// That a message is the first of its kind in its period, of a column with `rows` rows.
+  /// Checks that a message is the first of its kind in its period; its column has `rows` rows.
   void check_first(std::size_t rows, const McapMessage& message) const {
     if (rows >= run_.time.size())
       throw_invalid("two messages of {} at {:.6g} s, expected one", message.topic,
                     1e-9 * static_cast<double>(message.log_time));
   }
-  /// That each column has a row of each period.
+  /// Checks that each column has a row for each period.
   void check_whole() const {
     const auto check = [this](std::size_t rows, std::string_view of, std::string_view what) {
       if (rows < run_.time.size())
@@ -307,7 +309,7 @@ class RowReader {
     body.lean.back() = lean(rotation({w, x, y, z}));
     body.leans = true;
   }
-  /// Keeps of a plan what it says for PlannedAhead::ahead later, on a line between two stages.
+  /// Keeps the planned pose at PlannedAhead::ahead later, interpolated between two stages.
   static void path(Recording::Body& body, const McapMessage& message) {
     const auto path = decode_path(message.bytes);
     if (!path) throw_invalid("a message of {} is no path", message.topic);
@@ -412,13 +414,13 @@ class RowReader {
   Recording& run_;
   std::string first_state_, first_solver_;                       // topics
   double last_time_ = -std::numeric_limits<double>::infinity();  // of the first body's states
-  std::int64_t period_ = 0;                                      // that is read
-  PeriodOrder order_;                                            // of those before it
+  std::int64_t period_ = 0;                                      // period being read
+  PeriodOrder order_;                                            // of the earlier periods
   bool solved_ = false;
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
 };
 
-// Never waits, as a pipe would have it.
+// Opens only regular files, because a pipe could block.
 std::ifstream opened(const std::filesystem::path& path) {
   std::error_code ignored;
   std::ifstream file;
@@ -427,10 +429,11 @@ std::ifstream opened(const std::filesystem::path& path) {
   return file;
 }
 
-// Times to solve of all controllers together. Whole rows alone: the last may have been cut off, or is not written yet.
+// Solve times [us], sum of all controllers. Reads only complete rows, because the last row may be
+// truncated or not yet written.
 class TimingReader {
  public:
-  /// Of each `stride` rows the longest time.
+  /// Keeps the longest time of each `stride` rows.
   TimingReader(const std::filesystem::path& path, std::size_t controllers, std::size_t stride)
       : path_(path.string()), controllers_(controllers), stride_(stride), file_(opened(path)) {
     if (!file_) throw_invalid("{} cannot be read, expected the measured times of a run", path_);
@@ -481,7 +484,7 @@ std::vector<double> read_timing(const std::filesystem::path& path, std::size_t s
   return solve_us;
 }
 
-// Folders within the run's that hold a summary of the same scenario and seed.
+// Subfolders of the run with a summary of the same scenario and seed.
 std::vector<Recording::Comparison> read_comparisons(const std::filesystem::path& folder,
                                                     const Recording& run) {
   std::vector<Recording::Comparison> comparisons;
@@ -551,7 +554,7 @@ class RecordingReader::Files {
     timing->read_on(run.solve_us);
   }
 
-  /// Once all is read.
+  /// Call after all messages were read.
   void trim() {
     soundly([&] { reader->trim(!log.truncated()); });
   }

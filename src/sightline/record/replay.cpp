@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 21> estimate_words = {
     "v.z",        "heading",    "yaw_rate",   "accepted",   "covariance", "covariance", "covariance",
     "covariance", "covariance", "covariance", "covariance", "covariance", "covariance", "covariance"};
 
-/// All that a log keeps of an estimate.
+/// All logged numbers of an estimate.
 std::array<double, estimate_words.size()> numbers_of_estimate(const PoseEstimate& e) noexcept {
   std::array<double, estimate_words.size()> all{};
   if (!e.known) return all;
@@ -40,7 +40,7 @@ std::array<double, estimate_words.size()> numbers_of_estimate(const PoseEstimate
   return all;
 }
 
-/// Whether what is set is of the solver.
+/// True if an assignment sets the solver.
 bool sets_solver(const std::vector<std::string>& assignments) {
   return std::any_of(assignments.begin(), assignments.end(), [](std::string_view assignment) {
     const std::string_view key = assignment.substr(0, assignment.find_first_of(".= "));
@@ -72,7 +72,7 @@ FlownAs flown_as(const std::filesystem::path& log) {
   if (const auto files = mcap.metadata().find("files"); files != mcap.metadata().end())
     flown.files.insert(files->second.begin(), files->second.end());
   if (words.contains(TunedLog::word)) flown.text += tuned_events(log);
-  // Logs of versions before 0.2 have the names of their time.
+  // Logs of versions before 0.2 use the names of that time.
   if (!flown.text.empty()) flown.text = with_present_names(flown.text, log.native()).text;
   const std::string exchanges = word("exchanges");
   if (!exchanges.empty() &&

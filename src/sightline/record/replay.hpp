@@ -1,5 +1,5 @@
-/// A recorded flight flown again: the same measurements into the same loop, and its commands compared with those of
-/// the log.
+/// Replay of a recorded flight: gives the same measurements to the same loop and compares its
+/// commands with the log.
 #pragma once
 
 #include <cstdint>
@@ -15,52 +15,54 @@
 
 namespace sightline {
 
-/// How a log says that it was flown.
+/// How a recorded run was flown, from its log.
 struct FlownAs {
-  std::string name, text;  ///< of the scenario, with the events that were tuned behind its own
+  std::string name, text;  ///< of the scenario; text includes the tuned events at its end
   FileTexts files{};       ///< that the scenario names
   std::string solver;
   std::string version, compiler;
-  std::string partition{}, order{};  ///< where the team planned in parts; else empty
+  std::string partition{}, order{};  ///< for a partitioned team; else empty
   int exchanges = 1;
 };
-/// @throws std::runtime_error with a sentence that names the file where it is no log of a run
+/// Reads it from the metadata of a log.
+/// @throws std::runtime_error with a sentence that names the file, if it is no log of a run
 FlownAs flown_as(const std::filesystem::path& log);
 
-/// The scenario of a log as it was flown, or with another solver or other values; no deadline acts, and nothing flies beside it.
-/// @param log  its file, for refusals
+/// The scenario of a log as it was flown, or with another solver or other values. Deadlines are
+/// off, and there are no comparison flights.
+/// @param log  path of the log, for error messages
 /// @param set  as in ScenarioChanges
 /// @throws ScenarioError, and std::invalid_argument as solver_named() and check_solvers()
 Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Registry& registry,
                         const std::optional<std::string>& solver = {},
                         const std::vector<std::string>& set = {});
 
-/// Where a command first differs from the recorded one.
+/// First command that differs from the recorded one.
 struct FirstDifference {
-  std::int64_t update = 0;  ///< number of the period since the flight began
+  std::int64_t update = 0;  ///< number of the period since the start of the flight
   double time = 0.0;        ///< [s]
   std::string robot, input;
   double recorded = 0.0, replayed = 0.0;
 };
 
-/// Where an estimate of a robot's pose first differs from the recorded one.
+/// First pose estimate that differs from the recorded one.
 struct FirstEstimate {
-  std::int64_t update = 0;  ///< number of the period since the flight began
+  std::int64_t update = 0;  ///< number of the period since the start of the flight
   double time = 0.0;        ///< [s]
-  std::string robot, what;  ///< "p.x", "covariance"; "known" where one of them says nothing
+  std::string robot, what;  ///< "p.x", "covariance"; "known" if only one of them has an estimate
   double recorded = 0.0, replayed = 0.0;
 };
 
-/// How far the commands of one robot are from the recorded ones.
+/// Difference between the commands of one robot and the recorded ones.
 struct RobotDifference {
   std::string name;
-  std::int64_t differing = 0;       ///< commands of which a bit differs
-  double largest = 0.0, rms = 0.0;  ///< of an input, over all of them
+  std::int64_t differing = 0;       ///< number of commands with a different bit
+  double largest = 0.0, rms = 0.0;  ///< of an input, over all commands
   double largest_at = 0.0;          ///< [s]
 };
 
-/// Compares each command of a loop that flies in a recorded flight, and each estimate of its localizer, bit for bit;
-/// allocates nothing.
+/// Compares each command and each pose estimate of a replay with the log, bit for bit; allocates
+/// nothing.
 class CommandComparison final : public Sink<Sample> {
  public:
   /// @param prototype  sized_sample() of the loop
@@ -73,10 +75,10 @@ class CommandComparison final : public Sink<Sample> {
   std::int64_t updates() const noexcept { return static_cast<std::int64_t>(updates_); }
   std::int64_t commands() const noexcept;
   std::int64_t differing() const noexcept;
-  /// Updates of which a solver's status differs.
+  /// Number of updates with a different solver status.
   std::int64_t other_status() const noexcept { return other_status_; }
   std::optional<FirstDifference> first() const;
-  /// Estimates of robots that are localized, and those of which a bit differs.
+  /// Number of pose estimates, and number of those with a different bit.
   std::int64_t estimates() const noexcept { return estimates_; }
   std::int64_t differing_estimates() const noexcept { return differing_estimates_; }
   std::optional<FirstEstimate> first_estimate() const;
@@ -113,7 +115,7 @@ class CommandComparison final : public Sink<Sample> {
   std::optional<Place> first_{};
 };
 
-/// What was compared, as JSON: docs/replay.md has the keys.
+/// Results of the comparison as JSON; docs/replay.md lists the keys.
 std::string comparison_json(const CommandComparison& compared, const Scenario& scenario,
                             const RecordedFlight& flight);
 

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Who is coupled with whom, and which of the two feel it; each once.
+/// Couplings by pair of bodies with the bodies that they affect; each once.
 Json couplings_json(const std::vector<Coupling>& couplings) {
   std::set<std::array<int, 4>> known;
   Json list = Json::array();

@@ -1,4 +1,4 @@
-/// What a report must know of a run's team, as the log keeps it.
+/// Description of a run's team in the log, for reports.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace sightline {
 
-/// Bodies with their names, robots, limits and tags; pairs of observer and target; who is coupled with whom and which of
-/// the two feel it, each once; robots that are kept apart; names of the events. Of all of the run, whatever its events change.
+/// JSON with bodies and their names, robots, limits and tags; pairs of observer and target;
+/// couplings, each once, with the bodies that they affect; robots kept apart; hard distances; floor
+/// and ceiling; event names. Covers the whole run, independent of its events.
 std::string team_json(const Scenario& scenario);
 
 }  // namespace sightline

@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-/// Rows of timing.csv; 0 where it cannot be read.
+/// Rows of timing.csv; 0 if it cannot be read.
 std::size_t periods_timed(const std::filesystem::path& folder) {
   std::error_code ignored;
   const std::filesystem::path path = folder / "timing.csv";
@@ -19,7 +19,7 @@ std::size_t periods_timed(const std::filesystem::path& folder) {
   std::size_t lines = 0;
   while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
     lines += static_cast<std::size_t>(std::count(piece.begin(), piece.begin() + file.gcount(), '\n'));
-  return lines - std::min<std::size_t>(lines, 1);  // its head
+  return lines - std::min<std::size_t>(lines, 1);  // header line
 }
 
 }  // namespace

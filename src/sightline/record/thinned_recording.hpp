@@ -1,4 +1,4 @@
-/// A recording of bounded size, however long the flight was: what figures are drawn from.
+/// Recording of bounded size for figures, for flights of any length.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,10 @@ namespace sightline {
 /// 10 min at 100 Hz: shorter flights are not thinned.
 inline constexpr std::size_t thinned_rows_max = 60'000;
 
-/// As read_recording(), of more than `rows_max` periods with each Recording::stride-th alone. Those are four fifths of `rows_max` at most,
-/// so that a flight that is thinned takes no more memory than one that just is not. Of times to solve a row has the longest of its
-/// stride; of events the first 10 000 are there.
+/// Same as read_recording(), but keeps only each Recording::stride-th period if there are more than
+/// `rows_max`. Then at most four fifths of `rows_max` rows remain, so a thinned flight uses no more
+/// memory than the longest one that is not thinned. A row has the longest solve time of its stride.
+/// Only the first 10 000 events are kept.
 /// @throws as read_recording()
 Recording read_thinned_recording(const std::filesystem::path& folder,
                                  std::size_t rows_max = thinned_rows_max);

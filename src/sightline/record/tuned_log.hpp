@@ -1,4 +1,4 @@
-/// What was tuned in a flight, in its log: the events that came behind the scenario's own, as the scenario would say them.
+/// Events that were tuned during a flight, in the log as scenario text.
 #pragma once
 
 #include <filesystem>
@@ -12,26 +12,27 @@
 
 namespace sightline {
 
-/// Writes the topic /tuned, {time, number, name, text}: each event as it happens, with its place behind those of the script.
+/// Writes the topic /tuned, {time, number, name, text}: each tuned event when it occurs; `number`
+/// counts from 0 after the events of the script.
 class TunedLog {
  public:
-  /// The words "sightline" of a log that has the topic say "tuned".
+  /// Key in the metadata "sightline" of a log with this topic.
   static constexpr const char* word = "tuned";
 
-  /// @param to  outlives it; a flight that is not tuned leaves it as it is
+  /// @param to  must outlive this object; a flight without tuning adds no topic
   TunedLog(const Scenario& scenario, MessageSink& to);
   void add(const Sample& sample);
 
  private:
   std::shared_ptr<const TunedScript> tuned_;
-  std::size_t script_;  // events of it
+  std::size_t script_;  // number of events in the script
   MessageSink& to_;
   std::optional<McapChannel> channel_{};
 };
 
-/// The [[event]]s that were tuned, to stand behind the scenario's text. One that could not be enters a stage of its own, so that every
-/// event has the place that the log knows it by.
-/// @throws std::runtime_error where the log cannot be read
+/// Text of the tuned [[event]]s, to append to the scenario's text. A rejected event becomes one
+/// that enters a stage of its own; so every event keeps its index in the log.
+/// @throws std::runtime_error if the log cannot be read
 std::string tuned_events(const std::filesystem::path& log);
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// How well robots that are localized by view knew where they were, as drawings of a report.
+/// How well robots that are localized by vision knew where they were, as drawings of a report.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// For each of the first robots that are localized by view: error with three standard deviations, NEES, and how its
+/// For each of the first robots that are localized by vision: error with three standard deviations, NEES, and how its
 /// detections fitted.
 std::vector<Drawing> localization_drawings(const Recording& recording);
 

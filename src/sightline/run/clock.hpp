@@ -1,37 +1,37 @@
-/// Whose time the loop runs on.
+/// The clocks of the control loop: simulated time and the machine's monotonic clock.
 #pragma once
 
 #include <cstdint>
 
 namespace sightline {
 
-/// When a team that was asked for takes over.
+/// When a requested team takes over.
 enum class TeamDue {
-  now,       ///< the loop waits for it
-  if_ready,  ///< or in a later period
+  now,       ///< the loop waits for the team
+  if_ready,  ///< in this period if the team is ready, else in a later one
   not_yet,
 };
 
-/// Cuts time into periods, counted from 0. One thread.
+/// Divides time into periods, counted from 0. For one thread.
 class Clock {
  public:
   virtual ~Clock() = default;
 
-  /// Period 0 begins now, or in a moment.
+  /// Starts period 0 now or at the next multiple of the period.
   /// @param period  [s], > 0
   virtual void start(double period) noexcept = 0;
   /// Waits until period k begins.
-  /// @return the period that runs now: k, or a later one where k is over already
+  /// @return the current period: k, or a later one if k is already over
   virtual std::int64_t wait(std::int64_t k) noexcept = 0;
   /// Whether time stands still while the log catches up.
   virtual bool waits_for_log() const noexcept = 0;
-  /// Of a team that was asked for before period k.
+  /// When a team that was requested before period k takes over.
   virtual TeamDue team_due(std::int64_t) const noexcept {
     return waits_for_log() ? TeamDue::now : TeamDue::if_ready;
   }
 };
 
-/// Time as fast as it can be computed; no period is ever missed.
+/// Simulated time, as fast as the machine computes. No period is ever missed.
 class SimulatedClock final : public Clock {
  public:
   void start(double) noexcept override {}
@@ -39,9 +39,10 @@ class SimulatedClock final : public Clock {
   bool waits_for_log() const noexcept override { return true; }
 };
 
-/// The machine's monotonic clock. Periods begin at its multiples of the period, so that all programs of one machine share a
-/// grid: a late period is followed by the grid's next, no delay adds up; one that was over before it could begin is missed, and
-/// the one that runs instead begins at once.
+/// The machine's monotonic clock. Periods begin at multiples of the period, so all programs of one
+/// machine share a grid. A late period is followed by the next one of the grid, so delays do not
+/// accumulate. A period that ended before it could begin is missed; the period that runs instead
+/// begins at once.
 class SteadyClock final : public Clock {
  public:
   void start(double period) noexcept override;

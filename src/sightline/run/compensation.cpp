@@ -15,10 +15,10 @@ namespace {
 
 constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr double longest_gap = 0.5;    // between two measurements that an estimate uses [s]
-constexpr double oldest = 1.0;         // measurement that one uses [s]
-constexpr double largest_rate = 20.0;  // of a velocity that is believed [m/s^2]
+constexpr double oldest = 1.0;         // greatest age of a measurement for an estimate [s]
+constexpr double largest_rate = 20.0;  // limit on the estimate of an acceleration [m/s^2]
 
-/// The inverse of a symmetric matrix, rows one after the other.
+/// The inverse of a symmetric matrix, row by row.
 std::array<Vec3<double>, 3> inverse(const std::array<Vec3<double>, 3>& m) {
   const auto cross = [](const Vec3<double>& a, const Vec3<double>& b) -> Vec3<double> {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -128,8 +128,8 @@ void Compensation::look(BodyId robot, const ValidStates& measured) noexcept {
   } else {
     const auto u = carry(member.model, member.last, history_, member.u, member.stamp - member.delay,
                          stamp - member.delay, member.w, scratch_);
-    if (u.empty()) return;  // no time between them
-    Vec3<double> r =        // that w lacks
+    if (u.empty()) return;  // no time has passed
+    Vec3<double> r =        // residual acceleration
         (1 / s) *
         (member.model.sight(x.data(), u.data()).v - member.model.sight(member.last.data(), u.data()).v);
     const double length = norm(r);
@@ -166,7 +166,7 @@ std::span<const double> Compensation::ahead(double t, const ValidStates& estimat
   return x_;
 }
 
-/// u_w at the heading of x.
+/// Computes u_w at the heading of x.
 void Compensation::find_steady(const Member& member, std::span<const double> x) noexcept {
   const std::span<double> steady = std::span(added_).subspan(member.u, member.nu);
   Vec3<double> w = member.w;

@@ -1,23 +1,26 @@
-/// What a robot's planning model leaves out, made up for between the state estimate and the controllers: commands that
-/// act late, and an acceleration that nobody commanded.
+/// Compensation of command delays and constant disturbances that the planning model omits.
+///
+/// It acts between the state estimate and the controllers, for the motion
 ///
 ///   x' = f(x, u(t - delay)) + push(x, w)
 ///
-/// A command given at t comes into force at t + delay. So the controllers are given the state of that time, carried on
-/// under the commands in flight, and plan from there. The disturbance w, an acceleration of G, is what the commands do not
-/// explain of the measured motion: between two measurements s apart
+/// A command given at t takes effect at t + delay. The controllers therefore plan from the state at
+/// t + delay, predicted under the commands in flight. The disturbance w, an acceleration in G, is
+/// the part of the measured motion that the commands do not explain. Between two measurements that
+/// are s apart
 ///
 ///   w <- w + (1 - e^{-s / time}) (v - v') / s,
 ///
-/// v' being the velocity that the model reaches from the measurement before, under w. States that are neither pose nor
-/// velocity, such as a lagging tilt, follow from the commands alone there: an error of a gain then enters w, and leaves no
-/// offset. The constant command u_w that cancels w,
+/// where v' is the velocity that the model reaches from the previous measurement, under w. States
+/// that are neither pose nor velocity, such as a lagging tilt, follow from the commands alone. A
+/// gain error then enters w and leaves no offset. The constant command u_w cancels w:
 ///
-///   B u_w = -w,   B = d v' / d u once the lags are over, least squares, inputs in parts of their range,
+///   B u_w = -w,   B = d v' / d u after the lags have settled,
 ///
-/// is added to what the controllers ask for. They plan without w and for the rest of the command, from a state without what
-/// u_w holds of the lags: as if w were both in their prediction and, as u_w, in u*. What u_w makes a robot lean, its plan
-/// leans besides.
+/// in the least-squares sense, with inputs as fractions of their range. It is added to the
+/// controllers' inputs. The controllers plan without w and for the remaining command, from a state
+/// without the part of the lags that u_w maintains. The effect is that of w in their prediction and
+/// of u_w in u*. The tilt due to u_w adds to the tilt of the plan.
 #pragma once
 
 #include <array>
@@ -34,74 +37,77 @@
 
 namespace sightline {
 
-/// What a robot's u* follows from.
+/// Source of a robot's u*.
 enum class FeedForwardFrom {
-  none,       ///< it is the team's
-  reference,  ///< it is the input by which the robot's model follows its reference: feed_forward.hpp
+  none,       ///< u* of the team
+  reference,  ///< the input with which the robot's model follows its reference: feed_forward.hpp
 };
 inline constexpr std::array<std::string_view, 2> feed_forwards = {"none", "reference"};
 
-/// Of one robot.
+/// Compensation settings of one robot.
 struct RobotCompensation {
   BodyId robot;
-  double command_delay = 0.0;     ///< from command to effect, and what stands for lags [s], in [0, 1]
-  double disturbance_time = 0.0;  ///< of the estimate of w [s], in [0.05, 60]; 0: none
-  FeedForwardFrom feed_forward = FeedForwardFrom::none;  ///< what its u* follows from
+  double command_delay = 0.0;     ///< from a command to its effect, with an allowance for lags [s], in [0, 1]
+  double disturbance_time = 0.0;  ///< time constant of the estimate of w [s], in [0.05, 60]; 0: no estimate
+  FeedForwardFrom feed_forward = FeedForwardFrom::none;  ///< source of u*
 };
 
 class Compensation {
  public:
-  static constexpr double longest_delay = 1.0;                     ///< [s]
-  static constexpr double least_time = 0.05, longest_time = 60.0;  ///< of an estimate [s]
-  /// Most that u_w takes of what an input can do either way.
+  static constexpr double longest_delay = 1.0;                     ///< of a command [s]
+  static constexpr double least_time = 0.05, longest_time = 60.0;  ///< time constants of the estimate [s]
+  /// Greatest fraction of an input's half range that u_w uses.
   static constexpr double most_part = 0.8;
 
-  /// @param period  shortest time between two commands [s]; sizes the memory of inputs
-  /// @throws std::invalid_argument for a body that is no robot of the team, one that is named twice, and numbers out of
-  /// their range
+  /// @param period  shortest time between two commands [s]; sizes the input history
+  /// @throws std::invalid_argument for a body that is no robot of the team, for a robot that is
+  ///         named twice, and for numbers out of their range
   Compensation(const Team& team, const std::vector<RobotCompensation>& robots, double period);
 
-  // Once in each period, in this order. Nothing throws, allocates, locks or prints.
+  // The loop calls these functions once each period, in this order. None throws, allocates, locks or
+  // prints.
 
-  /// A measurement of a robot. Where it is not valid, or not newer than the last, nothing happens.
+  /// Takes a measurement of a robot. Ignores one that is invalid or not newer than the last.
   void look(BodyId robot, const ValidStates& measured) noexcept;
-  /// The states (nx) that commands of t meet: those of robots after their delay, free of what u_w holds; those of bodies
-  /// that are no robots after the longest of them. Valid until the next call.
-  /// @param estimate  the states at t
+  /// The states (nx) at which the commands of t take effect. For a robot: after its own delay,
+  /// without the part that u_w maintains. For other bodies: after the longest delay. Valid until
+  /// the next call.
+  /// @param estimate  states at t (nx)
   std::span<const double> ahead(double t, const ValidStates& estimate) noexcept;
-  /// u_w of all robots (nu), to be added to what is asked of them.
+  /// u_w of all robots (nu), to be added to the controllers' inputs.
   std::span<const double> added() const noexcept { return added_; }
-  /// What u_w holds of the states of all bodies (nx), which those of ahead() are free of.
+  /// The part of the states of all bodies (nx) that u_w maintains; ahead() subtracts it.
   std::span<const double> held() const noexcept { return held_; }
-  /// What u_w makes each body lean (Sight::lean), beside what the controllers ask for.
+  /// Tilt of each body (Sight::lean) due to u_w, in addition to that of the controllers' inputs.
   std::span<const Vec2<double>> lean() const noexcept { return lean_; }
-  /// Writes a robot's u* (nu) at time t [s] and state x (nx of the robot), where it follows from its reference; else nothing.
+  /// Writes a robot's u* (nu) at time t [s] and state x (nx of the robot), if it follows from the
+  /// reference; else leaves u_ref unchanged.
   void write_reference_inputs(BodyId robot, const Reference& x_ref, double t, const double* x,
                               std::span<double> u_ref) noexcept;
-  /// The inputs u of all robots (nu) are given at t.
+  /// Records the inputs u of all robots (nu) that are given at t [s].
   void record(double t, std::span<const double> u) noexcept { history_.record(t, u); }
-  /// The robot comes to be there: nothing is known of it.
+  /// Discards all knowledge of a robot that joins the team.
   void forget(BodyId robot) noexcept;
 
-  /// Longest delay of a robot [s].
+  /// Longest command delay of all robots [s].
   double lead() const noexcept { return lead_; }
   /// The estimated disturbance of a robot [m/s^2], in G; 0 without an estimate.
   Vec3<double> disturbance(BodyId robot) const noexcept;
 
  private:
-  /// A body, compensated or carried on.
+  /// A body whose state is compensated, or only predicted.
   struct Member {
-    std::size_t body, x, u, nx, nu;  // place in the team, offsets and lengths
+    std::size_t body, x, u, nx, nu;  // index in the team, offsets and lengths
     Model model;
     double delay, time;
-    std::vector<double> counter;      // u_w over reach, of 1 m/s^2 along x, y, z of V, or else of G: 3 x nu
-    std::vector<double> held;         // what a unit of an input holds of each state in the end: nu x nx
-    std::vector<Vec2<double>> leans;  // what a unit of each input makes it lean then
+    std::vector<double> counter;      // u_w over reach, for 1 m/s^2 along x, y, z of V, or of G: 3 x nu
+    std::vector<double> held;         // steady-state change of each state per unit of an input: nu x nx
+    std::vector<Vec2<double>> leans;  // steady-state tilt per unit of each input
     std::optional<FeedForward> feed_forward;
-    std::vector<char> shown;    // whether each state is a pose or a velocity; the others follow from commands
-    std::vector<double> reach;  // what each input can do either way
-    std::vector<double> last;   // measured before, with own inner states
-    double stamp;               // of last; minus infinity: none
+    std::vector<char> shown;    // whether each state is part of pose or velocity; others follow commands
+    std::vector<double> reach;  // half the range of each input
+    std::vector<double> last;   // previous measurement, with predicted inner states
+    double stamp;               // time of `last` [s]; minus infinity: none
     Vec3<double> w{};
   };
 
@@ -109,7 +115,7 @@ class Compensation {
   void find_steady(const Member& member, std::span<const double> x) noexcept;
 
   std::vector<Member> members_;
-  std::vector<int> member_of_;  // of each body; -1: none
+  std::vector<int> member_of_;  // index into members_ for each body; -1: none
   InputHistory history_;
   double lead_;
   std::vector<double> x_, scratch_, added_, held_;

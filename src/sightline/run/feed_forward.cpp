@@ -18,7 +18,7 @@ FeedForward::FeedForward(const Agent& agent)
   for (const int state : {roles.direction[0], roles.direction[1], roles.angle})
     needs_heading = needs_heading || (state >= 0 && agent.Q[size(state)] > 0);
   using Column = std::array<double, rows>;
-  std::vector<Column> columns;  // of the velocities, then of the inputs in parts of what they reach
+  std::vector<Column> columns;  // effects of velocities, then of inputs as fractions of half their range
   const auto add = [&](const SteadyState& more, const SteadyState& less, double by) {
     const Vec3<double> v = (1 / by) * (more.velocity - less.velocity),
                        a = (1 / by) * (more.acceleration - less.acceleration);
@@ -39,7 +39,8 @@ FeedForward::FeedForward(const Agent& agent)
     up[k] += part * reach[k], down[k] -= part * reach[k];
     add(settle(model_, state_at_rest(model_), up), settle(model_, state_at_rest(model_), down), 2 * part);
   }
-  // (M'M + damping) y = M' e for each unit vector e of v, a and r; of y, what the inputs are.
+  // (M'M + damping) y = M' e for each unit vector e of v, a and r.  The inputs' part of y
+  // is the gain.
   constexpr double damping = 1e-9;
   const auto product = [](const Column& a, const Column& b) {
     double sum = 0.0;

@@ -27,7 +27,7 @@ BarrierOptions without_floor(BarrierOptions options) {
   return options;
 }
 
-/// The tightest limits there will be of a robot.
+/// The tightest limits of a robot over the run.
 std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, BodyId robot,
                                                              const std::vector<LimitsToCome>& to_come) {
   const Agent& agent = team.agent(robot);
@@ -54,15 +54,15 @@ std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, B
   return {u_min, u_max};
 }
 
-/// What a robot can do within the tightest limits there will be, and whose motion is like its own.
+/// A robot's abilities within its tightest limits, and its kind.
 struct Ability {
   std::vector<double> u_min, u_max;
   Authority can;
-  int kind;  // robots of one kind count on each other
+  int kind;  // robots of one kind have like motion and rely on each other
 };
 
-/// Of each robot. Those of one kind count on what the weakest can do and the strongest may do: then each counts on as much as the
-/// others do of it.
+/// The abilities of each robot. Robots of one kind use the least acceleration and the greatest push
+/// and rise among them, so that each robot's assumptions about the others hold.
 std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come) {
   std::vector<Ability> all;
   std::vector<std::string_view> models;
@@ -109,7 +109,7 @@ EventKind kind_of(FallbackLevel level) {
 
 EventKind kind_of(MeasurementFault fault) {
   switch (fault) {
-    case MeasurementFault::none:  // a notice is of a fault
+    case MeasurementFault::none:  // never in a notice
     case MeasurementFault::not_finite:
       return EventKind::measurement_not_finite;
     case MeasurementFault::heading:
@@ -172,7 +172,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
                        .reported = u_min,
                        .limits = &agent.limits});
   }
-  // Of a robot of another part its model is known by name.
+  // A robot of another part is known by its model's name.
   kinds_.assign(options_.bodies.size(), -1);
   for (std::size_t r = 0; r < robots_.size(); ++r) kinds_[at(robots_[r].body)] = abilities[r].kind;
   for (int i = 0; i < team_.bodies(); ++i) {
@@ -237,7 +237,7 @@ void Guard::look(double t, std::span<const View> views) noexcept {
   }
 }
 
-/// Whose messages are missed somewhere, and whose come again.
+/// Reports bodies whose messages become stale, and those that are received again.
 void Guard::emit_stale(double t) noexcept {
   for (int i = 0; connectivity_ != nullptr && i < team_.bodies(); ++i) {
     const bool stale = is_there(BodyId{i}) && !connectivity_->is_received(BodyId{i});
@@ -282,8 +282,8 @@ void Guard::keep_distances(double t, const ValidStates& x, std::span<const doubl
   std::copy(u.begin(), u.end(), before_.begin());
 }
 
-/// Where all bodies are that are there and were seen once. A robot of the team is where the commands in flight will have brought
-/// it; any other body is where it was seen, so much longer ago.
+/// Collects all bodies that are present and were measured once. A robot of the team is at the state
+/// where its command takes effect; any other body is at its last estimate, with a greater age.
 void Guard::see_all(std::span<const double> x) noexcept {
   threats_.clear();
   for (int i = 0; i < team_.bodies(); ++i) {
@@ -300,7 +300,7 @@ void Guard::see_all(std::span<const double> x) noexcept {
   }
 }
 
-/// Whether a body keeps its distance to the robot as well.
+/// Whether a body keeps its distance to the robot as well, by its own barrier.
 bool Guard::gives_way(const Robot& robot, BodyId other) const noexcept {
   if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.climbs_late()) return false;
   if (team_.is_agent(other) ? is_grounded(other) : connectivity_ == nullptr) return false;
@@ -311,12 +311,12 @@ void Guard::record(double t, std::span<const double> u) noexcept {
   if (supervisor_) supervisor_->record(t, u);
 }
 
-/// Of a body's position, each axis [m].
+/// Standard deviation of a body's position, each axis [m].
 double Guard::sigma_of(BodyId body) const noexcept {
   return sigmas_[at(body)] > 0 ? std::min(sigmas_[at(body)], sigma_most) : options_.position_sigma;
 }
 
-/// Another body as a robot sees it.
+/// The data of another body for the barrier of a robot.
 Neighbour Guard::neighbour_of(const Robot& robot, BodyId other) const noexcept {
   const Sight<double>& sight = sights_[at(other)];
   const BodySafety& safety = options_.bodies[at(other)];
@@ -334,7 +334,7 @@ Neighbour Guard::neighbour_of(const Robot& robot, BodyId other) const noexcept {
   return neighbour;
 }
 
-/// The other bodies that the barrier of a robot is told of.
+/// The other bodies that a robot's barrier considers.
 std::span<const Neighbour> Guard::neighbours_of(const Robot& robot, Requester& requester) const noexcept {
   std::vector<Neighbour>& neighbours = requester.neighbours;
   std::size_t count = 0;
@@ -361,7 +361,8 @@ void Guard::keep_distance(std::size_t robot, std::span<const double> x, std::spa
   BarrierRecord& record = records_[robot];
   of.was_in_conflict = record.conflict;
   record = {};
-  // Neither for a robot on the ground or absent, nor without knowing where it is, nor from a body that is nowhere.
+  // The barrier neither acts on a grounded, absent or unmeasured robot, nor considers a body
+  // without a position.
   if (level == FallbackLevel::grounded || !is_there(of.body) || !std::isfinite(ages_[at(of.body)])) return;
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());

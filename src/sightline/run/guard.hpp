@@ -1,12 +1,13 @@
-/// Checks between the measurement and the controllers, and between them and the robots: the supervisor, the search and
-/// the barrier of one team. They use one state estimate.
+/// Safety checks around the controllers: supervisor, search and barrier of one team, with one state
+/// estimate.
 ///
-///   measurement -> supervisor -> state estimate -> solver -> supervisor -> search -> barrier -> applied
+///   measurement -> supervisor -> state estimate -> solver -> supervisor -> search -> barrier -> input
 ///
-/// A robot that lands is not kept above the floor, and one that is grounded stays where it is. For a body
-/// that was not measured for longer than hold_after the barrier uses the bounds at hold_after: beyond, it could
-/// be anywhere, and a robot that fled from everywhere would never land. For the same reason it reckons with a position
-/// that is estimated as if it were known within sigma_most at least.
+/// A robot that lands is not kept above the floor, and a grounded robot stays where it is. If a
+/// body was not measured for longer than hold_after, the barrier uses its position bound at
+/// hold_after. Growing the bound further would make every command infeasible, and no robot could
+/// land. For the same reason the barrier limits the standard deviation of an estimated position to
+/// sigma_most.
 #pragma once
 
 #include <memory>
@@ -29,18 +30,18 @@ namespace sightline {
 enum class BarrierMode {
   off,
   on,
-  report,  ///< computes and tells, applies nothing
+  report,  ///< computes and reports, applies nothing
 };
 
-/// What the robots must keep from a body, and what they assume of it.
+/// Distance that robots keep to a body, and the assumptions about it.
 struct BodySafety {
   double d_hard = 0.6;     ///< centre to centre [m], > 0
-  double speed_max = 1.5;  ///< of one that is no robot, or not heard [m/s], >= 0
+  double speed_max = 1.5;  ///< of a body that is no robot, or is not received [m/s], >= 0
   std::string
-      robot{};  ///< of a robot that another part steers by a barrier of its own: its model's name; empty: it is none
+      robot{};  ///< model name, if another part steers this body as a robot with its own barrier; else empty
 };
 
-/// Limits that a robot is given in flight.
+/// Limits that a robot receives in flight.
 struct LimitsToCome {
   BodyId robot;
   InputLimits limits;
@@ -50,71 +51,80 @@ struct GuardOptions {
   std::optional<SupervisorOptions> supervisor{};
   BarrierMode barrier = BarrierMode::off;
   BarrierOptions barrier_options{};
-  double position_sigma = 0.0;       ///< of a measurement, each axis [m], >= 0
-  std::vector<BodySafety> bodies{};  ///< of the team, in its order; those that are missing have the defaults
-  double period = 0.01;              ///< of the commands [s]
-  SearchOptions search{};            ///< of robots that are localized by view
-  std::vector<BodyId> searchers{};   ///< these robots
+  double position_sigma = 0.0;           ///< of a measured position, each axis [m], >= 0
+  std::vector<BodySafety> bodies{};      ///< in the order of the team; missing ones have the defaults
+  double period = 0.01;                  ///< of the commands [s]
+  SearchOptions search{};                ///< for robots that are localized by vision
+  std::vector<BodyId> searchers{};       ///< robots that search
   std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
-  std::vector<LimitsToCome> limits_to_come{};  ///< the barrier reckons with the tightest there will be
-  /// Threads that the barriers of at least `shared_from` robots are shared over; none: that of the caller alone. The result is
-  /// the same.
+  std::vector<LimitsToCome> limits_to_come{};  ///< the barrier uses the tightest of all limits
+  /// Threads for the barriers of `shared_from` robots or more; null: the calling thread alone. The
+  /// result is the same.
   std::shared_ptr<ThreadPool> pool{};
   static constexpr int shared_from = 32;
 };
 
 class Guard {
  public:
-  /// Standard deviation of an estimated position that the barrier reckons with at most [m].
+  /// Greatest standard deviation of an estimated position that the barrier uses [m].
   static constexpr double sigma_most = 0.5;
 
-  /// @throws std::invalid_argument for options out of their range, and for a robot that the barrier cannot keep
+  /// @throws std::invalid_argument for options out of their range, and for a robot whose model the
+  ///         barrier does not support
   Guard(const Team& team, const GuardOptions& options);
   Guard(const Guard&) = delete;  // its robots point into its team
   Guard& operator=(const Guard&) = delete;
 
-  /// The state estimate of all bodies at t [s], from measurements (nx) with a time for each body, as they come.
-  /// @param sigma  of each body, standard deviation of a position that is estimated [m]; 0: it is measured; infinity: it is
-  ///               not known. Empty: all are measured
+  /// Updates the state estimate of all bodies at t [s].
+  /// @param measured  states of all bodies (nx), unfiltered
+  /// @param stamps  time of the measurement of each body [s]
+  /// @param sigma  of each body, standard deviation of an estimated position [m]; 0: it is
+  ///               measured; infinity: unknown. Empty: all are measured
   const ValidStates& accept_measurement(double t, std::span<const double> measured,
                                         std::span<const double> stamps,
                                         std::span<const double> sigma = {}) noexcept;
-  /// Whether each body was believed once; before, nobody is asked for a plan.
+  /// Whether a measurement of each body was accepted once; without a supervisor, whether each
+  /// present robot had a position. Until then the loop requests no plan.
   bool knows_all() const noexcept { return supervisor_ ? supervisor_->knows_all() : !awaits_position_; }
-  /// Tells what the searchers' views are at t, in any order, after believe().
+  /// Takes the views of the searchers at t [s], in any order, after accept_measurement().
   void look(double t, std::span<const View> views) noexcept;
-  // Both make of the controllers' inputs u (nu) what is commanded from t on, one after the other, after believe(). x
-  // are the states that the commands meet: the estimate, or predicted over what is in flight.
+  // fall_back() and then keep_distances(), after accept_measurement(), turn the controllers' inputs
+  // u (nu) into the command from t on. x are the states at which the command takes effect: the
+  // estimate, or predicted over the commands in flight.
 
-  /// Where nothing better is known of a robot, the supervisor's command; of a searcher that has lost its view, the search's.
-  /// @param plan_ages  of each body [s]; those of no robot do not count
-  /// @param added      to the inputs afterwards (nu), such as what holds robots against wind: limits hold for the sum
+  /// Replaces the input of a robot on a fallback level by the supervisor's, and that of a searcher
+  /// without its view by the search's.
+  /// @param plan_ages  of each body [s]; values of bodies that are no robots are ignored
+  /// @param added  offset to the inputs (nu), such as wind compensation; the limits hold for the
+  ///               sum
   void fall_back(double t, const ValidStates& x, std::span<const double> plan_ages,
                  std::span<const double> added, std::span<double> u) noexcept;
-  /// The nearest inputs that keep the hard distances; `added` as above.
+  /// Changes u to the nearest inputs that keep the hard distances; `added` as above.
   void keep_distances(double t, const ValidStates& x, std::span<const double> added,
                       std::span<double> u) noexcept;
-  /// The inputs u (nu) are applied from t on.
+  /// Records that the inputs u (nu) are applied from t [s] on.
   void record(double t, std::span<const double> u) noexcept;
-  /// Whether the last measurement of a body is believed.
+  /// Whether the last measurement of a body was accepted.
   bool trusts(BodyId body) const noexcept { return !supervisor_ || supervisor_->trusts(body); }
 
-  /// The team is another one. Bodies that are absent keep nobody away, and nobody keeps away from them; robots that
-  /// sink pass the floor. As Supervisor::follow().
+  /// Switches to another membership. The barrier ignores bodies that are absent. Robots that sink
+  /// may pass the floor. See Supervisor::follow().
   void follow(const Membership& now, double t, std::span<const double> x) noexcept;
-  /// Robots that do not hear each other are uncooperative to each other. None: all hear. It outlives this.
+  /// Sets which robots receive each other's messages. Robots that do not are uncooperative to each
+  /// other. Null: all do. The object must outlive the guard.
   void set_connectivity(const Connectivity* connectivity) noexcept { connectivity_ = connectivity; }
-  /// Of what is believed of each body at the last believe() [s].
+  /// Age of the state estimate of each body at the last accept_measurement() [s].
   std::span<const double> ages() const noexcept { return ages_; }
 
-  /// Of this period.
+  /// Events of this period.
   std::span<const Event> events() const noexcept { return events_; }
-  /// One for each robot; empty without a barrier.
+  /// One record for each robot; empty without a barrier.
   std::span<const BarrierRecord> barriers() const noexcept { return records_; }
-  /// One for each body; all valid without a supervisor, and of those that are no robots.
+  /// One level for each body; `valid` for all without a supervisor, and for bodies that are no
+  /// robots.
   std::span<const FallbackLevel> levels() const noexcept { return levels_; }
   const Search& search() const noexcept { return search_; }
-  /// None without a supervisor.
+  /// Empty without a supervisor.
   const std::optional<Supervisor>& supervisor() const noexcept { return supervisor_; }
 
  private:
@@ -122,13 +132,13 @@ class Guard {
     BodyId body;
     std::size_t x, u, nx, nu;                    // offsets and lengths
     Barrier barrier, landing;                    // with and without the floor
-    std::vector<double> u_min, u_max, reported;  // limits now
-    double part = 1.0;                           // of the acceleration that they leave
+    std::vector<double> u_min, u_max, reported;  // limits now; for BarrierMode::report
+    double part = 1.0;                           // of the acceleration, within these limits
     const InputLimits* limits;                   // in force
     EvasiveManeuver maneuver{};
-    bool was_in_conflict = false;  // a period ago
+    bool was_in_conflict = false;  // in the previous period
   };
-  /// Work space of a thread that keeps distances.
+  /// Work space of a thread that runs barriers.
   struct Requester {
     ThreatSelection::Requester threats;
     std::vector<Neighbour> neighbours;  // of one robot
@@ -157,23 +167,23 @@ class Guard {
   Team team_;
   GuardOptions options_;
   const Connectivity* connectivity_ = nullptr;
-  std::vector<char> stale_;  // of each body, as told last
+  std::vector<char> stale_;  // of each body, as last reported
   std::optional<Supervisor> supervisor_;
   Search search_;
-  std::vector<char> searches_;  // whether each searcher does, as told last
-  std::vector<Robot> robots_;   // none without a barrier
+  std::vector<char> searches_;  // whether each searcher searches, as last reported
+  std::vector<Robot> robots_;   // empty without a barrier
   ValidStates estimated_;
   std::vector<double> ages_, stamps_, before_;
-  std::vector<double> sigmas_;    // of each body, as told last [m]
-  bool awaits_position_ = false;  // a robot that is there never knew where it is
+  std::vector<double> sigmas_;    // of each body, last received [m]
+  bool awaits_position_ = false;  // a robot that is present has never had a position
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
-  double oldest_;                      // age that the barrier reckons with [s]
-  std::vector<int> kinds_;             // of each body; equal: robots that move alike; -1: no such robot
-  std::vector<Sight<double>> sights_;  // of each body, of this period
-  ThreatSelection threats_{0};         // the bodies that are there
+  double oldest_;                      // greatest age that the barrier uses [s]
+  std::vector<int> kinds_;             // of each body; equal: robots with like motion; -1: no such robot
+  std::vector<Sight<double>> sights_;  // of each body, in this period
+  ThreatSelection threats_{0};         // bodies that are present
   std::shared_ptr<ThreadPool> pool_;
-  std::vector<Requester> requesters_;  // of each thread
+  std::vector<Requester> requesters_;  // one for each thread
   std::vector<BarrierRecord> records_;
   std::vector<Event> events_;
 };

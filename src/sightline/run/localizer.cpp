@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-constexpr double draw_time = 0.08;  // in which velocities follow those of the filter [s]
+constexpr double draw_time = 0.08;  // time constant with which velocities follow the filter [s]
 constexpr std::size_t fits_most = 64;
 
 const LocalizerOptions& checked_localizer(const LocalizerOptions& options) {
@@ -37,7 +37,7 @@ LocalizationGraph graph_of(const Team& team, const LocalizerOptions& options) {
   return LocalizationGraph(std::move(robots), options.cycles);
 }
 
-/// The filter that a robot needs among those it observes.
+/// The filter that a robot needs, given the bodies that it observes.
 FilterOptions filter_of(const LocalizedRobot& robot, const LocalizationGraph& graph) {
   FilterOptions filter = robot.filter;
   for (const BodyId other : robot.observes) {
@@ -52,10 +52,10 @@ FilterOptions filter_of(const LocalizedRobot& robot, const LocalizationGraph& gr
   return filter;
 }
 
-/// Of what a body broadcasts, for those that watch it.
+/// Broadcast options of a body for the robots that observe it.
 BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, const LocalizationGraph& graph) {
   BroadcastOptions broadcast = options.broadcast;
-  broadcast.sighting_rate = 1e-3;  // an error that lasts is no other one with each message
+  broadcast.sighting_rate = 1e-3;  // a lasting error is not independent between messages
   if (graph.tier(body.index) > 0) return broadcast;
   for (const LocalizedRobot& robot : options.robots)
     if (graph.uses(robot.robot.index, body.index))
@@ -63,14 +63,14 @@ BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, cons
   return broadcast;
 }
 
-/// The direction's error is one of place beside the target. With time come those of the velocity and the yaw rate, as if they had
-/// one direction.
+/// The direction error becomes a position error across the line of sight. It grows with the errors
+/// of velocity and yaw rate, as if these had one direction.
 ViewUncertainty uncertainty_of(const PoseEstimate& estimate, double bearing_sigma,
                                const Vec3<double>& target) {
-  constexpr double most = 2.0;  // [m], [m/s]: the target may be anywhere then
+  constexpr double most = 2.0;  // [m], [m/s]: the target's position is then unknown
   const double range = norm(target - estimate.p);
   const double growth = sqrt(square(estimate.velocity_sigma) + square(range * estimate.yaw_rate_sigma));
-  return {std::min(most, range * bearing_sigma), std::min(most, growth)};  // not finite: the most
+  return {std::min(most, range * bearing_sigma), std::min(most, growth)};  // `most`, also if not finite
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
               .nx = size(model.nx()),
               .filter = make_pose_filter(filter_of(what, graph_), what.mount)};
   robot.predicted.resize(robot.nx);
-  // What each velocity among the states is in G, heading 0.
+  // The direction in G of each velocity state, at heading 0.
   std::vector<double> x(robot.nx), u(size(model.nu()));
   model.at_rest({{}, {1.0, 0.0}}, x.data());
   const Vec3<double> still = model.sight(x.data(), u.data()).v;
@@ -140,14 +140,14 @@ void Localizer::set_presence(std::span<const Presence> presence) noexcept {
   for (std::size_t i = 0; i < std::min(presence.size(), presence_.size()); ++i) {
     const Presence was = std::exchange(presence_[i], presence[i]);
     if ((was == Presence::absent) == (presence[i] == Presence::absent)) continue;
-    tracks_[i].forget();  // one that comes again is elsewhere
+    tracks_[i].forget();  // a body that rejoins is elsewhere
     if (robot_of_[i] < 0) continue;
     forget(robots_[size(robot_of_[i])]);
     views_[size(robot_of_[i])].sighted = View::never;
   }
 }
 
-/// Nothing is known of a robot any more.
+/// Discards all knowledge of a robot.
 void Localizer::forget(Robot& robot) noexcept {
   robot.filter->forget();
   robot.counted = 0;
@@ -184,7 +184,7 @@ Measured Localizer::estimate(double t, const Measured& received) noexcept {
   return now;
 }
 
-/// Tells a robot's filter how it moved.
+/// Passes a motion sample to the robot's filter.
 void Localizer::move(const RobotMotion& motion) noexcept {
   const int place = robot_of_[at(motion.robot)];
   if (place < 0 || !is_usable(motion.motion)) return;
@@ -194,13 +194,13 @@ void Localizer::move(const RobotMotion& motion) noexcept {
   if (const auto compass = compass_of(motion.motion, robot.what.filter)) robot.filter->take(*compass);
 }
 
-/// A detection has arrived.
+/// Passes a detection to the robot's filter.
 void Localizer::look(Robot& robot, View& view, const Detection& detection) noexcept {
   const int target = detection.target.index;
   if (!graph_.uses(robot.what.robot.index, target) || robot.counted == 0) return;
   const auto pose = tracks_[at(target)].at(detection.stamp);
   if (!pose) return;
-  // Of the samples that are remembered, the one of the exposure.
+  // The stored motion sample at the time of exposure.
   const std::size_t first = robot.counted - std::min(robot.counted, robot.received.size());
   std::size_t sample = robot.counted - 1;
   while (sample > first && robot.received[sample % robot.received.size()].t > detection.stamp) --sample;
@@ -214,7 +214,7 @@ void Localizer::look(Robot& robot, View& view, const Detection& detection) noexc
   if (detection.stamp > view.sighted) view.sighted = detection.stamp, view.target = detection.target;
 }
 
-/// What a robot takes its state to be at t.
+/// Writes a robot's state at t from its filter.
 void Localizer::accept_measurement(Robot& robot, View& view, double t) noexcept {
   if (presence_[robot.body] == Presence::absent) return;
   const bool knew = estimates_[robot.body].known;
@@ -226,7 +226,7 @@ void Localizer::accept_measurement(Robot& robot, View& view, double t) noexcept 
   if (!estimate.known) {
     stamps_[robot.body] = -infinity;
     sigma_[robot.body] = infinity;
-    // In V its velocity is known anywhere.
+    // The velocity in V is known without a pose.
     for (std::size_t k = 0; robot.counted > 0 && k < robot.velocities.size(); ++k)
       x[robot.velocities[k]] =
           dot(robot.velocity_axes[k], robot.received[(robot.counted - 1) % robot.received.size()].v_V);

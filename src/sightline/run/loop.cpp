@@ -16,7 +16,7 @@
 namespace sightline {
 namespace {
 
-/// The horizon that gives the predicted paths their stages.
+/// The horizon that defines the stages of the predicted paths.
 const Horizon& longest_horizon(const Controllers& controllers) {
   const auto fewer = [](const Solver& a, const Solver& b) {
     return a.ocp().horizon().N < b.ocp().horizon().N;
@@ -34,7 +34,7 @@ const LoopOptions& checked(const LoopOptions& o, const Controllers& controllers)
   return o;
 }
 
-/// Presence where all bodies of a team are there.
+/// Presence if all bodies of a team are present.
 std::vector<Presence> everybody(const Team& team) {
   std::vector<Presence> presence;
   for (int i = 0; i < team.bodies(); ++i) {
@@ -127,7 +127,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
     options_.guard->set_connectivity(controllers[0].get().connectivity());
   check_steered();
   const Sample* item = sink.claim();
-  const bool has_room = item == nullptr || item->path_u.empty() ||  // or of each stage
+  const bool has_room = item == nullptr || item->path_u.empty() ||  // or room for each stage
                         item->path_u.size() * item->x.size() == item->path.size() * item->u.size();
   if (item == nullptr || !has_room || item->attitudes.size() != spare_.attitudes.size() ||
       item->x.size() != spare_.x.size() || item->path.size() != spare_.path.size() ||
@@ -141,7 +141,7 @@ Loop::Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Samp
   }
   events_.reserve(64 + 2 * u_.size() + 2 * controllers_.size() + spare_.events.size());
 
-  // Before any good command the robots hold their u*, within their limits.
+  // Until the first good command, robots hold their u*, within their limits.
   for (int i = 0; i < world.team().bodies(); ++i) gate_.rest(BodyId{i}, 0.0, u_);
   (void)gate_.pass(u_, {});
 }
@@ -231,11 +231,12 @@ LoopOutcome Loop::run() noexcept {
   return outcome_;
 }
 
-/// Room for the next sample; none where the sink has none. Where time stands still meanwhile, it waits for room, but neither for a
-/// sink that nobody empties nor past a request to stop: what flies does not depend on what records it.
+/// Claims room for the next sample; nullptr if the sink has none. In simulated time it waits for
+/// room, but neither for an abandoned sink nor after a stop request. The flight does not depend on
+/// the recorder.
 Sample* Loop::claim_slot() noexcept {
   constexpr timespec nap = {0, 100'000};
-  // Counted in naps, so that a process that was stopped does not take its pause for the log's.
+  // Counted in sleeps, so that a suspended process does not count its pause as a wait for the log.
   const auto naps_max = static_cast<std::int64_t>(options_.log_patience / 1e-4);
   Sample* slot = sink_.claim();
   for (std::int64_t naps = 0; slot == nullptr && clock_.waits_for_log() && !log_is_stuck_; ++naps) {
@@ -264,7 +265,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
     sample.path_time = t + lead_;
     for (std::size_t i = 0; i < sample.path_u.size(); ++i) sample.path_u[i] = gate_.applied()[i % u_.size()];
   }
-  std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // of those that nobody is asked for
+  std::copy(u_.begin(), u_.end(), sample.raw_u.begin());  // for robots without a controller
   const std::span<Controller> requested = controllers();
   for (std::size_t c = 0; c < requested.size(); ++c) {
     Controller& controller = requested[c];
@@ -305,7 +306,7 @@ void Loop::update(double t, const Measured& seen, Sample& sample) noexcept {
   outcome_.max_allocations = std::max(outcome_.max_allocations, allocations() - allocated_);
 }
 
-/// Makes of the inputs what is applied from t on, and remembers it.
+/// Passes the inputs through the gate, and records the command that is applied from t on.
 void Loop::pass_gate(double t) noexcept {
   const Command command =
       gate_.pass(u_, options_.compensation != nullptr ? added() : std::span<const double>{});
@@ -317,7 +318,7 @@ void Loop::pass_gate(double t) noexcept {
   if (options_.guard != nullptr) options_.guard->record(t, command);
 }
 
-/// Finds u* of robots where it follows from their references.
+/// Computes u* of robots whose u* follows from their references.
 void Loop::set_reference_inputs(Controller& controller, double t, const ValidStates& x) noexcept {
   const Team& team = controller.solver->ocp().team();
   for (std::size_t i = 0; i < controller.members.size(); ++i) {
@@ -329,7 +330,8 @@ void Loop::set_reference_inputs(Controller& controller, double t, const ValidSta
   }
 }
 
-/// An update; while a late one is at work, what the plan before it has for this time.
+/// Runs an update. While a late update is in progress, uses the previous plan's inputs for this
+/// time.
 Solution Loop::solve(Controller& controller, double t, const ValidStates& x) noexcept {
   Solver& solver = *controller.solver;
   Solution solution{.u = controller.plan, .raw_u = controller.plan, .x = {}};
@@ -375,7 +377,7 @@ std::span<Controller> Loop::controllers() noexcept {
   return {&*options_.team_switcher->present().controller, 1};
 }
 
-/// Robots that nobody steers brake.
+/// Lets robots without a solver brake, and counts their plans as new.
 void Loop::steer_uncontrolled(double t, const ValidStates& x, Sample& sample) noexcept {
   if (options_.team_switcher == nullptr) return;
   for (UncontrolledRobot& robot : options_.team_switcher->present().uncontrolled) {
@@ -385,7 +387,7 @@ void Loop::steer_uncontrolled(double t, const ValidStates& x, Sample& sample) no
   }
 }
 
-/// Lets the guard make of the controllers' inputs what is applied.
+/// Turns the controllers' inputs into the guard's command.
 void Loop::guard(double t, const ValidStates& x, Sample& sample) noexcept {
   for (std::size_t i = 0; i < plan_ages_.size(); ++i) plan_ages_[i] = t - planned_at_[i];
   options_.guard->fall_back(t, x, plan_ages_, added(), u_);
@@ -405,14 +407,14 @@ void Loop::command(int index, const Controller& controller, const Solution& solu
     if (m.limits == nullptr) continue;
     const std::span<double> held = std::span(u_).subspan(m.world_u, m.nu);
     const auto u_min = std::span(u_min_).first(m.nu), u_max = std::span(u_max_).first(m.nu);
-    m.limits->at(t + lead_, u_min, u_max);  // those that the solver has
+    m.limits->at(t + lead_, u_min, u_max);  // the solver's limits
     for (std::size_t i = 0; i < m.nu; ++i) {
       u_min[i] -= added()[m.world_u + i], u_max[i] -= added()[m.world_u + i];
     }
     bool good = solution.u.size() == nu;
     for (std::size_t i = 0; good && i < m.nu; ++i) {
       const double u = solution.u[m.ocp_u + i];
-      good = u >= u_min[i] && u <= u_max[i];  // false for what is not a number
+      good = u >= u_min[i] && u <= u_max[i];  // false for NaN
     }
     for (std::size_t i = 0; i < m.nu; ++i) {
       if (good) held[i] = solution.u[m.ocp_u + i];
@@ -433,7 +435,7 @@ void Loop::write_path(const Controller& controller, const Solution& solution, Sa
   const std::size_t N = size(horizon.N);
   const std::span<const double> planned = solution.x;
   if (planned.size() != (N + 1) * nx || !all_finite(planned)) return;
-  // Another controller's horizon may have other stages: on a line between them, held after the last.
+  // Another controller's horizon may have other stages: interpolate linearly, hold after the last.
   const double ratio = sample.path_step / horizon.h();
   for (std::size_t i = 0; i * world_nx < sample.path.size(); ++i) {
     const double at = std::min(static_cast<double>(i) * ratio, static_cast<double>(N));

@@ -1,4 +1,5 @@
-/// The control loop: measure, localize, estimate, solve, check, guard, pass the gate, apply; once per period.
+/// The control loop: once per period it measures, localizes, estimates, solves, checks, guards, passes
+/// the gate and applies.
 #pragma once
 
 #include <atomic>
@@ -24,75 +25,84 @@
 
 namespace sightline {
 
-/// Solvers of one loop, each with its own Ocp.
+/// The solvers of one loop, each with its own Ocp.
 using Controllers = std::vector<std::reference_wrapper<Solver>>;
 
 struct LoopOptions {
   double duration = 60.0;      ///< [s]; round(duration / period) periods
   double period = 0.01;        ///< [s], that of each controller's horizon
-  double path_interval = 0.1;  ///< time between two samples with a predicted path [s]; 0: none has one
-  /// Allocations of the calling thread so far, where they are counted.
+  double path_interval = 0.1;  ///< between two samples with a predicted path [s]; 0: no paths
+  /// Number of allocations of the calling thread so far; null: not counted.
   std::int64_t (*allocations)() noexcept = nullptr;
-  /// Ends the loop at the next period once it is true.
+  /// If true, the loop ends at the next period.
   const std::atomic<bool>* stop = nullptr;
-  /// Where the clock waits for the log: the longest wait for room in the sink, before samples are dropped instead [s].
+  /// Longest wait for room in the sink, if the clock waits for the log [s]. After that, samples are
+  /// dropped.
   double log_patience = 30.0;
-  /// Supervises, and keeps hard distances; of the world's team, for this loop alone. None: the last valid measurements are the
-  /// state estimate, and commands have no other check than the gate.
+  /// Supervisor, search and barrier. Must be built for the world's team; not shared between loops.
+  /// If null, the last valid measurements are the state estimate, and the gate alone checks
+  /// commands.
   Guard* guard = nullptr;
-  /// Says where robots are that are not told; of the world's team, for this loop alone. None: states are as measured.
+  /// Estimates the poses of robots without a position sensor. Must be built for the world's team;
+  /// not shared between loops. If null, states are as measured.
   Localizer* localizer = nullptr;
-  /// Of late commands and disturbances; of the world's team, for this loop alone. None: commands are reckoned to act at once.
+  /// Compensates command delays and disturbances. Must be built for the world's team; not shared
+  /// between loops. If null, commands are assumed to act at once.
   Compensation* compensation = nullptr;
-  std::vector<LatePlan> late_plans{};  ///< injected
-  /// Changes the team in flight; then its present solver is the only controller. None: the team stays.
+  std::vector<LatePlan> late_plans{};  ///< injected faults
+  /// Changes the team in flight; its present solver is then the only controller. If null, the team
+  /// stays.
   TeamSwitcher* team_switcher = nullptr;
-  std::vector<TimedSignal> signals{};  ///< sent to it
-  /// What a robot keeps from each body [m]: one that comes to be there nearer than that is told.
+  std::vector<TimedSignal> signals{};  ///< sent to the team switcher
+  /// Minimum distance to each body [m]; an event reports a body that joins closer.
   std::vector<double> d_hard{};
-  static constexpr double at_one_place = 0.01;  ///< of those that are missing [m]
+  static constexpr double at_one_place = 0.01;  ///< value of missing entries of d_hard [m]
 };
 
-/// What became of a run.
+/// The result of a run.
 struct LoopOutcome {
-  std::int64_t updates = 0;  ///< periods in which the controllers were asked
-  std::int64_t missed = 0;   ///< periods that were over before they could begin
-  std::int64_t dropped = 0;  ///< samples that found the sink full
-  std::int64_t refused = 0;  ///< commands of a robot that were replaced, of a controller or at the gate
-  std::int64_t max_allocations = 0;  ///< most in one update: state in to command out, and its triggers
-  bool finite = true;    ///< false: the world could not go on; a simulated one, where a state was not finite
+  std::int64_t updates = 0;  ///< periods in which the controllers were run
+  std::int64_t missed = 0;   ///< periods that ended before they could begin
+  std::int64_t dropped = 0;  ///< samples that found no room in the sink
+  std::int64_t refused = 0;  ///< commands of a robot that were replaced, after a controller or at the gate
+  std::int64_t max_allocations = 0;  ///< in one update: state in to command out, with its triggers
+  bool finite = true;    ///< false: the world could not go on; for a simulated world, a state was not finite
   bool stopped = false;  ///< ended by the stop flag
 };
 
-/// A sample with all its vectors sized for a loop: the prototype of its sink's items.
-/// @param team_switcher  of the loop, which changes the team
+/// A sample whose vectors are sized for a loop: the prototype of its sink's items.
+/// @param team_switcher  switcher of the loop, or null
 Sample sized_sample(const World& world, const Controllers& controllers,
                     const TeamSwitcher* team_switcher = nullptr);
-/// In a world of that team that measures states alone.
+/// The same for a world of that team that measures states alone.
 Sample sized_sample(const Team& team, const Controllers& controllers,
                     const TeamSwitcher* team_switcher = nullptr);
 
 /// Runs controllers in a world.
 ///
-/// Period k, at t = k period: what the world measures goes to each controller in turn; of a robot whose
-/// command is not finite or not within its limits the last good one is applied instead, and an event reports
-/// it; the sample goes into the sink, and the command to the world. Where a steady clock missed periods, the
-/// command before stayed in force. A localizer comes after the measurement, which the sample has as it was. A guard comes
-/// after the measurement and before the command. If an update is late, the plan before stays in force. Behind the guard all
-/// states are ValidStates, and the world takes a Command, which the gate alone makes: whatever is measured or planned, what
-/// is applied is finite and within the limits in force. Nothing in here allocates, locks, throws or prints.
+/// Period k, at t = k period: the loop measures the world and runs each controller in turn. If a
+/// robot's command is not finite or not within its limits, the last good one is applied and an
+/// event reports it. The sample goes into the sink, and the command to the world. If a steady clock
+/// missed periods, the previous command stayed in force. If an update misses its deadline, the
+/// previous plan stays in force.
+///
+/// The localizer runs after the measurement; the sample has the measurement unchanged. The guard
+/// runs after the measurement and before the command. After the guard all states are ValidStates,
+/// and the world takes a Command, which only the gate makes. Whatever is measured or planned, the
+/// applied input is finite and within the limits in force. The loop does not allocate, lock, throw
+/// or print.
 class Loop {
  public:
-  /// All of it must outlive the loop.
-  /// @throws std::invalid_argument unless each robot of the world is steered by exactly one controller and
-  /// all that a
-  ///         controller knows is there, of the same model, and the sink's items are of sized_sample()
+  /// All arguments must outlive the loop.
+  /// @throws std::invalid_argument unless each robot of the world is steered by exactly one
+  ///         controller, each body of a controller is in the world with the same model, and the
+  ///         sink's items are of sized_sample()
   Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
        const LoopOptions& options);
-  Loop(const Loop&) = delete;  // its controllers point into what it was made of
+  Loop(const Loop&) = delete;  // its controllers point into the arguments of the constructor
   Loop& operator=(const Loop&) = delete;
 
-  /// Runs to the end, once; closes the sink.
+  /// Runs all periods, once; closes the sink at the end.
   LoopOutcome run() noexcept;
 
  private:
@@ -130,25 +140,25 @@ class Loop {
   Clock& clock_;
   Sink<Sample>& sink_;
   LoopOptions options_;
-  std::vector<Controller> controllers_;               // of a team that stays
+  std::vector<Controller> controllers_;               // if the team does not change
   std::vector<Presence> presence_, presence_before_;  // of the world's bodies
-  ValidStates measured_, met_;                        // as measured or localized; as the commands meet them
+  ValidStates measured_, met_;                        // measured or localized; where the commands take effect
   const ValidStates* estimate_;                       // at the last update
-  double lead_;                                       // from a command to its effect, at most [s]
-  bool solvers_use_applied_ = false;                  // solvers are told what is applied
-  std::size_t signalled_ = 0;                         // signals sent
+  double lead_;                                       // longest time from a command to its effect [s]
+  bool solvers_use_applied_ = false;                  // solvers receive the applied inputs
+  std::size_t signalled_ = 0;                         // number of signals sent
   CommandGate gate_;
-  std::vector<double> u_;  // of the controllers and the guard, all robots of the world, without what is added
-  std::vector<double> none_;  // that is added without compensation
+  std::vector<double> u_;     // of the controllers and the guard, all robots of the world, without added()
+  std::vector<double> none_;  // added() without compensation: zero
   std::vector<double> u_min_, u_max_;
   std::vector<double> planned_at_, plan_ages_;     // of each body: time and age of its last good plan [s]
-  std::vector<double> ages_;                       // of what was measured of each body [s]
+  std::vector<double> ages_;                       // of each body's measurement [s]
   std::vector<double> plan_;                       // inputs of one stage of a plan
   std::vector<Event> events_;                      // not yet in a sample
-  Sample spare_;                                   // written where the sink is full
-  std::chrono::steady_clock::time_point began_{};  // the last measurement
-  std::int64_t allocated_ = 0;                     // before it
-  bool log_is_stuck_ = false;                      // it had no room for as long as log_patience
+  Sample spare_;                                   // written if the sink is full
+  std::chrono::steady_clock::time_point began_{};  // at the last measurement
+  std::int64_t allocated_ = 0;                     // before the last measurement
+  bool log_is_stuck_ = false;                      // no room in the sink for log_patience
   LoopOutcome outcome_;
 };
 

@@ -1,4 +1,5 @@
-// What the loop makes of a measurement, before anybody is asked for a plan.
+// The parts of the loop around an update: localization, application of commands, and samples
+// without an update.
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -8,7 +9,7 @@
 
 namespace sightline {
 
-/// Keeps in a sample what was told, and says where robots are that were not.
+/// Copies a measurement into the sample, and estimates the poses of localized robots.
 Measured Loop::localize(double t, const Measured& reported, Sample& sample) noexcept {
   allocated_ = allocations();
   began_ = std::chrono::steady_clock::now();
@@ -29,8 +30,8 @@ Measured Loop::localize(double t, const Measured& reported, Sample& sample) noex
   return seen;
 }
 
-/// The inputs are in force from t on. Where several periods pass and the world knows the truth, the sink gets the states at the
-/// end of each but the last, as far as it has room.
+/// Applies the inputs from t on. If several periods pass and the truth is known, the sink receives
+/// the states at the end of each but the last, as far as it has room.
 bool Loop::apply(double t, std::int64_t periods) noexcept {
   if (options_.localizer != nullptr) options_.localizer->apply(gate_.applied(), options_.period, periods);
   const bool shows = periods > 1 && outcome_.updates > 0 && !world_.truth().empty();
@@ -47,7 +48,7 @@ bool Loop::apply(double t, std::int64_t periods) noexcept {
   return true;
 }
 
-/// States without an update.
+/// Fills a sample without an update.
 void Loop::fill(Sample& sample, double t, std::span<const double> x, bool is_truth) const noexcept {
   sample.of = Sample::Of::states;
   sample.time = t;
@@ -63,7 +64,8 @@ void Loop::fill(Sample& sample, double t, std::span<const double> x, bool is_tru
   std::copy(levels.begin(), levels.end(), sample.levels.begin());
 }
 
-/// Hands over the states after the last command, true ones or else as measured, with the events that no sample has.
+/// Publishes the states after the last command, true or else measured, with the events that are in
+/// no sample yet.
 void Loop::show_end(double t) noexcept {
   std::span<const double> x = world_.truth();
   const bool is_truth = !x.empty();
@@ -80,8 +82,8 @@ void Loop::show_end(double t) noexcept {
   sink_.publish();
 }
 
-/// Hands events over with a sample; what does not fit waits for the next one. What changes the team never waits: its sample is the
-/// first of the new team.
+/// Moves events into a sample; those that do not fit wait for the next one. Events that change the
+/// team go first: their sample is the first of the new team.
 void Loop::move_events(Sample& sample) noexcept {
   for (std::size_t first = 0, k = 0; events_.size() > sample.events.size() && k < events_.size(); ++k) {
     if (events_[k].kind == EventKind::event_in_force) std::swap(events_[first++], events_[k]);
@@ -92,7 +94,7 @@ void Loop::move_events(Sample& sample) noexcept {
   events_.erase(events_.begin(), events_.begin() + fit);
 }
 
-/// The states that the commands of t meet, predicted from the estimate of t.
+/// The states at which the commands of t take effect, predicted from the estimate of t.
 const ValidStates& Loop::compensate(double t) noexcept {
   if (options_.compensation == nullptr) return *estimate_;
   for (int i = 0; i < world_.team().bodies(); ++i) {
@@ -103,12 +105,12 @@ const ValidStates& Loop::compensate(double t) noexcept {
   return met_.take(options_.compensation->ahead(t, *estimate_), *estimate_);
 }
 
-/// What is added to the inputs of all robots.
+/// Offset to the inputs of all robots.
 std::span<const double> Loop::added() const noexcept {
   return options_.compensation != nullptr ? options_.compensation->added() : std::span<const double>(none_);
 }
 
-/// What that makes bodies lean.
+/// Tilt of each body due to added().
 std::span<const Vec2<double>> Loop::added_lean() const noexcept {
   if (options_.compensation == nullptr) return {};
   return options_.compensation->lean();

@@ -1,4 +1,4 @@
-// What the loop does where its team changes.
+// The parts of the loop that change its team.
 #include <algorithm>
 
 #include "sightline/base/index.hpp"
@@ -7,7 +7,8 @@
 
 namespace sightline {
 
-/// Signals, and a change that was asked for a period ago. @return whether the team is another one now
+/// Sends signals, and applies a change that was requested a period ago. @return whether the team
+/// has changed
 bool Loop::change_team(std::int64_t k, double t) noexcept {
   TeamSwitcher& team_switcher = *options_.team_switcher;
   for (; signalled_ < options_.signals.size() && options_.signals[signalled_].at <= t + same_time;
@@ -21,7 +22,7 @@ bool Loop::change_team(std::int64_t k, double t) noexcept {
   return true;
 }
 
-/// Who is there, whom they feel and what limits them, as the team_switcher has it now.
+/// Takes presence, surroundings and limits from the team switcher.
 void Loop::follow_team() noexcept {
   const Membership& now = options_.team_switcher->present().membership;
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
@@ -31,8 +32,9 @@ void Loop::follow_team() noexcept {
   if (options_.localizer != nullptr) options_.localizer->set_presence(presence_);
 }
 
-/// What comes with a team once it is measured: times of plans, the guard, which knows of those that come what is known, and
-/// who is too near, by the truth x.
+/// Updates plan times, compensation and guard for a new team, once the world is measured.
+/// @param x  states for the distance check: true, or else measured (nx)
+/// @param known  states that the guard takes for the bodies that join (nx)
 void Loop::follow_guard(double t, std::span<const double> x, std::span<const double> known) noexcept {
   const Team& team = world_.team();
   for (int i = 0; i < team.bodies(); ++i) {
@@ -48,7 +50,7 @@ void Loop::follow_guard(double t, std::span<const double> x, std::span<const dou
     options_.guard->follow(options_.team_switcher->present().membership, t, known);
 }
 
-/// Tells where a body comes to be there nearer to another than it may.
+/// Reports a body that joins closer to another than its minimum distance.
 void Loop::on_join(BodyId body, double t, std::span<const double> x) noexcept {
   const Team& team = world_.team();
   const auto place = [&](BodyId of) {

@@ -1,32 +1,32 @@
-/// For how long a solver left its robots without a plan.
+/// The longest time for which a solver gave its robots no plan.
 #pragma once
 
 #include "sightline/run/sample.hpp"
 
 namespace sightline {
 
-/// A stretch of updates without a plan.
+/// A sequence of updates without a plan.
 struct PlanGap {
-  double longest = 0.0;  ///< [s]; 0: there was none
-  double from = 0.0;     ///< its begin [s]
-  Status status{};       ///< of its first update
+  double longest = 0.0;  ///< duration [s]; 0: none
+  double from = 0.0;     ///< start [s]
+  Status status{};       ///< of the first update
 };
 
-/// Follows the records of one controller. The time in which the last plan was used counts from the first update
-/// without a plan to the next with one. The solver's own failures count from its first one: an update that is late
-/// by an injected fault, and the time before all bodies were measured, are not among them.
+/// Evaluates the records of one controller. A gap lasts from the first update without a plan to the
+/// next update with one. For failed(), a gap begins at the solver's first own failure. Updates that
+/// an injected fault delays, and the time before all bodies were measured, do not count.
 class PlanGaps {
  public:
-  /// @param period  that the record stands for [s]
+  /// @param period  duration that the record covers [s]
   void add(double time, double period, const SolverRecord& record) noexcept {
     const bool planned = record.answered && gives_plan(record.status);
     follow(any_, open_any_, !planned, planned, time, period, record.status);
     follow(failed_, open_failed_, record.answered && !planned, planned, time, period, record.status);
   }
 
-  /// Whatever the reason.
+  /// Longest gap of any cause.
   const PlanGap& any() const noexcept { return any_; }
-  /// From an update that the solver was asked for and failed.
+  /// Longest gap that began with a failed update of the solver.
   const PlanGap& failed() const noexcept { return failed_; }
 
  private:

@@ -35,7 +35,7 @@ std::string Realtime::sentence() const {
 
 Realtime become_realtime(int priority) {
   Realtime got;
-  // A lock that does not fit fails later allocations: only where there is no limit.
+  // With a limit on locked memory, later allocations could fail: lock only without one.
   rlimit limit{};
   const bool unlimited = ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
   got.locked = (unlimited || ::geteuid() == 0) && ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0;

@@ -1,5 +1,4 @@
-/// Where a producer leaves its items, and a ring of preallocated ones between one producer, which is never held
-/// up, and one consumer.
+/// A sink for a producer's items, and a lock-free ring buffer for one producer and one consumer.
 #pragma once
 
 #include <time.h>
@@ -12,41 +11,42 @@
 
 namespace sightline {
 
-/// Takes a producer's items one at a time, in its thread; allocates nothing.
+/// Takes a producer's items one at a time, in the producer's thread; allocates nothing.
 template <class T>
 class Sink {
  public:
   virtual ~Sink() = default;
 
-  /// The next item to write, or nullptr where there is no room for one now.
+  /// The next item to write, or nullptr if there is no room.
   virtual T* claim() noexcept = 0;
-  /// Whether it takes items between the regular ones.
+  /// Whether the sink takes items between the regular ones.
   virtual bool takes_between() const noexcept { return false; }
   /// As claim(), for an item between the regular ones.
   virtual T* claim_between() noexcept { return nullptr; }
   /// Takes over the claimed item.
   virtual void publish() noexcept = 0;
-  /// An item that found no room: whoever acts on items or shows them acts on this one, too. It is not kept.
+  /// Receives an item that found no room. A sink that acts on items or displays them acts on this
+  /// item, too. It does not keep the item.
   virtual void drop(const T&) noexcept {}
-  /// Nothing comes after what was published.
+  /// Ends the stream: no item follows.
   virtual void close() noexcept = 0;
-  /// Whether nobody takes items any more: claim() then never has room again.
+  /// Whether the consumer has stopped: claim() then never has room again.
   virtual bool is_abandoned() const noexcept { return false; }
 };
 
-/// Items are made once, as copies of a prototype, and written and read where they are. No locks: the producer
-/// does not even wake the consumer, which looks every now and then.
+/// Items are made once, as copies of a prototype, and are written and read in place. There are no
+/// locks. The producer never waits and does not wake the consumer, which polls.
 template <class T>
 class SpscQueue final : public Sink<T> {
  public:
   /// @param capacity  items that can wait, >= 1
-  /// @param between   of them at most when one between the regular items is claimed; 0: takes none of these
+  /// @param between  claim_between() requires fewer waiting items than this; 0: it never has room
   SpscQueue(std::size_t capacity, const T& prototype, std::size_t between = 0)
       : items_(capacity, prototype), between_(between) {
     assert(capacity > 0 && "a ring holds something");
   }
 
-  /// Producer: the next item to write, or nullptr where all wait to be read.
+  /// Producer: the next item to write, or nullptr if the ring is full.
   T* claim() noexcept override {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) == items_.size()) return nullptr;
@@ -58,30 +58,30 @@ class SpscQueue final : public Sink<T> {
         written_.load(std::memory_order_relaxed) - read_.load(std::memory_order_acquire);
     return waiting < between_ ? claim() : nullptr;
   }
-  /// Producer: hands over the claimed item.
+  /// Producer: publishes the claimed item.
   void publish() noexcept override {
     written_.store(written_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
-  /// Producer: nothing comes after what was published.
+  /// Producer: ends the stream.
   void close() noexcept override { closed_.store(true, std::memory_order_release); }
   bool is_abandoned() const noexcept override { return abandoned_.load(std::memory_order_acquire); }
 
-  /// Consumer: the oldest item, or nullptr where none waits.
+  /// Consumer: the oldest item, or nullptr if the ring is empty.
   const T* front() const noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (written_.load(std::memory_order_acquire) == read) return nullptr;
     return &items_[read % items_.size()];
   }
-  /// Consumer: done with the item at the front.
+  /// Consumer: releases the item at the front.
   void pop() noexcept { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
-  /// Consumer, or who should have been: no item is taken any more.
+  /// Consumer, or its owner if it never started: stops taking items.
   void abandon() noexcept { abandoned_.store(true, std::memory_order_release); }
-  /// Consumer: the oldest item, as soon as there is one; nullptr when the ring is closed and empty.
+  /// Consumer: waits for the oldest item; nullptr if the ring is closed and empty.
   const T* wait() const noexcept {
-    // Each nap costs some 10 us: the longer it waits, the longer they are, from 0.2 ms.
+    // Each sleep costs about 10 us, so the sleeps grow with the wait, from 0.2 ms.
     constexpr long longest = 3'200'000;  // [ns]
     for (timespec nap = {0, 200'000};; nap.tv_nsec = std::min(longest, 2 * nap.tv_nsec)) {
-      const bool last = closed_.load(std::memory_order_acquire);  // before the look at the front
+      const bool last = closed_.load(std::memory_order_acquire);  // must precede front()
       if (const T* item = front()) return item;
       if (last) return nullptr;
       ::nanosleep(&nap, nullptr);
@@ -93,7 +93,7 @@ class SpscQueue final : public Sink<T> {
  private:
   std::vector<T> items_;
   std::size_t between_;
-  // Counts of all items ever, each on a cache line of its own.
+  // Total counts of items, each on its own cache line.
   alignas(64) std::atomic<std::size_t> written_{0};
   alignas(64) std::atomic<std::size_t> read_{0};
   std::atomic<bool> closed_{false}, abandoned_{false};

@@ -47,7 +47,7 @@ SteadyState settle(const Model& model, std::vector<double> x, std::span<const do
 
 double top_speed(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
   constexpr double step = 0.02, time = 60.0;  // [s]
-  constexpr double still_grows = 1e-3;        // of a speed, within the last half of the time
+  constexpr double still_grows = 1e-3;        // relative growth of a speed within the last half of the time
   constexpr std::size_t inputs_max = 8;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const std::size_t nu = u_min.size();

@@ -97,13 +97,13 @@ bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> 
   next_.controller->status = present_.controller->status;
   std::swap(present_, next_);
   settles_at_ = next_settles_at_;
-  // Its memory comes to this core outside of the update.
+  // Brings the solver's memory into this core's cache outside of the update.
   present_.controller->gather(world_, x, u);
   (void)present_.solver->kkt(t, present_.controller->states);
   return true;
 }
 
-/// What became of an event that was asked for; where one that repeats is ignored, once.
+/// Reports the outcome of a requested event; for an ignored event that repeats, only once.
 void TeamSwitcher::report_of(double t, std::size_t event) noexcept {
   const bool refused = std::find(refused_.begin(), refused_.end(), event) != refused_.end();
   if (refused && event >= script_.events.size()) {
@@ -115,7 +115,8 @@ void TeamSwitcher::report_of(double t, std::size_t event) noexcept {
   tell(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
 }
 
-/// Whether the next of the tuned events happens now. It has a period of its own, so that two changes of one thing never come at one time.
+/// Whether the next tuned event occurs now. It has a period of its own, so that two changes of one
+/// object never coincide.
 bool TeamSwitcher::takes_tuned(double t) noexcept {
   if (tuned_ == nullptr || taken_ == tuned_->size()) return false;
   tuned_->occur(taken_++, t);
@@ -164,9 +165,9 @@ void TeamSwitcher::work() noexcept {
 }
 
 void TeamSwitcher::prepare() noexcept {
-  next_ = {};  // what left
+  next_ = {};  // frees the previous solver
   refused_.clear();
-  // No memory, a team that no solver takes: the team stays as it was before the event that asks for it.
+  // Without memory, or if no solver takes the team, the team stays as before the event.
   const auto can_be = [&](std::span<const std::size_t> events) {
     try {
       make_next(events);
@@ -182,12 +183,13 @@ void TeamSwitcher::prepare() noexcept {
   }
 }
 
-/// Makes the team that these events lead to, without those that cannot be. Where it throws, nothing has changed.
+/// Makes the team that these events lead to, without rejected events. If it throws, nothing has
+/// changed.
 void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   const double t = request_.t + period_;
   ActiveTeam active_team = active_team_;
   std::vector<std::size_t> refused;
-  bool changes = events.empty();  // weights that came to rest
+  bool changes = events.empty();  // ramped weights have reached their final values
   for (const std::size_t event : events) {
     ActiveTeam trial = active_team;
     const TeamEvent& what = *flown_event(script_, tuned_.get(), event);
@@ -217,7 +219,7 @@ void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   refused_.insert(refused_.end(), refused.begin(), refused.end());
 }
 
-/// Robots of both teams go on with their plan, others begin at u*.
+/// Robots of both teams continue their plan; others start at u*.
 void TeamSwitcher::give_plan(TeamPlanner& planner) const {
   const Team& team = planner.ocp().team();
   std::vector<double> u_ref(size(team.nu()));

@@ -1,15 +1,17 @@
-/// Teams that follow one another in flight: the next team's solver is made and converged on a thread of its own, and
-/// takes over one period after the event that asks for it.
+/// Changes of the team in flight: a thread of its own prepares the next solver.
 ///
-///   period k      the loop's update; then look(): an event happens, the thread is told
-///   meanwhile     the thread changes the roster, makes the Team, its Ocp and solver, gives it the plan of the
-///                 robots that both teams have, and takes up to 30 steps on the state predicted for period k + 1.
-///                 Where any of it fails, nothing was changed; of several events each is then tried by itself
-///   period k + 1  swap(): pointers change hands; the solver that leaves goes back to the thread, which frees it
+/// The next solver takes over one period after the event that requests it.
 ///
-/// In simulated time the loop waits for the thread, so that a run is the same whatever the threads do; a steady
-/// clock goes on under the team there is until the next is ready, and tells it. In the control path nothing
-/// allocates, locks or throws.
+///   period k      the loop's update; then look(): an event fires, the thread gets a request
+///   meanwhile     the thread changes the membership, makes the Team, its Ocp and solver, transfers
+///                 the plan of the robots in both teams, and takes up to 30 steps on the state
+///                 predicted for period k + 1.  If any of it fails, nothing has changed; of several
+///                 events each is then tried alone
+///   period k + 1  swap(): exchanges pointers; the thread receives the previous solver and frees it
+///
+/// In simulated time the loop waits for the thread, so that a run does not depend on thread timing.
+/// With a steady clock the present team continues until the next is ready, and an event reports the
+/// delay. The control path does not allocate, lock or throw.
 #pragma once
 
 #include <atomic>
@@ -30,10 +32,10 @@
 
 namespace sightline {
 
-/// Who steers, who is not controlled, who is there.
+/// The solver, the robots without a solver, and the membership of one team.
 struct Phase {
   std::unique_ptr<Solver> solver;
-  TeamPlanner* planner = nullptr;  // of the solver
+  TeamPlanner* planner = nullptr;  // part of the solver
   std::optional<Controller> controller;
   std::vector<UncontrolledRobot> uncontrolled{};
   Membership membership{};
@@ -41,49 +43,50 @@ struct Phase {
 
 class TeamSwitcher {
  public:
-  /// @param make  of teams of this horizon; called on the thread
-  /// @param tuned  events that come in flight, one a period; none: none do
-  /// @throws std::invalid_argument for a script that has faults_of(), the first of them, and where the solver that is made
-  /// is no TeamPlanner; std::system_error where the machine has no thread
+  /// @param make  makes solvers for teams of this horizon; called on the thread
+  /// @param tuned  events that arrive in flight, one a period; null: none
+  /// @throws std::invalid_argument for the first fault that faults_of() finds in the script, and if
+  ///         the solver is no TeamPlanner; std::system_error if the machine provides no thread
   TeamSwitcher(ActiveTeam start, const Script& script, MakeSolver make,
                std::shared_ptr<TunedScript> tuned = {});
   ~TeamSwitcher();
   TeamSwitcher(const TeamSwitcher&) = delete;
   TeamSwitcher& operator=(const TeamSwitcher&) = delete;
 
-  /// Whether a next team was asked for and has neither taken over nor been refused.
+  /// Whether a requested team has neither taken over nor been refused.
   bool pending() const noexcept { return pending_; }
-  /// Of the team there is now. The loop takes the first one from here.
+  /// The present phase. The loop takes the first one from here.
   Phase& present() noexcept { return present_; }
   const Phase& present() const noexcept { return present_; }
-  /// Every body there will ever be.
+  /// All bodies that are ever present.
   const Team& world() const noexcept { return world_; }
 
-  /// Before the first period: where bodies stand that come to be there (nx of the world).
+  /// Sets, before the first period, the start states of bodies that join later (nx of the world).
   void set_start(std::span<const double> x) { start_.assign(x.begin(), x.end()); }
-  /// Most events() that can wait at one time.
+  /// Greatest number of events() that can wait.
   std::size_t events_max() const noexcept { return reported_.capacity(); }
 
-  /// Any thread: hands over an event's signal. @return whether the script has one of that name
+  /// Any thread: passes on an event's signal. @return whether the script has a signal of that name
   bool signal(std::string_view name) noexcept { return monitor_.signal(name); }
 
-  // The control thread, each period.
+  // Called on the control thread, each period.
 
-  /// Whether no change is being made.
+  /// Whether no change is being prepared.
   bool is_ready() const noexcept { return hand_.load(std::memory_order_acquire) == Hand::control; }
-  /// Lets the pending change take place if it is ready, or once it is.
-  /// @param x  states of the world now, that the new solver's memory is warmed with
-  /// @return whether the team is another one now
+  /// Applies the pending change if it is ready; waits for it if `wait`.
+  /// @param x  present states of the world, which bring the new solver's memory into the cache
+  /// @return whether the team has changed
   bool swap(double t, const ValidStates& x, std::span<const double> u, bool wait) noexcept;
-  /// After the update at t, whose plan the next solver goes on from: asks for what happens now.
-  /// @param ages  of what is known of each body [s]; empty: all is new
+  /// Evaluates triggers after the update at t, and requests the changes. The next solver continues
+  /// from this update's plan.
+  /// @param ages  age of the knowledge of each body [s]; empty: all is new
   void look(double t, const ValidStates& x, std::span<const double> u, std::span<const double> ages) noexcept;
-  /// Since the last call of either; what happened, what took effect.
+  /// Events that occurred or took effect since clear_events().
   std::span<const Event> events() const noexcept { return reported_; }
   void clear_events() noexcept { reported_.clear(); }
 
  private:
-  enum class Hand { control, thread };  // whose the request and the next phase are
+  enum class Hand { control, thread };  // owner of the request and the next phase
 
   struct Request {
     double t = 0.0;
@@ -109,21 +112,21 @@ class TeamSwitcher {
   EventMonitor monitor_;
   MakeSolver make_;
   std::shared_ptr<TunedScript> tuned_;
-  std::size_t taken_ = 0;  // of the tuned events
+  std::size_t taken_ = 0;  // number of tuned events taken
   double period_ = 0.0;
   Phase present_;
   bool pending_ = false;
-  double settles_at_;          // when the weights come to rest that move now [s]
-  std::vector<char> ignored_;  // [event]: told already
+  double settles_at_;          // when weights that change now reach their final value [s]
+  std::vector<char> ignored_;  // [event]: already reported
   std::vector<Event> reported_;
 
-  // Handed to and fro.
+  // Passed between the two threads; hand_ names the owner.
   std::atomic<Hand> hand_{Hand::control};
   std::atomic<bool> stop_{false};
   ActiveTeam active_team_;
   Request request_;
   std::vector<std::size_t> refused_;  // events
-  Phase next_;                        // no solver: the team stays
+  Phase next_;                        // without a solver: the team stays
   double next_settles_at_;
   ServiceThread thread_{"the change of teams"};
 };

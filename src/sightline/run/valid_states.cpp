@@ -47,7 +47,7 @@ const ValidStates& ValidStates::take(std::span<const double> x, const ValidState
 
 bool ValidStates::admits(const Body& body, std::span<const double> x) noexcept {
   if (!std::all_of(x.begin(), x.end(), [](double v) { return std::abs(v) <= largest; }))
-    return false;  // NaN too
+    return false;  // also for NaN
   std::copy(x.begin(), x.end(), scratch_.begin());
   return body.model.normalise(scratch_.data());
 }

@@ -1,4 +1,4 @@
-/// States that everything behind a measurement can compute with.
+/// Measured states that are always finite and bounded.
 #pragma once
 
 #include <cstddef>
@@ -11,29 +11,31 @@
 
 namespace sightline {
 
-/// States of all bodies (nx), each with the time of its measurement. At any time all are numbers of at most `largest`, and a
-/// heading has a length: take() is the only way in, and leaves a body that is measured otherwise as it was.
+/// States of all bodies (nx), each with the time of its measurement. All numbers are at most
+/// `largest`, and headings have a length. Only take() changes them; it leaves a body with an
+/// invalid measurement unchanged.
 class ValidStates {
  public:
-  /// Beyond, no quantity in SI units is that of a robot, and its square may overflow.
+  /// A greater value is no physical quantity of a robot in SI units, and its square may overflow.
   static constexpr double largest = 1e9;
 
-  /// @param start  states of all bodies (nx) until the first valid measurement; of a body where it is not valid itself, at rest
-  ///               in the origin
+  /// @param start  states of all bodies (nx) until the first valid measurement; an invalid one is
+  ///               replaced by rest at the origin
   ValidStates(const Team& team, std::span<const double> start);
 
-  /// States x (nx) and times [s] of a measurement. The time of a body that is not valid stays that of its last valid one, minus
-  /// infinity before there was one.
+  /// Takes states x (nx) and times [s] of a measurement. An invalid body keeps the time of its last
+  /// valid measurement, minus infinity before the first.
   const ValidStates& take(std::span<const double> x, std::span<const double> stamps) noexcept;
 
-  /// States x (nx) that follow from `of`, such as those at a later time: a body is valid where it is in both.
+  /// Takes states x (nx) that follow from `of`, such as predicted ones. A body is valid if it is
+  /// valid in both.
   const ValidStates& take(std::span<const double> x, const ValidStates& of) noexcept;
 
   operator std::span<const double>() const noexcept { return x_; }
   std::size_t size() const noexcept { return x_.size(); }
   double operator[](std::size_t i) const noexcept { return x_[i]; }
   std::span<const double> stamps() const noexcept { return stamps_; }
-  /// Whether the last take() had valid states of the body.
+  /// Whether the last take() had a valid state of the body.
   bool is_valid(BodyId body) const noexcept { return valid_[at(body)] != 0; }
 
  private:

@@ -16,8 +16,8 @@
 namespace sightline {
 namespace {
 
-constexpr double finite_step = 1e-4;  // [s] and of inputs
-constexpr double rounding = 1e-6;     // what is smaller is none
+constexpr double finite_step = 1e-4;  // [s], and of inputs
+constexpr double rounding = 1e-6;     // smaller values count as zero
 
 using Inputs = std::array<double, most_inputs>;
 
@@ -30,7 +30,7 @@ Vec3<double> velocity(const Model& model, const Motion& at) {
   return model.sight(at.x.data(), at.u.data()).v;
 }
 
-/// Rate of the velocity while the inputs are held.
+/// Derivative of the velocity under constant inputs [m/s^2].
 Vec3<double> acceleration(const Model& model, const Motion& at) {
   Motion later = at;
   std::vector<double> rate(at.x.size());
@@ -39,7 +39,7 @@ Vec3<double> acceleration(const Model& model, const Motion& at) {
   return (1.0 / finite_step) * (velocity(model, later) - velocity(model, at));
 }
 
-/// How fast the heading turns while the inputs are held [rad/s].
+/// Turn rate of the heading under constant inputs [rad/s].
 double turning(const Model& model, const Motion& at) {
   Motion later = at;
   std::vector<double> rate(at.x.size());
@@ -50,7 +50,8 @@ double turning(const Model& model, const Motion& at) {
   return (d.x * then.y - d.y * then.x) / finite_step;
 }
 
-/// Columns of the horizontal acceleration, and of the vertical velocity and acceleration, over the inputs.
+/// Derivatives of the horizontal acceleration, and of the vertical velocity and acceleration, by
+/// the inputs.
 struct Columns {
   std::array<Vec2<double>, most_inputs> thrust{};
   std::array<double, most_inputs> climb{}, climb_later{};
@@ -73,11 +74,11 @@ Columns columns(const Model& model, const Motion& at) {
   return c;
 }
 
-/// What the thrusts can do besides making up for `other`, by the least commands s_i . a, where s_i are the rows of
-/// the pseudo-inverse.
+/// What remains of the thrusts after they compensate `other`, by the smallest commands s_i . a; s_i
+/// are the rows of the pseudo-inverse.
 struct Strength {
-  double disc = 0.0;  ///< radius in which every acceleration can be had [m/s^2]
-  double part = 0.0;  ///< of each command that is free
+  double disc = 0.0;  ///< radius of attainable accelerations [m/s^2]
+  double part = 0.0;  ///< free part of each command, in [0, 1]
 };
 
 Strength strength(const Columns& c, const Vec2<double>& other, std::span<const double> u_min,
@@ -99,13 +100,13 @@ Strength strength(const Columns& c, const Vec2<double>& other, std::span<const d
   return {std::max(least.disc, 0.0), std::max(least.part, 0.0)};
 }
 
-/// A state reached from rest in some heading under commands of all kinds, and the thrusts there.
+/// A state reached from rest in some heading under diverse commands, and the thrusts there.
 struct Place {
   Vec2<double> v, drift, heading;
-  double climb = 0.0, brake = 0.0;  // vertical speed, and its rate without commands
-  double turn = 0.0;                // rate of the heading without commands
+  double climb = 0.0, brake = 0.0;  // vertical speed [m/s], and its derivative without commands [m/s^2]
+  double turn = 0.0;                // turn rate without commands [rad/s]
   Columns columns;
-  Vec2<double> push{};  // of all inputs together, those that turn it among them [m/s^2]
+  Vec2<double> push{};  // of all inputs together, including those that turn the push [m/s^2]
   double rise = 0.0;    // of all inputs together [m/s]
 };
 
@@ -129,7 +130,7 @@ std::vector<Place> places(const Model& model, std::span<const double> u_min, std
                  at.x, pace, {rows});
         if (!model.normalise(at.x.data())) break;
       }
-      // The inputs that do not push at rest, such as yaw, are not counted on.
+      // Inputs that do not push at rest, such as yaw, do not count.
       Columns here = columns(model, at);
       Vec2<double> push;
       double rise = 0.0;
@@ -154,10 +155,11 @@ Vec2<double> in_frame(const Place& place, std::size_t k, bool turns) {
   return turns ? rotate(back, place.columns.thrust[k]) : place.columns.thrust[k];
 }
 
-/// The thrusts in V, or else in G, where they are the same at all places; none where they are in neither.
+/// Writes the thrusts in V, or else in G, if they are equal at all places; writes none if they are
+/// constant in neither.
 void add_thrusts(const std::vector<Place>& all, double part, std::span<const double> u_min,
                  std::span<const double> u_max, Authority& authority) {
-  constexpr double same = 1e-3;  // of a thrust
+  constexpr double same = 1e-3;  // relative to a thrust
   for (const bool turns : {true, false}) {
     const bool fixed = std::all_of(all.begin(), all.end(), [&](const Place& place) {
       for (std::size_t k = 0; k < u_min.size(); ++k) {
@@ -178,10 +180,10 @@ void add_thrusts(const std::vector<Place>& all, double part, std::span<const dou
   }
 }
 
-/// tau of a vertical speed that follows its commands by one lag; 0 where they follow at once.
-/// @throws std::invalid_argument where they follow in another way
+/// tau of a vertical speed that follows its commands with one lag; 0 if it follows at once [s].
+/// @throws std::invalid_argument if it follows in another way
 double climb_lag_of(const Model& model, const std::vector<Place>& all) {
-  constexpr double fast = 1e-2, same = 1e-3;  // [m/s]; of the lag
+  constexpr double fast = 1e-2, same = 1e-3;  // [m/s]; relative to the lag
   const auto late = [](const Place& place) { return place.columns.climbs_late; };
   if (std::none_of(all.begin(), all.end(), late)) return 0.0;
   double lag = 0.0;
@@ -204,7 +206,7 @@ double climb_lag_of(const Model& model, const std::vector<Place>& all) {
 }  // namespace
 
 double Authority::part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
-  constexpr double least = 0.05;  // of plans that go somewhere
+  constexpr double least = 0.05;  // below this, plans hardly move
   double left = 1.0;
   for (std::size_t k = 0; k < u_min.size(); ++k) {
     if (reach[k] > 0) left = std::min(left, std::min(u_max[k], -u_min[k]) / reach[k]);
@@ -213,7 +215,7 @@ double Authority::part(std::span<const double> u_min, std::span<const double> u_
 }
 
 bool moves_alike(const Authority& a, const Authority& b) noexcept {
-  constexpr double fitted_to = 1e-6;  // relative, of drag and lag
+  constexpr double fitted_to = 1e-6;  // relative, for drag and lag
   const auto same = [](double x, double y) { return std::abs(x - y) <= fitted_to * (1 + std::abs(x)); };
   return a.turns == b.turns && a.climbs == b.climbs && a.thrust_count == b.thrust_count &&
          same(a.drag, b.drag) && same(a.climb_lag, b.climb_lag);
@@ -243,7 +245,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   }
   authority.drag = speed > rounding ? std::max(along / speed, 0.0) : 0.0;
   Strength all_have = {infinity, 1.0};
-  double at_rest = 0.0;  // of the disc, at the first place
+  double at_rest = 0.0;  // radius of the disc at the first place [m/s^2]
   for (const Place& place : all) {
     const double c = authority.drag;
     const Vec2<double> other = {-c * place.v.x - place.drift.x, -c * place.v.y - place.drift.y};
@@ -260,7 +262,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0 || resting.climb_later[k] != 0)
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
-  // Where the heading goes on turning, no corner of the thrusts stays where it is; the disc does.
+  // If the heading continues to turn, the corners of the thrusts turn with it; the disc does not.
   const auto turns_on = [](const Place& place) { return std::abs(place.turn) > rounding; };
   const bool turns = std::any_of(all.begin(), all.end(), turns_on);
   if (!(authority.acceleration > rounding) && turns && at_rest > rounding) {

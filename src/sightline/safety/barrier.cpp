@@ -15,9 +15,9 @@
 namespace sightline {
 namespace {
 
-constexpr double kept = 1e-9;        // [m] a row missed by less is kept
+constexpr double kept = 1e-9;        // [m] a row counts as kept if missed by less
 constexpr double least_ample = 0.3;  // [m]
-constexpr double corrected = 1e-5;   // [m] what the linearised step may miss the true one by
+constexpr double corrected = 1e-5;   // [m] tolerance of the linearised step
 
 void require(bool good, std::string_view name, double value, std::string_view expected) {
   if (!good) throw std::invalid_argument(fmt::format("barrier: {} = {}, expected {}", name, value, expected));
@@ -66,7 +66,7 @@ Barrier::Barrier(const Model& model, const Authority& can, double dt, const Barr
       maneuvers_(can_.drag, can_.climbs ? can_.climb : 0.0) {
   options_.floor += options_.wall_margin;
   options_.ceiling -= options_.wall_margin;
-  // A period may begin and end within the bounds, and go beyond them between.
+  // A period may begin and end within the bounds, and exceed them in between.
   options_.world -= options_.wall_margin + 0.15 * can_.push * square(dt_ / parts_);
   Arena arena{.disc = b_};
   for (std::size_t k = 0; can_.thrust_count == 2 && k < 2; ++k)
@@ -83,7 +83,7 @@ Barrier::Next Barrier::next(std::span<const double> x, std::span<const double> u
   return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z};
 }
 
-/// At the height where the robot comes to rest without commands.
+/// Replaces the height by that at which the robot comes to rest without commands.
 Sight<double> Barrier::settled(Sight<double> self) const noexcept {
   if (can_.climb_lag > 0) self.p.z += can_.climb_lag * self.v.z;
   return self;
@@ -97,12 +97,13 @@ Barrier::Row Barrier::keep_away(const Sight<double>& self, const Rows& rows, int
   const EscapeShape left = plans_.left(touch);
   const auto level = [&](const Vec2<double>& v) { return touch.n.x * v.x + touch.n.y * v.y; };
   Vec3<double> n = touch.n;
-  if (touch.level) n.z = 0.0;  // the height that the plan ends at does not depend on the command
+  if (touch.level) n.z = 0.0;  // the final height of the plan does not depend on the command
   const double risen = touch.level ? 0.0 : dt_ * n.z * threat.tube.climb;
   const double planned = dot(n, self.p) + E * level({self.v.x, self.v.y}) + risen;
   const double spare = touch.gap - threat.margin - (1.0 - options_.rate * dt_) * threat.reserve;
   if (threat.behavior == Behavior::cooperative) {
-    // Half of the acceleration apart is this robot's; so is its share of what the plan would leave.
+    // This robot provides half of the relative acceleration, and may use its share of the spare
+    // reserve.
     const double least = planned + 0.5 * (F - left.F) * level(a) - options_.share * spare;
     return {n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
   }
@@ -124,7 +125,7 @@ void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& row
     for (std::size_t j = 0; j < threat.plan.count; ++j) {
       Row row = keep_away(self, rows, static_cast<int>(k), threat.plan.touches[j]);
       if (can_.climb_lag > 0) {
-        // rho has had |beside|, and is to have that of the next sample.
+        // rho contains the present |beside|; the row requires that of the next sample.
         row.least -= rows.beside;
         row.side = 1.0;
         rows.all.push_back(row);
@@ -137,7 +138,8 @@ void Barrier::add_neighbours(const Sight<double>& self, Heeded heeded, Rows& row
 
 void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows) const noexcept {
   const double kept_part = 1.0 - options_.rate * dt_, b = rows.part * b_;
-  // A plan that climbs or sinks does so until it is there; the height follows the command at once.
+  // A joint plan climbs or sinks until it reaches the wall, and the height follows the command at
+  // once.
   const auto kept_height = [&](double room) {
     return approach == Approach::at_once && room > 0 ? 0.0 : kept_part * room;
   };
@@ -151,7 +153,7 @@ void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows
   }
   if (options_.world == infinity) return;
   for (std::size_t i = 0; i < inward.size(); ++i) {
-    // Braking straight away from it, until the velocity towards it is zero.
+    // The plan brakes straight away from the wall, until the velocity towards it is zero.
     const Vec3<double> n = {inward[i].x, inward[i].y, 0.0};
     const double away = n.x * self.v.x + n.y * self.v.y, now = options_.world + dot(n, self.p);
     const double t = std::max(stopping_time(away, rows.part), dt_), left = t - dt_;
@@ -162,7 +164,7 @@ void Barrier::add_walls(const Sight<double>& self, Approach approach, Rows& rows
   }
 }
 
-/// Until a velocity towards a bound is zero [s].
+/// Time until a velocity towards a bound is zero [s].
 double Barrier::stopping_time(double away, double part) const noexcept {
   const double c = can_.drag, b = part * b_;
   return away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / b) / c : -away / b;
@@ -175,7 +177,7 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
     constexpr double tight = 2e-3, dip = 1e-5, longest = 0.25;  // [m], [m], [s]
     const Row& row = rows.all[i];
     if (row.threat < 0 || row.cut || row.curvature <= 0 || row.missed(there) < -tight) continue;
-    // How much less than the plan the command leaves of the gap's slope, and where the gap is least then.
+    // `less` is the change of the gap's slope against the plan; it moves the time of the least gap.
     const Threat& threat = rows.threats[static_cast<std::size_t>(row.threat)];
     const double part = threat.behavior == Behavior::cooperative ? 0.5 : 1.0;
     const Vec2<double>& a = threat.plan.a;
@@ -196,17 +198,17 @@ void Barrier::add_cuts(const Sight<double>& self, const Next& there, Rows& rows)
   }
 }
 
-/// The rows over the commands, at what would be commanded.
+/// Linearisation of the rows in the commands, at the nominal command.
 struct Barrier::Linear {
   std::span<const double> u_min, u_max;
-  double bent;                                    // [m] more than the step's curvature over the limits
+  double bent;                                    // [m] bound on the nonlinearity within the limits
   std::array<double, most_inputs> u{};            // the nominal command
-  std::array<double, most_inputs> low{}, high{};  // the limits, and within them floor and ceiling
-  double lost = 0.0;                              // of these by the limits [m]
+  std::array<double, most_inputs> low{}, high{};  // the limits, narrowed by floor and ceiling
+  double lost = 0.0;                              // violation of floor and ceiling due to the limits [m]
   Next nominal{};
   std::array<Next, most_inputs> slope{};
   Bounded<HalfSpace, most_half_spaces> half;
-  Bounded<std::size_t, most_half_spaces> of;  // the rows they stand for
+  Bounded<std::size_t, most_half_spaces> of;  // index of each half-space's row
 
   Linear(std::span<const double> least, std::span<const double> most, double curved, const Next& there)
       : u_min(least), u_max(most), bent(curved), nominal(there) {
@@ -214,7 +216,7 @@ struct Barrier::Linear {
     std::copy(most.begin(), most.end(), high.begin());
   }
 
-  /// Takes a row in, unless no command within the limits can miss it.
+  /// Adds a row, unless no command within the limits can violate it.
   void add(const Row& row, std::size_t index) {
     HalfSpace h;
     double lowest = 0.0, centre = 0.0;
@@ -227,7 +229,8 @@ struct Barrier::Linear {
     if (lowest - missing > bent) return;
     h.b = centre + missing;
     if (row.wall == Wall::floor || row.wall == Wall::ceiling) {
-      // Where one input alone climbs, they are a limit of that input, which nothing else can be traded for.
+      // If one input alone climbs, floor and ceiling become limits of that input, which have
+      // priority.
       const auto moves = [](double a) { return a != 0; };
       const auto k = static_cast<std::size_t>(std::find_if(h.a.begin(), h.a.end(), moves) - h.a.begin());
       if (std::count_if(h.a.begin(), h.a.end(), moves) == 1) {
@@ -243,7 +246,7 @@ struct Barrier::Linear {
     half.push_back(h);
   }
 
-  /// Puts what the linear step misses of the true one into the rows. @return the most
+  /// Adds the error of the linearised step to the rows. @return the largest error [m]
   double correct(const Rows& rows, const Next& there, const std::array<double, most_inputs>& at) {
     double most = 0.0;
     for (std::size_t i = 0; i < half.size(); ++i) {
@@ -334,7 +337,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   keep_rows();
   const bool contradicted = result.violation > corrected;
   constexpr double serious = 0.02;  // [m]
-  // Without a plan for all, and in need of one; or with one that a wall cuts off.
+  // Either no joint plan exists and one is needed, or a wall obstructs the joint plan.
   const bool lost = joint == -infinity
                         ? least < 0 || result.violation > serious || is_surrounded(self, neighbours, rows)
                         : joint < infinity && result.violation > serious;
@@ -352,13 +355,13 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   } else {
     maneuver = {};
   }
-  // Over a long period linear rows are not enough.
+  // For a long period linear rows are not accurate enough.
   if (parts_ > 1) {
     ensure_walls(x, self, rows, u_min, u_max, u, after);
     if (!lost && joint > -infinity && ensure_distances(x, self, rows, u_min, u_max, u, after))
       result.violation = rows.missed_of_heights(after);
   }
-  // A row of the plan for all is missed only beyond what it keeps beside the hard distance.
+  // A row of the joint plan counts as missed only beyond its margin to the hard distance.
   const auto is_missed = [&](const Row& row) {
     const double margin = row.threat < 0 ? 0.0 : rows.threats[static_cast<std::size_t>(row.threat)].margin;
     return row.missed(after) > margin + corrected;

@@ -1,31 +1,34 @@
-/// A filter on the command of one robot, after the solver: the nearest command that keeps a hard distance.
+/// Barrier: a filter that replaces a robot's command by the nearest one that keeps a hard distance.
 ///
-/// A robot is safe where it has a plan that is safe whatever its neighbours do. The plan is to flee with a constant
-/// thrust, drag as it is, at constant height and heading:
+/// A robot is safe if it has a plan that is safe for any motion of its neighbours. The plan is to
+/// evade with a constant thrust, with the model's drag, at constant height and heading:
 ///
 ///   p_a(t) = p + E(t) v + F(t) a,   E = (1 - e^(-c t)) / c,   F = (c t - 1 + e^(-c t)) / c^2
 ///
-/// and at time t a neighbour is in a ball of centre c(t) and radius rho(t). The reserve (barrier value) [m] is
+/// At time t a neighbour is in a ball of centre c(t) and radius rho(t). The reserve (barrier value)
+/// [m] is
 ///
 ///   B = max over a of min over t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
-/// so that the distance is at least d_hard + B, now and on the plan. The filter requires of the next sampled state,
-/// found by the Runge-Kutta step the plant takes, that B+ >= (1 - rate dt) B against the worst the neighbour can
-/// do meanwhile. The plan's own command does that, so a robot with B >= 0 always has a command, and B stays
-/// >= 0.
+/// so that the distance is at least d_hard + B, now and on the plan. The next sampled state follows
+/// from the Runge-Kutta step of the plant. The filter requires B+ >= (1 - rate dt) B of it, against
+/// the worst motion of the neighbour in between. The plan's own command satisfies this, so a robot
+/// with B >= 0 always has a command, and B stays >= 0.
 ///
-/// Against several uncooperative neighbours it requires the same of one plan against all, which may climb or sink:
+/// Against several uncooperative neighbours the filter requires the same of one plan against all,
+/// which may climb or sink:
 ///
 ///   B = max over plans of min over neighbours and t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 ///
-/// Where no plan has B >= 0 the robot may be surrounded, and flies the best evasive trajectory (maneuver.hpp).
-/// Where the vertical speed follows its command by one lag, the height at which the robot would come to rest, p_z + tau v_z,
-/// takes the place of p_z, and |tau v_z| is added to rho.
+/// If no plan has B >= 0, the robot may be surrounded, and flies the best evasive trajectory
+/// (evasive_maneuver.hpp). If the vertical speed follows its command with one lag, p_z + tau v_z,
+/// the height at which the robot would come to rest, replaces p_z, and |tau v_z| is added to rho.
 ///
-/// Floor, ceiling and world have priority. The mathematics, and the guarantee with its model and knowledge, are in
-/// docs/safety.md.
+/// Floor, ceiling and world have priority. docs/safety.md has the mathematics, and the guarantee
+/// with its model and knowledge.
 ///
-/// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and threads.
+/// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and
+/// threads.
 #pragma once
 
 #include <limits>
@@ -39,26 +42,25 @@
 
 namespace sightline {
 
-/// What is assumed of a neighbour.
+/// Assumption about a neighbour.
 enum class Behavior {
-  uncooperative,  ///< goes anywhere with up to speed_max, turning at will; it does not give way
-  cooperative,    ///< runs a Barrier itself, against this robot, and takes the other share; same model
+  uncooperative,  ///< moves in any direction at up to speed_max, turns at will; does not give way
+  cooperative,    ///< runs the same Barrier against this robot and takes the other share; same model
 };
 
-/// Another body, as this robot knows it.
+/// Another body, as known to this robot.
 struct Neighbour {
-  Vec3<double> p{};     ///< position [m]
-  Vec3<double> v{};     ///< velocity [m/s]; of an uncooperative neighbour for ways out and acceleration_max
-  double d_hard = 1.0;  ///< centre to centre [m], > 0
+  Vec3<double> p{};        ///< position [m]
+  Vec3<double> v{};        ///< velocity [m/s]; if uncooperative, for manoeuvres and acceleration_max
+  double d_hard = 1.0;     ///< centre to centre [m], > 0
   double speed_max = 1.5;  ///< of an uncooperative neighbour [m/s], >= 0; 0: at rest
   double acceleration_max =
       std::numeric_limits<double>::infinity();  ///< of an uncooperative neighbour [m/s^2], >= 0
   double age = 0.0;                             ///< of p and v [s], >= 0
-  double sigma = 0.0;  ///< standard deviation of the position relative to the robot [m]; 3 sigma are kept
-  double part =
-      1.0;  ///< of a cooperative neighbour: part of its acceleration that its limits leave, in [0, 1]
-  double tie = 1.0;  ///< where both are in one place, the robot parts along tie x; of opposite sign
-                     ///< for the two members of a pair
+  double sigma = 0.0;  ///< standard deviation of the position relative to the robot [m]; 3 sigma are added
+  double part = 1.0;   ///< of a cooperative neighbour: part of its acceleration within its limits, in [0, 1]
+  double tie = 1.0;    ///< if both are in one place, the robot evades along tie x; of opposite sign
+                       ///< for the two members of a pair
   Behavior behavior = Behavior::uncooperative;
 };
 
@@ -66,58 +68,60 @@ struct BarrierOptions {
   double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
   double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m], > floor
   double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m], > 0
-  double margin = 0.002;     ///< added to d_hard for what happens between two samples [m], >= 0
-  double wall_margin = 0.0;  ///< kept beside floor, ceiling and world, for a height that lags [m], >= 0
-  double rate = 4.0;         ///< how fast the reserve may be used up [1/s], in (0, 1 / dt]
-  double authority = 0.9;  ///< part of the acceleration that plans count on, in (0, 1]; the rest is for wind
-  double velocity_sigma = 0.0;  ///< standard deviation of the robot's believed velocity [m/s], >= 0
-  double share = 0.5;  ///< part of the reserve between two members that this robot may use, in (0, 1]
+  double margin = 0.002;        ///< added to d_hard for the motion between two samples [m], >= 0
+  double wall_margin = 0.0;     ///< distance to floor, ceiling and world, for a height with a lag [m], >= 0
+  double rate = 4.0;            ///< greatest decay rate of the reserve [1/s], in (0, 1 / dt]
+  double authority = 0.9;       ///< part of the acceleration that plans use, in (0, 1]; the rest is for wind
+  double velocity_sigma = 0.0;  ///< standard deviation of the robot's estimated velocity [m/s], >= 0
+  double share = 0.5;           ///< part of a cooperative pair's reserve that this robot may use, in (0, 1]
 };
 
-/// What a row of the filter keeps, if not the distance to a neighbour.
+/// The wall of a row of the filter; `none` for a row of a neighbour.
 enum class Wall { none, floor, ceiling, x_min, x_max, y_min, y_max };
 std::string_view to_string(Wall wall) noexcept;
 
 struct BarrierResult {
   bool active = false;  ///< the command was changed
   bool conflict =
-      false;  ///< no command within the limits keeps all, or no way out; the violation was made least
-  double violation =
-      0.0;  ///< largest amount by which a row is missed, or by which the way out is too near [m];
-            ///< 0 without a conflict
-  /// Least B of all neighbours, or that of the plan for several uncooperative neighbours where its rows are kept [m].
+      false;  ///< no command within the limits keeps all, or no manoeuvre is safe; least violation
+  double violation = 0.0;  ///< largest amount by which a row, or the manoeuvre's distance, is missed [m];
+                           ///< 0 without a conflict
+  /// Least B of all neighbours [m]; with a plan for several uncooperative neighbours, that of the
+  /// plan.
   double reserve = std::numeric_limits<double>::infinity();
-  bool surrounded = false;  ///< no plan is safe from all uncooperative neighbours whatever they do
-  int neighbour = -1;       ///< the one with the tightest row: index into the neighbours, or -1
-  Wall wall = Wall::none;   ///< the wall with the tightest row, if it is not a neighbour
+  bool surrounded = false;  ///< no plan is safe under every motion of the uncooperative neighbours
+  int neighbour = -1;       ///< index of the neighbour with the tightest row, or -1
+  Wall wall = Wall::none;   ///< wall of the tightest row, if that is not a neighbour's
 };
 
 class Barrier {
  public:
-  /// Of more neighbours, those with the least reserve count.
+  /// Of more neighbours, those with the least distance left after 1 s of closing in count.
   static constexpr int most_neighbours = 16;
   /// Longest period of the commands for which the guarantee of docs/safety.md holds [s].
   static constexpr double longest_period = 0.5;
 
-  /// @param u_min, u_max  limits of the inputs, the tightest there will be
-  /// @param dt            period of the commands, in (0, longest_period] [s]
-  /// @throws std::invalid_argument for an option out of range, and for a model whose commands do not accelerate
-  ///         it in every horizontal direction at once, or whose height does not follow the command at once
+  /// @param u_min, u_max  limits of the inputs, the tightest of the flight
+  /// @param dt  period of the commands, in (0, longest_period] [s]
+  /// @throws std::invalid_argument for an option out of range, and for a model that authority_of()
+  ///         refuses
   Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
           const BarrierOptions& options = {});
-  /// @param can  what plans count on: what authority_of() finds within the tightest limits, or less; pushes and rises may be more
+  /// @param can  abilities that plans use: those of authority_of() within the tightest limits, or
+  ///             less; push and rise may be greater
   Barrier(const Model& model, const Authority& can, double dt, const BarrierOptions& options = {});
 
-  /// Puts in place of u the nearest command that keeps all distances and walls. Allocates nothing.
-  /// A neighbour whose numbers are not finite is left out, and the result tells a conflict.
-  /// @param x             state of the robot, as believed (nx)
-  /// @param u_min, u_max  limits now (nu); plans count on the part that they leave of those of the construction
-  /// @param u             the solver's command (nu); afterwards finite and within the limits, always
-  /// @param maneuver       what the robot does where it is surrounded; to be kept from one period to the next
+  /// Replaces u by the nearest command that keeps all distances and walls. Allocates nothing.
+  /// Ignores a neighbour with numbers that are not finite, and reports a conflict.
+  /// @param x  estimated state of the robot (nx)
+  /// @param u_min, u_max  present limits (nu); plans use the part that they leave of the limits of
+  ///                the construction
+  /// @param u  the solver's command (nu); afterwards always finite and within the limits
+  /// @param maneuver  evasive manoeuvre of a surrounded robot; the caller keeps it between periods
   BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                        std::span<const double> u_min, std::span<const double> u_max, std::span<double> u,
                        EvasiveManeuver& maneuver) const noexcept;
-  /// The same for one that remembers nothing.
+  /// The same without a manoeuvre of the previous period.
   BarrierResult filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                        std::span<const double> u_min, std::span<const double> u_max,
                        std::span<double> u) const noexcept {
@@ -125,18 +129,20 @@ class Barrier {
     return filter(x, neighbours, u_min, u_max, u, none);
   }
 
-  /// Whether its height follows commands late; then no other robot can run this barrier as its cooperative neighbour.
+  /// Whether the height follows commands with a lag; then no robot can be its cooperative
+  /// neighbour.
   bool climbs_late() const noexcept { return can_.climb_lag > 0; }
 
   /// B of one neighbour at a state [m].
   double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;
 
-  /// Part of the acceleration that limits leave of those of the construction, in (0, 1].
+  /// Part of the acceleration that remains under these limits, relative to those of the
+  /// construction; in [0.05, 1].
   double part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
     return can_.part(u_min, u_max);
   }
   const BarrierOptions& options() const noexcept { return options_; }
-  double acceleration() const noexcept { return b_; }  ///< b [m/s^2], what plans count on
+  double acceleration() const noexcept { return b_; }  ///< b [m/s^2], used by plans
   double drag() const noexcept { return can_.drag; }   ///< c [1/s]
 
  private:
@@ -154,7 +160,7 @@ class Barrier {
   Next next(std::span<const double> x, std::span<const double> u) const noexcept;
   void fill(Tube& tube, const Sight<double>& self, const Neighbour& neighbour, double part,
             double beside) const noexcept;
-  /// Adds those neighbours with their plans.
+  /// Adds the chosen neighbours with their plans.
   void add_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                    std::span<const int> chosen, Rows& rows) const noexcept;
   Within within(const Tube& tube) const noexcept;
@@ -162,7 +168,8 @@ class Barrier {
   Row keep_away(const Sight<double>& self, const Rows& rows, int threat, const Touch& touch) const noexcept;
   bool find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                     Rows& rows) const noexcept;
-  /// Gives the uncooperative neighbours one plan together. @return its reserve [m]; infinity where each has enough for itself
+  /// Finds one plan for all uncooperative neighbours. @return its reserve [m]; infinity if the
+  /// single plans suffice, minus infinity if there is no plan
   double join(const Sight<double>& self, Rows& rows) const noexcept;
   bool is_surrounded(const Sight<double>& self, std::span<const Neighbour> neighbours,
                      const Rows& rows) const noexcept;
@@ -205,11 +212,11 @@ class Barrier {
   Model model_;
   BarrierOptions options_;
   double dt_;
-  int parts_;  // of the period, in which motion is integrated and looked at
+  int parts_;  // integration steps of a period
   Authority can_;
   double b_;
   EscapePlans plans_;
-  double ample_;  // [m] more than a period can take of what a plan leaves
+  double ample_;  // [m] upper bound on the loss of a plan's reserve in a period
   EvasiveManeuvers maneuvers_;
   std::array<Vec2<double>, EvasiveManeuvers::headings>
       joint_;  // thrusts of plans for several, in V or G [m/s^2]

@@ -1,4 +1,4 @@
-// Whether a command keeps what its rows stand for, checked without their linearisation, and what replaces one that does not.
+// Nonlinear check of a command against its rows, and the replacement of a command that fails.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +9,8 @@
 namespace sightline {
 namespace {
 
-/// Calls f with times from dt on, closer at the beginning, and closer again where f is least. @return the least
+/// Evaluates f at times from dt on, denser at the beginning and around the minimum. @return the
+/// least value
 template <class F>
 double least_over(double dt, const F& f) {
   constexpr std::size_t times = 25, rounds = 10;
@@ -37,7 +38,8 @@ double least_over(double dt, const F& f) {
 
 }  // namespace
 
-/// What is to be left of a plan after the period [m]. A tolerance lets the reserve drift by half of what is kept beside it.
+/// Required reserve of a plan after the period [m]. A tolerance lets the reserve fall by half of
+/// the margin.
 double Barrier::required(const Threat& threat) const noexcept {
   constexpr double drift = 5e-4;  // [m]
   const double used = options_.rate * dt_;
@@ -56,7 +58,7 @@ Barrier::Flown Barrier::flown(std::span<const double> x, std::span<const double>
   return flown;
 }
 
-/// What is left beyond what is required [m], against all neighbours; >= 0: the command keeps it.
+/// Reserve beyond the requirement against all neighbours [m]; >= 0: the command is accepted.
 double Barrier::left_by(const Sight<double>& self, const Rows& rows, const Flown& flown) const noexcept {
   double least = left_of_chases(self, rows, flown);
   for (const Threat& threat : rows.threats) {
@@ -65,7 +67,8 @@ double Barrier::left_by(const Sight<double>& self, const Rows& rows, const Flown
   return least;
 }
 
-/// Of uncooperative neighbours: the motion within the period, and the rest of the plan after it, as plans are judged.
+/// The same against uncooperative neighbours: for the motion within the period, and for the rest of
+/// the plan.
 double Barrier::left_of_chases(const Sight<double>& self, const Rows& rows,
                                const Flown& flown) const noexcept {
   const Next& after = flown.after;
@@ -94,7 +97,7 @@ double Barrier::left_of_chases(const Sight<double>& self, const Rows& rows,
     later.room = std::max(0.0, tube.room - std::copysign(1.0, tube.climb) * (after.p.z - self.p.z));
     of.push_back(&threat);
   }
-  // Neighbours of one plan side by side.
+  // Neighbours with the same plan are evaluated side by side.
   std::array<Escape, most_neighbours> plans;
   for (std::size_t first = 0; first < of.size() && least >= 0;) {
     const Threat& leading = *of[first];
@@ -116,7 +119,8 @@ double Barrier::left_of_chases(const Sight<double>& self, const Rows& rows,
   return least;
 }
 
-/// Of a cooperative neighbour: of what the plan leaves beyond what is required, this robot may use up its share at any time.
+/// The same against a cooperative neighbour: at any time this robot may use its share of the spare
+/// reserve.
 double Barrier::left_of_pair(const Sight<double>& self, const Threat& threat,
                              const Flown& flown) const noexcept {
   const Tube& tube = threat.tube;
@@ -147,15 +151,15 @@ double Barrier::left_of_pair(const Sight<double>& self, const Threat& threat,
                   }));
 }
 
-/// Where the robot is within a bound of the world when it has braked [m]; n: away from the bound.
+/// Distance to a bound of the world after braking [m]; n: inward normal.
 double Barrier::braked(const Vec2<double>& n, const Vec3<double>& p, const Vec2<double>& v,
                        double part) const noexcept {
   const double away = std::min(dot(n, v), 0.0), stop = stopping_time(away, part);
   return options_.world + n.x * p.x + n.y * p.y + plans_.E(stop) * away + part * b_ * plans_.F(stop);
 }
 
-/// Of the bounds of the world: what is left beyond what is required of the place after braking, and of the place within the period
-/// [m]. A bound that is lost already is to be lost by no more.
+/// Distance to the bounds of the world beyond the requirement [m], after braking and within the
+/// period. A bound that is already exceeded must not be exceeded further.
 double Barrier::left_of_walls(const Sight<double>& self, double part, const Flown& flown) const noexcept {
   constexpr double touched = 1e-6;  // [m]
   double least = infinity;
@@ -169,10 +173,12 @@ double Barrier::left_of_walls(const Sight<double>& self, double part, const Flow
   return least + touched;
 }
 
-/// Where u leaves less than 0, puts in its place the command nearest to it, on the way to a plan's own, that does not.
-/// @param a, rise  the plan's acceleration [m/s^2], and what it climbs within the period [m]
-/// @param left     of a command: what it leaves beyond what is required [m]
-/// @return what is left then; less than 0: neither does, and u is that which leaves more
+/// If u leaves less than 0, replaces u by the nearest command on the line to the plan's own command
+/// that leaves at least 0.
+/// @param a, rise  the plan's acceleration [m/s^2], and its climb within the period [m]
+/// @param left  reserve of a command beyond the requirement [m]
+/// @return the remaining reserve [m]; if less than 0, no command suffices, and u is the better of
+///         the two
 template <class Left>
 double Barrier::towards_plan(std::span<const double> x, const Sight<double>& self, const Vec2<double>& a,
                              double rise, std::span<const double> u_min, std::span<const double> u_max,
@@ -201,7 +207,7 @@ double Barrier::towards_plan(std::span<const double> x, const Sight<double>& sel
   return leaves;
 }
 
-/// Makes u keep the bounds of the world where braking does. @param after  where u leads
+/// Makes u keep the bounds of the world if braking does. @param after  state under u
 void Barrier::ensure_walls(std::span<const double> x, const Sight<double>& self, const Rows& rows,
                            std::span<const double> u_min, std::span<const double> u_max, std::span<double> u,
                            Next& after) const noexcept {
@@ -223,10 +229,11 @@ void Barrier::ensure_walls(std::span<const double> x, const Sight<double>& self,
   after = next(x, u);
 }
 
-/// Makes u keep the distances where a plan of this period proves that it can: to uncooperative neighbours alone, or to one
-/// cooperative one. Floor, ceiling and world are kept as they are.
-/// @param after  where u leads
-/// @return whether it does
+/// Makes u keep the distances if a plan of this period proves that this is possible. This covers
+/// uncooperative neighbours alone, or one cooperative neighbour. Floor, ceiling and world are
+/// violated no further.
+/// @param after  state under u
+/// @return whether u keeps the distances
 bool Barrier::ensure_distances(std::span<const double> x, const Sight<double>& self, const Rows& rows,
                                std::span<const double> u_min, std::span<const double> u_max,
                                std::span<double> u, Next& after) const noexcept {

@@ -1,4 +1,4 @@
-// What a barrier does about several uncooperative neighbours at once.
+// The part of the barrier for several uncooperative neighbours at once.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,9 +8,11 @@
 
 namespace sightline {
 
-/// The search of one plan for several uncooperative neighbours. Those whose own plan it is have its reserve already.
+/// Search of a joint plan for several uncooperative neighbours. For neighbours whose own plan is
+/// the candidate, the reserve is known.
 struct Barrier::Joint {
-  /// An uncooperative neighbour at the one time that is the tightest for its own plan: mostly that tells that a plan is none.
+  /// An uncooperative neighbour at the tightest time of its own plan. This one time rejects most
+  /// candidates.
   struct Look {
     Vec3<double> q;
     double t, F, rho;
@@ -34,7 +36,8 @@ struct Barrier::Joint {
   static bool own(const Threat& threat, const EscapeFlight& flight) {
     return flight.climb == 0 && threat.plan.a.x == flight.a.x && threat.plan.a.y == flight.a.y;
   }
-  /// Takes those whose own plan it is not into `others`. @return the least reserve of those whose it is
+  /// Collects neighbours with another own plan in `others`. @return the least reserve of the
+  /// neighbours whose own plan the flight is [m]
   double sort(const EscapeFlight& flight) {
     double reserve = infinity;
     others.clear();
@@ -47,19 +50,19 @@ struct Barrier::Joint {
     return reserve;
   }
 
-  /// Whether one look at each tells that the flight is no better than the best.
+  /// Whether one time of each neighbour shows that the flight is no better than the best.
   bool is_none(const EscapeFlight& flight) {
     for (Look& look : looks) {
       const double x = look.q.x + look.F * flight.a.x, y = look.q.y + look.F * flight.a.y,
                    z = look.q.z + std::clamp(flight.climb * look.t, -flight.room, flight.room);
       if (x * x + y * y + z * z >= square(std::max(0.0, best + look.rho))) continue;
-      std::swap(looks[0], look);  // it will tell of the next ones too
+      std::swap(looks[0], look);  // tried first: it is likely to reject the next flights, too
       return true;
     }
     return false;
   }
 
-  /// Takes the flight where it is better than the best.
+  /// Takes the flight if it is better than the best.
   void consider(const EscapeFlight& flight) {
     const double own_reserve = sort(flight);
     if (own_reserve < best || !plans.with(others.items(), flight, best, *tried)) return;
@@ -77,17 +80,17 @@ struct Barrier::Joint {
   std::span<Threat*> all;
   Bounded<Look, most_neighbours> looks;
   Bounded<const Tube*, most_neighbours> others;
-  Escapes first, second;  // of `taken`, and of the plan that is tried, for those whose own plan is another
+  Escapes first, second;  // plans of `taken` and of the candidate, for `others`
   Escapes *kept, *tried;
   double best = 0.0;               // the reserve of `taken` [m]
-  double reserve_of_others = 0.0;  // of those whose own plan is another
+  double reserve_of_others = 0.0;  // the same over `others` alone [m]
   bool found = false;
   EscapeFlight taken{};
 };
 
 double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
-  constexpr double near = 10.0;   // [m] who is farther is no part of a ring yet
-  constexpr double spare = 0.02;  // [m] the rows, which are linear, lose some of it where plans climb
+  constexpr double near = 10.0;   // [m] bodies farther away do not surround the robot
+  constexpr double spare = 0.02;  // [m] allowance for linearised rows of climbing plans
   Bounded<Threat*, most_neighbours> uncooperative;
   for (Threat& threat : rows.threats) {
     if (threat.behavior == Behavior::uncooperative && norm(threat.tube.r) < near)
@@ -105,7 +108,8 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
   const double down = can_.climbs ? std::max(0.0, self.p.z - options_.floor) : 0.0;
   const double climb = rows.part * options_.authority * can_.climb;
   for (const auto& [speed, room] : {std::pair{0.0, 0.0}, {climb, up}, {-climb, down}}) {
-    // While a height follows late, a plan that climbs widens what lies between it and where it comes to rest.
+    // With a lag of the height, a climbing plan increases the distance to the height of rest, and
+    // so rho.
     if (enough() || (speed != 0 && can_.climb_lag > 0)) break;
     if (speed != 0 && room == 0) continue;
     for (const Vec2<double>& whole : joint_) {
@@ -116,7 +120,8 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
     }
   }
   if (!joint.found) return -infinity;
-  // The rows of each keep this plan too where it is their own, and the others cannot lose it in a sample.
+  // The rows of each neighbour keep this plan where it is its own; the others cannot lose `ample_`
+  // in a period.
   if (std::max(joint.best, joint.reserve_of_others) >= ample_) return infinity;
   const EscapeFlight& taken = joint.taken;
   const double reserve = joint.best - spare;
@@ -131,7 +136,8 @@ double Barrier::join(const Sight<double>& self, Rows& rows) const noexcept {
     threat->margin = spare;
   }
   if (taken.climb != 0) {
-    // Height is worth what it is at every time until the plan is level: it may lag by what the rate allows.
+    // Height counts at every time until the plan is level. It may fall behind by the decay that
+    // `rate` allows.
     const double side = std::copysign(1.0, taken.climb),
                  step = std::min(std::abs(taken.climb) * dt_, taken.room);
     const double lag = options_.rate * dt_ * std::max(reserve, 0.0);
@@ -151,7 +157,8 @@ bool Barrier::is_surrounded(const Sight<double>& self, std::span<const Neighbour
     sum = {sum.x + n.x, sum.y + n.y};
     away.push_back(n);
   }
-  // On one side of it are bodies that all fall back where it goes straight on, with nothing in the way there.
+  // The robot is not surrounded if all bodies are on one side of it and fall back when it flies
+  // straight on. That way must be within the world.
   constexpr double opening = 0.5, free_way = 5.0;  // [-], [m]
   const double length = std::sqrt(dot(sum, sum));
   const Vec2<double> m = {sum.x / length, sum.y / length};
@@ -175,8 +182,9 @@ Arena Barrier::arena(const Sight<double>& self, double part) const noexcept {
   return arena;
 }
 
-/// Looks for a way out with the command as it is, which leads to `after`, and else for the best there is.
-/// @return whether the robot is to take it
+/// Selects an evasive manoeuvre, unless one remains possible after the command that leads to
+/// `after`.
+/// @return whether the robot must fly the manoeuvre
 bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradicted,
                     std::span<const Neighbour> neighbours, const Rows& rows,
                     EvasiveManeuver& maneuver) const noexcept {
@@ -190,7 +198,7 @@ bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradic
       chaser.p = n.p + n.age * n.v;
       continue;
     }
-    // One that moves is taken to go on as fast; one that rests could go at its greatest speed.
+    // A moving body is assumed to keep its speed; a body at rest could move at its greatest speed.
     constexpr double moves = 0.1;  // [m/s]
     const double speed = norm(n.v);
     chaser.speed = speed > moves ? std::min(speed, n.speed_max) : n.speed_max;
@@ -215,7 +223,7 @@ bool Barrier::leave(const Sight<double>& self, const Next& after, bool contradic
   return true;
 }
 
-/// Makes of u the command that begins the way out, with the inputs that do nothing for it at zero.
+/// Sets u to the command that flies the manoeuvre; inputs without an effect on it are zero.
 void Barrier::follow(std::span<const double> x, const Sight<double>& self, EvasiveManeuver& maneuver,
                      std::span<const double> u_min, std::span<const double> u_max,
                      std::span<double> u) const noexcept {
@@ -230,7 +238,8 @@ void Barrier::follow(std::span<const double> x, const Sight<double>& self, Evasi
             u_min, u_max, u);
 }
 
-/// Changes u least so that the horizontal velocity and the height after the period are the wanted ones, within the limits.
+/// Makes the smallest change of u that leads to the wanted horizontal velocity and height after the
+/// period, within the limits.
 void Barrier::reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
                         std::span<const double> u_min, std::span<const double> u_max,
                         std::span<double> u) const noexcept {
@@ -238,11 +247,11 @@ void Barrier::reach_for(std::span<const double> x, const std::array<double, 3>& 
     const Next n = next(x, u);
     return std::array<double, 3>{n.v.x, n.v.y, n.p.z};
   };
-  // du = J' (J J' + tiny)^-1 (wanted - outcome): the least change that does it.
+  // du = J' (J J' + tiny)^-1 (wanted - outcome), the least-norm solution.
   const std::array<double, 3> now = outcome();
   std::array<std::array<double, 3>, most_inputs> J{};
   for (std::size_t k = 0; k < u.size(); ++k) {
-    if (can_.reach[k] == 0) continue;  // yaw would turn what the plan pushes with
+    if (can_.reach[k] == 0) continue;  // yaw would turn the plan's thrust
     constexpr double difference = 1e-3;
     const double at = u[k];
     u[k] = at + difference;

@@ -1,4 +1,4 @@
-// Which neighbours press a robot, and the best plan to flee each.
+// Selection of the neighbours that threaten a robot, and the best plan to evade each.
 #include "sightline/safety/barrier_threats.hpp"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ bool is_far(const Vec3<double>& r) {
 
 }  // namespace
 
-/// Makes of a tube that is zero the neighbour for plans; of an uncooperative one without what is known of its motion.
+/// Fills a zero tube with a neighbour; for an uncooperative one without its measured motion.
 void Barrier::fill(Tube& tube, const Sight<double>& self, const Neighbour& n, double part,
                    double beside) const noexcept {
   tube.r = self.p - n.p;
@@ -34,7 +34,7 @@ void Barrier::fill(Tube& tube, const Sight<double>& self, const Neighbour& n, do
   tube.spread = 3 * options_.velocity_sigma;
   tube.tie.x = n.tie;
   if (n.behavior != Behavior::cooperative) return;
-  // Measured motion, and what it may have done since by an acceleration that is bounded.
+  // The measured motion, and the bounded acceleration since the measurement.
   const double age = std::max(n.age, 0.0), both = std::min(part, n.part),
                a = std::min(n.acceleration_max, 3 * b_);
   tube.r = tube.r - age * n.v;
@@ -44,10 +44,11 @@ void Barrier::fill(Tube& tube, const Sight<double>& self, const Neighbour& n, do
   tube.spread += a * age;
 }
 
-/// The reserve of a member by the plan straight away, and by the distance now: B lies between.
+/// Bounds of a cooperative neighbour's reserve: from below by the plan straight away, from above by
+/// the present distance.
 struct Barrier::Within {
   double least, most;  // [m]
-  bool quiet;          // whatever both command, the next reserve is at least what it has to be
+  bool quiet;          // the next reserve suffices under any commands of both robots
 };
 
 Barrier::Within Barrier::within(const Tube& tube) const noexcept {
@@ -55,7 +56,8 @@ Barrier::Within Barrier::within(const Tube& tube) const noexcept {
   const double closing =
       D > 1e-9 ? -(tube.r.x * tube.w.x + tube.r.y * tube.w.y) / D : norm(tube.w.x, tube.w.y);
   const double held = tube.rho0 + tube.spread * plans_.E_longest();
-  // Straight away the closing speed v ends after at most v^2 / (2 beta); what drag does shortens it.
+  // Straight away, the closing speed v vanishes after at most v^2 / (2 beta); drag shortens this
+  // distance.
   const auto left = [&](double level, double height, double v) {
     const double after = std::max(0.0, level - 0.5 * square(std::max(v, 0.0)) / tube.beta);
     return std::sqrt(after * after + height * height) - held;
@@ -83,7 +85,8 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
     const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
     thrusts[k] = {rows.part * options_.authority * g.x, rows.part * options_.authority * g.y};
   }
-  // What is known of a neighbour's motion, beside what is known of its speed alone.
+  // Tubes from a neighbour's measured motion, as an alternative to those from its speed limit
+  // alone.
   Bounded<Tube, most_neighbours> measured;
   Bounded<Threat*, most_neighbours> measured_of;
   std::array<Escape, most_neighbours> measured_plans;
@@ -128,10 +131,10 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
 
 bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
                            Rows& rows) const noexcept {
-  // The ones that press most, by the distance left after a second of closing in.
+  // The most threatening neighbours, by the distance that remains after 1 s of closing in.
   Bounded<int, most_neighbours> chosen;
   std::array<double, most_neighbours> key;
-  // A height that follows late takes two rows for each.
+  // A height with a lag needs two rows for each neighbour.
   const std::size_t most = can_.climb_lag > 0 ? most_neighbours / 2 : most_neighbours;
   const bool all_fit = neighbours.size() <= most;
   bool all_known = true;
@@ -156,13 +159,13 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     for (; at > 0 && key[at - 1] > left; --at) key[at] = key[at - 1], chosen[at] = chosen[at - 1];
     key[at] = left, chosen[at] = static_cast<int>(i);
   }
-  // Of members that nothing can bring too near within the period, none but those that may have the least reserve: unless
-  // there may be a plan against several, or a way out, that has to reckon with all.
+  // Among cooperative neighbours that cannot come too near within the period, only those that may
+  // have the least reserve matter. A joint plan or a manoeuvre, however, must consider all.
   const auto is_member = [&](int i) { return neighbours[size(i)].behavior == Behavior::cooperative; };
   const bool all =
       std::count_if(chosen.begin(), chosen.end(), is_member) + 1 < static_cast<std::ptrdiff_t>(chosen.size());
   std::array<Within, most_neighbours> within;
-  constexpr double found_to = 1e-3;  // [m] what the search of a plan may miss of the best
+  constexpr double found_to = 1e-3;  // [m] tolerance of the plan search
   double most_of_least = infinity;
   for (std::size_t k = 0; k < chosen.size() && !all; ++k) {
     within[k] = {-infinity, infinity, false};

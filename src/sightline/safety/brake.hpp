@@ -1,12 +1,12 @@
-/// The input that gives a robot a velocity, whatever its model: how it holds, and how it lands.
+/// The input that gives a robot of any model a wanted velocity, to hold position or to land.
 ///
-/// The velocity that the robot has after a time tau under a held input u is linearised in u at u*,
+/// The velocity after a time tau under a held input u is linearised in u at u*,
 ///
 ///   q(u) = (v(x + tau f(x, u), u), turn rate),   q(u) ~ q(u*) + J (u - u*),
 ///
-/// and u = argmin |q(u) - q_wanted|^2 + 1e-9 |u - u*|^2, within the limits. What a model cannot do is left out by
-/// the least squares: a ground robot that is to land stands. For the multirotor q is affine in u, and v decays
-/// about as e^{-t/tau}.
+/// and u = argmin |q(u) - q_wanted|^2 + 1e-9 |u - u*|^2, clamped to the limits. Least squares
+/// leaves out what a model cannot do: a ground robot that is to land stands. For the multirotor q
+/// is affine in u, and v decays approximately as e^{-t/tau}.
 #pragma once
 
 #include <array>
@@ -18,14 +18,14 @@
 
 namespace sightline {
 
-/// Allocates nothing once it is made.
+/// Allocates only during construction.
 class Brake {
  public:
   /// @param u_ref  u*, the input at rest (nu <= 16)
   /// @param tau    [s], > 0
   Brake(const Model& model, std::span<const double> u_ref, double tau);
 
-  /// Writes the input (nu) that makes the velocity of the state x (nx) this one [m/s].
+  /// Writes the input (nu) that leads from the state x (nx) to this velocity [m/s] in G.
   /// @param turn_rate  to the left [rad/s]
   void operator()(std::span<const double> x, const Vec3<double>& velocity, std::span<const double> u_min,
                   std::span<const double> u_max, std::span<double> u, double turn_rate = 0.0) noexcept;

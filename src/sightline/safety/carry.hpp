@@ -1,4 +1,4 @@
-/// A state carried on by its model under the inputs that were given.
+/// Prediction of a state by its model under recorded inputs.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 
 namespace sightline {
 
-/// Carries x (nx) over the inputs that the history has from `from` to `to` [s], under an acceleration w of G [m/s^2], in
-/// Runge-Kutta steps of at most 0.05 s.
-/// @param input_at  where the body's input stands in the history's rows
-/// @param rows      RungeKuttaScratch::rows_needed * nx numbers of work space
-/// @return the input that was in force last, in the history; empty where `to` is not after `from`
+/// Predicts x (nx) from `from` to `to` [s] under the inputs of the history and an acceleration w of
+/// G [m/s^2], in Runge-Kutta steps of at most 0.05 s.
+/// @param input_at  offset of the body's input in the history's rows
+/// @param rows  work space of RungeKuttaScratch::rows_needed * nx numbers
+/// @return the last input in force, in the history; empty if `to` is not after `from`
 inline std::span<const double> carry(const Model& model, std::span<double> x, const InputHistory& history,
                                      std::size_t input_at, double from, double to, const Vec3<double>& w,
                                      std::span<double> rows) noexcept {

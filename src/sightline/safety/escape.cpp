@@ -13,7 +13,7 @@ namespace {
 
 constexpr double tiny_length = 1e-9;
 
-/// Numbers side by side in S.
+/// Number of lanes of S.
 template <class S>
 constexpr std::size_t lanes = 1;
 template <int W>
@@ -25,20 +25,20 @@ double lane(Lane<W> pack, std::size_t i) {
   return pack[static_cast<int>(i)];
 }
 
-/// v / |v|, or `other` where v has no direction.
+/// v / |v|, or `other` if v is almost zero.
 template <class S>
 Vec2<S> direction(const Vec2<S>& v, const Vec2<S>& other) {
   const S length = sqrt(dot(v, v)), none = S(tiny_length) - length;
   return {where_negative(none, v.x / length, other.x), where_negative(none, v.y / length, other.y)};
 }
 
-/// By how much the robot has climbed [m].
+/// Height that the plan has climbed at t [m].
 template <class S>
 S risen(const TubeOf<S>& tube, S t) {
   return clamp(tube.climb * t, -tube.room, tube.room);
 }
 
-/// The allowed acceleration that leads farthest along a direction.
+/// The attainable acceleration that is greatest along a direction.
 template <class S>
 Vec2<S> farthest(const TubeOf<S>& tube, const Vec2<S>& along) {
   if (tube.thrust_count == 0) return {tube.beta * along.x, tube.beta * along.y};
@@ -51,7 +51,8 @@ Vec2<S> farthest(const TubeOf<S>& tube, const Vec2<S>& along) {
   return a;
 }
 
-// The place in a curve rides in the last bits of its value, where it is worth 1e-14 of it: one minimum finds both.
+// The last bits of a value store its index in the curve, so that one minimum finds both. The
+// relative error is 1e-14.
 constexpr std::int64_t place_bits = 31;
 
 double with_place(double f, std::int64_t place) {
@@ -63,7 +64,7 @@ Lane<W> with_place(Lane<W> f, std::int64_t place) {
   return L((typename L::Vector)(((typename L::Bits)f.v & ~place_bits) | place));
 }
 
-/// Tubes of one robot that climbs.
+/// Packs tubes of one robot, for one climb.
 template <int W>
 TubeOf<Lane<W>> side_by_side(EscapePlans::Tubes tubes, double climb, double room) {
   const Tube& first = *tubes.front();
@@ -89,7 +90,7 @@ TubeOf<Lane<W>> side_by_side(EscapePlans::Tubes tubes, double climb, double room
 
 EscapePlans::EscapePlans(double drag, double dt)
     : c_(drag), per_c_(drag > 0 ? 1.0 / drag : 0.0), dt_(dt), e_back_(std::exp(drag * dt)) {
-  // Closer at the beginning, where most is decided.
+  // Denser at the beginning, which decides most plans.
   for (std::size_t i = 0; i < times; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(times - 1);
     t_[i] = dt + (longest - dt) * part * std::sqrt(part);
@@ -112,7 +113,7 @@ int EscapePlans::parts(double dt) noexcept {
 template <class S>
 EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
   const S ct = c_ * t, e = exp(-ct), E = (S(1.0) - e) * S(per_c_), F = (t - E) * S(per_c_);
-  const S small = ct - S(1e-3);  // < 0: by the series
+  const S small = ct - S(1e-3);  // < 0: use the series
   return {e, where_negative(small, t * (S(1.0) - S(0.5) * ct), E),
           where_negative(small, S(0.5) * t * t * (S(1.0) - ct * S(1.0 / 3.0)), F)};
 }
@@ -128,13 +129,13 @@ EscapeShape EscapePlans::left(const Touch& touch) const noexcept {
   return {e, E, (t - E) * per_c_};
 }
 
-/// Looks for the plan of a tube, or of several side by side.
+/// The plan search for one tube, or for several side by side.
 template <class S>
 struct EscapePlans::Search {
   using Curve = std::array<S, times>;
   using Places = std::array<std::size_t, lanes<S>>;
 
-  /// q_a and f_a at one t, with derivatives.
+  /// q_a and f_a at one time t, with derivatives.
   struct Point {
     S t;
     Vec3<S> q, n;
@@ -142,10 +143,10 @@ struct EscapePlans::Search {
     S f, slope, curvature;
   };
   struct Plan {
-    S now;  // the least f before the next sample
+    S now;  // least f before the next sample
     Vec2<S> a;
-    Point first, second;  // the least f; the other one
-    S is_alone;           // < 0: there is another one
+    Point first, second;  // global minimum of f; another minimum
+    S is_alone;           // < 0: another minimum exists
   };
   struct Found {
     Plan plan;
@@ -192,7 +193,7 @@ struct EscapePlans::Search {
     return p;
   }
 
-  /// f + rho0 on the grid of times.
+  /// f + rho0 on the time grid.
   Curve along(const Curve& a_x, const Curve& a_y) const {
     Curve f;
     for (std::size_t k = 0; k < times; ++k) {
@@ -240,9 +241,9 @@ struct EscapePlans::Search {
     }
   }
 
-  /// Where f is least around places of the grid.
+  /// Time of the minimum of f near grid points.
   S least_of(const Curve& f, const Places& i) const {
-    // The vertex of the parabola through three points.
+    // Vertex of the parabola through three points.
     Places inner, before, after;
     for (std::size_t l = 0; l < i.size(); ++l) {
       inner[l] = std::clamp<std::size_t>(i[l], 1, times - 2);
@@ -254,17 +255,17 @@ struct EscapePlans::Search {
             fb = value(f, after) - middle;
     const S up = fa * b * b - fb * a * a, down = S(2.0) * (fa * b + fb * a);
     const S vertex = t + where_negative(-down, clamp(up / down, -a, b), S(0.0));
-    // An end of the grid is taken as it is.
+    // An end of the grid is not interpolated.
     const S at_i = time(i);
     return where_negative(-absolute(at_i - t), at_i, vertex);
   }
 
-  /// The least around places of the grid.
+  /// The minimum of f near grid points, by Newton steps.
   Point nearest(const Vec2<S>& a, const Curve& f, const Places& i) const {
     S t = least_of(f, i);
     Point p = at(a, t);
     constexpr double near = 1e-4;  // [s]
-    S stays(-1.0);                 // < 0: not yet
+    S stays(-1.0);                 // < 0: not converged
     for (int round = 0; round < 3; ++round) {
       const S next = clamp(t - clamp(p.slope / p.curvature, -0.25, 0.25), plans.dt_, longest);
       const S step = absolute(next - t);
@@ -272,9 +273,9 @@ struct EscapePlans::Search {
       if (!any_negative(stays)) break;
       t = where_negative(stays, next, t);
       p = at(a, t);
-      stays = where_negative(step - S(0.03), S(1.0), stays);  // the next would be a thousandth of it
+      stays = where_negative(step - S(0.03), S(1.0), stays);  // the next step: a thousandth of it
     }
-    // The grid's least stands where the refinement went astray.
+    // If the refinement diverged, the minimum of the grid is used.
     const S astray = value(f, i) - tube.rho0 - p.f;
     return any_negative(astray) ? at(a, where_negative(astray, time(i), t)) : p;
   }
@@ -298,7 +299,7 @@ struct EscapePlans::Search {
     plan.now = before_next(a);
     plan.a = a;
     plan.first = nearest(a, f, i);
-    // Another least, nearly as low: a step could make it the lower one.
+    // Another minimum, nearly as low: the command could make it the lower one.
     constexpr double none = 1e300, nearly = 0.1;  // [m]
     Curve least;
     for (std::size_t k = 1; k + 1 < times; ++k)
@@ -317,10 +318,10 @@ struct EscapePlans::Search {
     return plan;
   }
 
-  /// The plan that is best for the time at which the bound is least.
+  /// The best plan for the time at which the upper bound is least.
   Found best() const {
     Curve a_x{}, a_y{};
-    S turns(1.0);  // < 0: another corner is best for another time
+    S turns(1.0);  // < 0: another corner is best at another time
     for (std::size_t j = 0; j < static_cast<std::size_t>(tube.thrust_count); ++j) {
       const Vec2<S>& g = tube.thrusts[j];
       S sides(0.0);
@@ -354,7 +355,7 @@ struct EscapePlans::Search {
     }
     f = along(a);
     const Plan plan = refined(a, f);
-    // Where at its own nearest time no other is better, it is the optimum.
+    // If no plan is better at the plan's own tightest time, the plan is optimal.
     const Point& nearest = plan.first;
     const Vec2<S> there = best_at(nearest.t, nearest.shape.E);
     constexpr double met = 1e-4;  // [m]
@@ -362,7 +363,7 @@ struct EscapePlans::Search {
                                             : -absolute(there.x - a.x) - absolute(there.y - a.y);
     return {plan, minimum(where_negative(turns, better, S(1.0)), dips(plan))};
   }
-  /// < 0: the plan leaves least within the period, where the search has not looked.
+  /// < 0: the plan has its minimum within the period, which the search has not covered.
   S dips(const Plan& plan) const {
     if (plans.between_ == 0) return S(1.0);
     const S later = plan.now - plan.first.f, dip = plan.now - (norm(tube.r) - tube.rho0);
@@ -376,7 +377,7 @@ struct EscapePlans::Search {
   }
 
   static Vec2<S> same(const Vec2<double>& a) { return {S(a.x), S(a.y)}; }
-  /// Whether f, now and at the times of the grid, is nowhere less.
+  /// Whether f is at least `wanted` now and at all times of the grid.
   bool is_at_least(double wanted, const Curve& f) const {
     S least = norm(tube.r);
     for (const S& value : f) least = minimum(least, value);
@@ -408,7 +409,7 @@ struct EscapePlans::Search {
 
   const EscapePlans& plans;
   const TubeOf<S>& tube;
-  Curve x, y, height_squared, reach;  // of q_0; the way that rho has grown
+  Curve x, y, height_squared, reach;  // of q_0; growth of rho
 };
 
 Touch EscapePlans::touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept {
@@ -484,7 +485,7 @@ bool EscapePlans::with(Tubes tubes, const EscapeFlight& flight, double wanted,
 
 Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan) const noexcept {
   const Tube& tube = search.tube;
-  // Within the period too; where plans differ there no more, by what comes later.
+  // Compares within the period, too; for equal reserves, the later minimum decides.
   const bool dips = between_ > 0;
   const auto better = [&](const Escape& one, const Escape& other) {
     const double more = dips ? one.reserve() - other.reserve() : 0.0;
@@ -502,13 +503,13 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
       if (a.x == plan.a.x && a.y == plan.a.y) continue;
       const auto f = search.along(a);
       if (search.value(f, search.lowest(f)) - tube.rho0 <= (dips ? best.reserve() : best.later()))
-        continue;  // between the times of the grid it is lower still
+        continue;  // the minimum between grid points is lower still
       const Escape other = search.escape(search.refined(a, f));
       if (better(other, best)) best = other;
     }
     return best;
   }
-  // Ascent in the disc from the plan and from straight away.
+  // Gradient ascent in the disc, from the plan and from the direction straight away.
   const Vec2<double> away = search.away();
   const auto along = [&](const Vec2<double>& m) {
     const Vec2<double> a = farthest(tube, direction(m, away));

@@ -16,7 +16,8 @@ constexpr std::size_t most_chasers = 16;
 
 constexpr std::array<double, 2> waits = {0.0, 0.8};  // [s]
 
-/// Of two that leave the same, such as one that is too near already, the one that is too near for a shorter time.
+/// Value of a manoeuvre. Of two with equal least distance, such as that of a body already too near,
+/// the one with the shorter violation is better.
 double worth(const EvasiveManeuver& plan) {
   constexpr double per_second = 0.02;  // [m/s]
   return plan.left - per_second * plan.within;
@@ -46,7 +47,7 @@ Vec2<double> EvasiveManeuvers::thrust(const Arena& arena, const Vec2<double>& al
   const auto& [g, h] = arena.g;
   const double area = g.x * h.y - g.y * h.x;
   if (area == 0) return {arena.disc * along.x, arena.disc * along.y};
-  // along = s g + t h; the larger of both becomes one.
+  // along = s g + t h, scaled so that the larger of |s| and |t| is 1.
   const double s = (along.x * h.y - along.y * h.x) / area, t = (g.x * along.y - g.y * along.x) / area;
   const double most = std::max(std::abs(s), std::abs(t)), length = most > 0 ? 1.0 / most : 0.0;
   return {length * along.x, length * along.y};
@@ -69,7 +70,7 @@ void EvasiveManeuvers::judge(const Arena& arena, std::span<const Chaser> chasers
     const Vec3<double>& p = chasers[j].p;
     body[j] = {Pack(p.x), Pack(p.y), Pack(p.z)};
   }
-  Pack least(1e6), t(0.0), within(0.0);  // within: how long a body is nearer than it may be
+  Pack least(1e6), t(0.0), within(0.0);  // within: time below the hard distance
   for (int k = 0; k < fine_steps + coarse_steps; ++k) {
     const Step& step = k < fine_steps ? fine_ : coarse_;
     const Pack waiting = t + Pack(0.5 * step.h) - wait;  // negative: not begun
@@ -87,7 +88,7 @@ void EvasiveManeuvers::judge(const Arena& arena, std::span<const Chaser> chasers
       const Chaser& chaser = chasers[j];
       Place& q = body[j];
       const Pack r_x = from_x - q.x, r_y = from_y - q.y, r_z = from_z - q.z;
-      // It aims at where the robot is in the middle of the step.
+      // The body aims at the robot's position in the middle of the step.
       const Pack m_x = 0.5 * (from_x + x) - q.x, m_y = 0.5 * (from_y + y) - q.y,
                  m_z = 0.5 * (from_z + z) - q.z;
       const Pack gap = sqrt(m_x * m_x + m_y * m_y + m_z * m_z + Pack(tiny_distance * tiny_distance));
@@ -96,7 +97,7 @@ void EvasiveManeuvers::judge(const Arena& arena, std::span<const Chaser> chasers
       q.x = q.x + part * m_x + Pack(step.h * chaser.v.x);
       q.y = q.y + part * m_y + Pack(step.h * chaser.v.y);
       q.z = q.z + part * m_z + Pack(step.h * chaser.v.z);
-      // The least of the straight way that the robot goes as the body sees it.
+      // Least distance on the straight relative path of this step.
       const Pack d_x = x - q.x - r_x, d_y = y - q.y - r_y, d_z = z - q.z - r_z;
       const Pack along = r_x * d_x + r_y * d_y + r_z * d_z;
       const Pack s =

@@ -1,4 +1,4 @@
-/// The inputs of the last seconds: what a prediction from an old measurement runs on.
+/// The inputs of the last seconds, for predictions from old measurements.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace sightline {
 
-/// A ring of inputs, each in force until the next. Sized once.
+/// A ring buffer of inputs, each in force until the next. Its size is fixed.
 class InputHistory {
  public:
-  /// @param entries  inputs that are kept, >= 1
-  /// @param initial  in force before the first that is recorded (nu)
+  /// @param entries  capacity, >= 1
+  /// @param initial  input in force before the first record (nu)
   InputHistory(std::size_t entries, std::span<const double> initial)
       : nu_(initial.size()), times_(entries), rows_(entries * initial.size()) {
     assert(entries > 0 && "a history holds something");
@@ -22,7 +22,7 @@ class InputHistory {
     std::copy(initial.begin(), initial.end(), rows_.begin());
   }
 
-  /// u (nu) is in force from t [s] on; t must rise.
+  /// Records that u (nu) is in force from t [s] on; t must rise.
   void record(double t, std::span<const double> u) noexcept {
     newest_ = (newest_ + 1) % times_.size();
     count_ = std::min(count_ + 1, times_.size());
@@ -30,8 +30,8 @@ class InputHistory {
     std::copy(u.begin(), u.end(), rows_.begin() + static_cast<std::ptrdiff_t>(newest_ * nu_));
   }
 
-  /// Calls piece(from, to, u) for each piece of [from, to) [s] with one input; what is forgotten counts as the
-  /// oldest that is not.
+  /// Calls piece(from, to, u) for each interval of [from, to) [s] with constant input. Before the
+  /// oldest stored entry, the oldest entry counts.
   template <class Piece>
   void visit(double from, double to, Piece&& piece) const {
     std::size_t back = 0;

@@ -1,20 +1,20 @@
-/// Fallback levels of a robot: what it does when its data grow old, or uncertain. The worst reason decides.
+/// Fallback levels of a robot, chosen by the age and the uncertainty of its data. The worst reason
+/// decides.
 ///
-///   level      age of its data         what is applied
+///   level      greatest age of data    applied command
 ///   valid      fresh                   the plan
 ///   predicted  slow_after              the plan, from a state predicted to the present
 ///   slowed     hold_after              the plan, scaled
 ///   hold       land_after              zero velocity, by the predicted state
-///   land       older                   down at a steady speed without horizontal velocity; the end is the ground
-///   grounded   -                       no command
+///   land       older                   steady descent without horizontal velocity, to the ground
+///   grounded   -                       zero velocity
 ///
-/// Of a position that is estimated its standard deviation decides as well: within sigma_hold it is as good as a measured
-/// one, within sigma_land the robot holds, beyond it lands.
+/// For an estimated position its standard deviation decides as well. Within sigma_hold it counts as
+/// a measured one, within sigma_land the robot holds, beyond it lands.
 ///
-/// Transitions. Between valid, predicted, slowed and hold there is a transition in each direction, chosen by the ages:
-/// down as data grow old, up as they return. From each of the four there is one to land. From land there is one, to
-/// grounded, when the robot is on the ground; from grounded there is none. A robot that has begun to land goes
-/// on landing, also when its data return.
+/// Transitions: between valid, predicted, slowed and hold, in each direction, by the ages. From
+/// each of the four to land. From land to grounded, when the robot is on the ground. From grounded
+/// there is none. A robot that has begun to land continues to land, also when its data return.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ enum class FallbackLevel : std::uint8_t { valid, predicted, slowed, hold, land, 
 inline constexpr int fallback_level_count = 6;
 std::string_view to_string(FallbackLevel level);
 
-/// Greatest age of a robot's data on each level [s].
+/// Greatest age of a robot's data at each level [s].
 struct LadderTimes {
   double fresh = 0.02;      ///< younger data count as present, > 0
   double slow_after = 0.2;  ///< >= fresh
@@ -40,22 +40,22 @@ struct LadderSigmas {
   double land = 2.0;  ///< beyond, it lands, > hold
 };
 
-/// Ages of the data that a robot uses [s]; infinity: there never were any.
+/// Ages of the data that a robot uses [s]; infinity: no data so far.
 struct Ages {
   double own = 0.0;       ///< the last good measurement of the robot itself
-  double partners = 0.0;  ///< the oldest of those of the bodies that it feels a coupling with
+  double partners = 0.0;  ///< the oldest measurement of the bodies whose couplings act on it
   double plan = 0.0;      ///< the last good plan
 };
 
-/// The level that data of one age allow.
+/// The level for data of this age [s].
 FallbackLevel level_at(const LadderTimes& times, double age) noexcept;
-/// The level that an estimate of this deviation allows: valid, hold or land. Of infinity, an estimate that there is not, hold:
-/// its age decides further.
+/// The level for an estimate with this standard deviation [m]: valid, hold or land. For infinity
+/// (no estimate) it is hold, and the age decides further.
 FallbackLevel level_at(const LadderSigmas& sigmas, double sigma) noexcept;
 
-/// The next level. Old data of partners make a robot hold and never land: its own position is still
-/// known.
-/// @param by_sigma  the least that the deviations of estimates allow
+/// The next level. Old data of partners make a robot hold and never land, since its own position is
+/// still known.
+/// @param by_sigma  best level that the standard deviations of estimates allow
 FallbackLevel next_level(FallbackLevel now, const LadderTimes& times, const Ages& ages, bool on_ground,
                          FallbackLevel by_sigma = FallbackLevel::valid) noexcept;
 

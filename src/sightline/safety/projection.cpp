@@ -10,11 +10,11 @@
 namespace sightline {
 namespace {
 
-constexpr int most_variables = most_inputs + 1;  // and the slack
+constexpr int most_variables = most_inputs + 1;  // the inputs and the slack
 constexpr int most_conditions = padded(most_half_spaces) + padded(2 * most_inputs);
-constexpr double dependent = 1e-9;  // a unit normal whose rest is shorter adds nothing to the set
+constexpr double dependent = 1e-9;  // a unit normal with a shorter remainder depends on the set
 constexpr int most_steps = 400;
-constexpr double hard_tolerance = 1e-9;  // what the least violation of the hard rows is known to
+constexpr double hard_tolerance = 1e-9;  // accuracy of the least violation of the hard rows
 
 using Vector = std::array<double, most_variables>;
 
@@ -33,7 +33,7 @@ class ActiveSet {
     offset_[i] = e;
   }
 
-  /// Makes unit vectors of the normals that were added.
+  /// Scales the added conditions to unit normals.
   void normalise() {
     fill();
     const Pack zero(0.0);
@@ -46,13 +46,13 @@ class ActiveSet {
       const Pack length = sqrt(square), e = Pack::load(&offset_[i]);
       for (auto& column : normal_)
         where_negative(-length, Pack::load(&column[i]) / length, zero).store(&column[i]);
-      // Without a direction: kept by all, or by none.
+      // A condition with a zero normal is either always kept, or never.
       where_negative(-length, e / length, Pack(-infinity)).store(&offset_[i]);
       impossible_ = impossible_ || any_negative(where_negative(-length, zero, -e));
     }
   }
 
-  /// Fills the last pack with what asks nothing.
+  /// Fills the last pack with conditions that always hold.
   void fill() {
     for (; count_ % width != 0; ++count_) {
       for (auto& column : normal_) column[count_] = 0.0;
@@ -60,7 +60,7 @@ class ActiveSet {
     }
   }
 
-  /// @return false where no x keeps all conditions
+  /// @return false if no x satisfies all conditions
   bool solve(Vector& x) {
     if (impossible_) return false;
     for (; steps < most_steps;) {
@@ -83,7 +83,7 @@ class ActiveSet {
     return n;
   }
 
-  /// The first of those with the least n . x - e, or -1 where none is below the tolerance.
+  /// The first condition with the least n . x - e, or -1 if all are within the tolerance.
   int most_violated(const Vector& x) const {
     alignas(row_alignment) std::array<double, most_conditions> gap;
     Pack least(-projection_tolerance);
@@ -99,8 +99,8 @@ class ActiveSet {
     return static_cast<int>(std::find(gap.begin(), gap.begin() + count_, most) - gap.begin());
   }
 
-  /// Moves x until the condition is kept, letting go others on the way; r and z are the parts of its normal
-  /// within and beyond those of the set.
+  /// Moves x until the condition is kept, and removes blocking ones; r and z are the parts of its
+  /// normal within and orthogonal to the span of the set.
   bool take_in(int entering, Vector& x) {
     const Vector n = normal(entering);
     double multiplier = 0.0;
@@ -136,7 +136,8 @@ class ActiveSet {
     return true;
   }
 
-  /// z loses what lies in the span of the set, twice against rounding; r are the coefficients of that part.
+  /// Removes from z its part in the span of the set, twice because of rounding; r are the
+  /// coefficients of that part.
   void split(Vector& r, Vector& z) const {
     Vector part{};
     for (int round = 0; round < 2; ++round) {
@@ -154,7 +155,8 @@ class ActiveSet {
     }
   }
 
-  /// The set's normals are basis_ times the triangle, column by column.
+  /// Adds a condition. The set's normals are the product of basis_ and the triangle, column by
+  /// column.
   void push(int entering, double multiplier, const Vector& z, double reach) {
     const auto at = static_cast<std::size_t>(size_++);
     const Vector n = normal(entering);
@@ -189,10 +191,10 @@ class ActiveSet {
   std::array<Vector, most_variables> basis_{}, triangle_{};
 };
 
-constexpr double slack_part = 1e-4;  // 1 / sqrt(slack_weight), of the slack in a row
+constexpr double slack_part = 1e-4;  // 1 / sqrt(slack_weight): coefficient of the slack in a row
 static_assert(slack_part * slack_part * slack_weight == 1.0);
 
-/// The rows and the limits, from u on: of the rows that count, those of `missable` have the slack.
+/// Solves for u under the limits and the rows that count; those of `missable` have the slack.
 template <class Counts, class Missable>
 bool solve(std::span<const HalfSpace> rows, std::span<const double> u_min, std::span<const double> u_max,
            Counts counts, Missable missable, std::span<double> u, int& steps) noexcept {

@@ -11,20 +11,20 @@
 namespace sightline {
 namespace {
 
-constexpr double brake_time = 0.4;     // of the velocity [s]
+constexpr double brake_time = 0.4;     // time constant of the velocity [s]
 constexpr double least_sweep = 0.4;    // to either side [rad]
-constexpr double deviations_away = 5;  // from there two to either side are within 0.4 rad
+constexpr double deviations_away = 5;  // from this distance, two deviations to either side are within 0.4 rad
 constexpr double turn_memory = 1.0;    // [s]
 constexpr double fastest_turn = 10.0;  // [rad/s]
 constexpr double heading_gain = 3.0;   // [1/s]
-constexpr double turning_part = 0.3;   // of the rate that is asked, that a robot must reach
-constexpr double turning_time = 1.0;   // in which it must [s]
+constexpr double turning_part = 0.3;   // least achieved part of the requested turn rate
+constexpr double turning_time = 1.0;   // time for this test [s]
 
 double heading_of(const Sight<double>& sight) noexcept { return std::atan2(sight.d.y, sight.d.x); }
 
 double within_pi(double angle) noexcept { return std::remainder(angle, 2 * std::numbers::pi); }
 
-/// Turns when it is told to, at rest in the origin.
+/// Whether the robot follows a requested turn rate, at rest at the origin.
 bool can_turn(const Model& model, Brake& brake, std::span<const double> u_min, std::span<const double> u_max,
               double rate) {
   std::vector<double> x(size(model.nx())), u(size(model.nu()));
@@ -100,7 +100,7 @@ SearchPhase Search::next(const Robot& robot, double t) const noexcept {
   return swept && t - robot.begun > options_.turn_after ? SearchPhase::round : SearchPhase::sweep;
 }
 
-/// Keeps how far it turned within turn_memory; a filter that begins anew is no turn.
+/// Updates the recent turn within turn_memory; the jump of a restarted filter does not count.
 void Search::follow_turn(Robot& robot, double t, double heading) noexcept {
   const double dt = t - std::exchange(robot.time, t);
   const double turn = within_pi(heading - std::exchange(robot.heading, heading));
@@ -138,7 +138,7 @@ void Search::look(double t, std::span<const View> views, std::span<const double>
   }
 }
 
-/// To the left [rad/s].
+/// Turn rate of the search, to the left [rad/s].
 double Search::turn_rate(const Robot& robot, double t, const Sight<double>& own,
                          const Vec3<double>& target) const noexcept {
   if (robot.phase == SearchPhase::stand) return 0.0;
@@ -147,7 +147,7 @@ double Search::turn_rate(const Robot& robot, double t, const Sight<double>& own,
   double wanted = std::atan2(target.y - own.p.y, target.x - own.p.x);
   const double sigma = robot.view.bearing_sigma;
   if (sigma > options_.sweep_from) {
-    // From one side to the other, at the rate.
+    // Sweeps from one side to the other at the given rate.
     const double most = std::clamp(2 * sigma, least_sweep, std::numbers::pi);
     const double lap = 4 * most / options_.rate, part = std::fmod((t - robot.begun) / lap, 1.0);
     wanted += robot.from * most * (part < 0.25 ? 4 * part : part < 0.75 ? 2 - 4 * part : 4 * part - 4);

@@ -1,18 +1,19 @@
-/// What a robot does that is localized by view and does not see what it observes.
+/// Search of a robot that is localized by vision and does not observe its target.
 ///
-///   phase   while                                                what is applied
-///   none    it is seen, or was less than `predict` ago           the plan
-///   stand   there is no estimate, or sightings contradict it,    no motion: what it sees stays in view until the
-///           but something is in view; at the start               filter begins, or begins anew
-///   turn    the same, and nothing is in view                     no motion, a turn of `rate`, at first back from
-///                                                                where it had turned
-///   sweep   not seen for longer than `predict`                   up to `back_off` farther from it, looking where it
-///                                                                should be, from `sweep_from` on over two standard
-///                                                                deviations to either side
-///   round   ... and swept for `turn_after`                       the same place, a turn of `rate`
+///   phase   condition                                     command
+///   none    accepted sighting within `predict`            the plan
+///   stand   no estimate, or sightings contradict it,      no motion: the body stays in view until
+///           but a body is in view; also at the start      the filter starts or restarts
+///   turn    as `stand`, with no body in view              no motion, a turn of `rate`, at first
+///                                                         back against the last turn
+///   sweep   no accepted sighting for longer than          up to `back_off` farther away, facing the
+///           `predict`                                     target's estimate; from `sweep_from` on
+///                                                         over 2 standard deviations to either side
+///   round   as `sweep`, after `turn_after` of sweeping    the same place, a turn of `rate`
 ///
-/// The way of the target is known meanwhile: it tells it. The search stands behind the supervisor: a robot that holds
-/// turns where it is, and one that lands is left alone. The barrier comes after it and sees the true estimate.
+/// The target's motion remains known from its broadcasts. The search runs after the supervisor: a
+/// robot on level `hold` turns in place, and one that lands is not changed. The barrier runs after
+/// the search and uses the true estimate.
 #pragma once
 
 #include <cstdint>
@@ -56,51 +57,54 @@ struct SearchOptions {
   void check() const { check_parameters(*this); }
 };
 
-/// What is known of one robot's view.
+/// State of one robot's view.
 struct View {
   static constexpr double never = -std::numeric_limits<double>::infinity();
 
-  BodyId robot{}, target{};     ///< the target is the one that it saw last
-  bool localized = false;       ///< there is an estimate of its pose
+  BodyId robot{}, target{};     ///< `target` is the body that it sighted last
+  bool localized = false;       ///< its pose has an estimate
   double position_sigma = 0.0;  ///< standard deviation of its position [m]
   double bearing_sigma =
-      0.0;  ///< standard deviation of the target's direction, as the robot takes it to be [rad]
-  double accepted = never;  ///< stamp of the last sighting that its filter believed [s]
-  double sighted = never;   ///< stamp of the last sighting, whatever became of it [s]
+      0.0;                  ///< standard deviation of the target's direction, as estimated by the robot [rad]
+  double accepted = never;  ///< stamp of the last sighting that its filter accepted [s]
+  double sighted = never;   ///< stamp of the last sighting, accepted or not [s]
 };
 
 enum class SearchPhase : std::uint8_t { none, stand, turn, sweep, round };
 
-/// Nothing throws, allocates, locks or prints once it is made.
+/// Searches of all robots that are localized by vision. Throws and allocates only during
+/// construction; never locks or prints.
 class Search {
  public:
-  /// Sightings that were refused for so long are no outliers [s].
+  /// Sightings that the filter refuses for longer than this are no outliers [s].
   static constexpr double contradicted_after = 0.2;
-  /// After the last sighting the target may still be in view [s].
+  /// For this time after the last sighting the target may still be in view [s].
   static constexpr double in_view = 0.3;
-  static constexpr double fastest = 0.6;   ///< on the way to where it looks from [m/s]
-  static constexpr double approach = 1.0;  ///< time constant of that way [s]
+  static constexpr double fastest = 0.6;   ///< greatest speed towards the search position [m/s]
+  static constexpr double approach = 1.0;  ///< time constant of this motion [s]
 
-  /// @param robots  those that are localized by view
-  /// @throws std::invalid_argument for options out of their range, and for a robot that cannot turn where it stands
+  /// @param robots  robots that are localized by vision
+  /// @throws std::invalid_argument for options out of their range, and for a robot that cannot turn
+  ///         in place
   Search(const Team& team, std::span<const BodyId> robots, const SearchOptions& options);
   Search(const Search&) = delete;  // its robots point into its team
   Search& operator=(const Search&) = delete;
 
-  /// The robots' views at t [s], in any order; x are the states of all bodies, as believed (nx).
+  /// Takes the robots' views at t [s], in any order.
+  /// @param x  estimated states of all bodies (nx)
   void look(double t, std::span<const View> views, std::span<const double> x) noexcept;
-  /// Puts in place of the robots' inputs those of the search, where they search.
-  /// @param x           states that the commands meet (nx)
-  /// @param levels      of all bodies
-  /// @param added       to the inputs afterwards (nu): limits hold for the sum
+  /// Replaces the inputs of robots that search.
+  /// @param x  states at which the commands take effect (nx)
+  /// @param levels  of all bodies
+  /// @param added  offset to the inputs (nu); the limits hold for the sum
   void command(double t, std::span<const double> x, std::span<const FallbackLevel> levels,
                std::span<const double> added, std::span<double> u) noexcept;
-  /// Who is there, and within which limits.
+  /// Takes presence and limits from another membership.
   void follow(const Membership& now) noexcept;
 
   int robots() const noexcept { return static_cast<int>(robots_.size()); }
   BodyId robot(int i) const noexcept { return robots_[static_cast<std::size_t>(i)].body; }
-  /// Of the i-th robot, at the last look().
+  /// Phase of the i-th robot at the last look().
   SearchPhase phase(int i) const noexcept { return robots_[static_cast<std::size_t>(i)].phase; }
 
  private:
@@ -112,13 +116,13 @@ class Search {
     std::vector<double> u_min, u_max;
     View view{};
     SearchPhase phase = SearchPhase::none;
-    double since = View::never;  // it is looked at [s]
-    double begun = 0.0;  // time at which it began to sweep over more than where the target should be [s]
-    double from = 1.0;   // sense of the turn, 1 or -1
-    double time = View::never, heading = 0.0;  // of the last look [s], [rad]
-    double turned = 0.0;                       // lately, to the left [rad]
-    double distance_seen = 0.0;                // at the last one that was believed [m]
-    Vec3<double> away{};                       // from the target to where it looks from, of length 1
+    double since = View::never;                // time of the first view [s]
+    double begun = 0.0;                        // start of the phase, or of the sweep to either side [s]
+    double from = 1.0;                         // sense of the turn, 1 or -1
+    double time = View::never, heading = 0.0;  // at the last look() [s], [rad]
+    double turned = 0.0;                       // recent turn, to the left [rad]
+    double distance_seen = 0.0;                // to the target at the last accepted sighting [m]
+    Vec3<double> away{};                       // unit vector from the target to the search position
     bool contradicted = false, is_there = true;
   };
   static void follow_turn(Robot& robot, double t, double heading) noexcept;

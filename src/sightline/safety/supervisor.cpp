@@ -20,10 +20,10 @@ const SupervisorOptions& checked(const SupervisorOptions& options) {
   return options;
 }
 
-/// Older measurements are of no use: by then the robot lands.
+/// Greatest age of a useful measurement [s]: older ones arrive when the robot already lands.
 double oldest(const SupervisorOptions& o) { return o.times.land_after + 0.5; }
 
-/// Inputs that reach back as far as a measurement may be old.
+/// Capacity of the input history, for the greatest age of a measurement.
 std::size_t entries(const SupervisorOptions& o) {
   return static_cast<std::size_t>(std::ceil(oldest(o) / o.period)) + 2;
 }
@@ -166,7 +166,7 @@ std::span<const double> Supervisor::accept_measurement(double t, std::span<const
       const MeasurementFault fault = track.take(x, stamps[i], t, history_, sigmas_[i]);
       if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, fault});
     } else if (!track.known() && all_finite(x)) {
-      state = x;  // its velocities serve to brake it
+      state = x;  // its velocities allow braking
     }
     track.predict(t, history_);
     std::copy(state.begin(), state.end(), estimated_.begin() + static_cast<std::ptrdiff_t>(from));
@@ -192,7 +192,7 @@ FallbackLevel Supervisor::level_by_sigma(const Robot& robot) const noexcept {
 void Supervisor::command(double t, std::span<const double> x, std::span<const double> plan_ages,
                          std::span<const double> added, std::span<double> u) noexcept {
   assert(plan_ages.size() == tracks_.size() && "a plan has an age for each body");
-  const bool awaits = awaits_position();  // nobody is asked for a plan meanwhile
+  const bool awaits = awaits_position();  // no plans are requested meanwhile
   for (Robot& robot : robots_) {
     if (!is_there(robot.body)) continue;
     robot.limits->at(t, robot.u_min, robot.u_max);
@@ -203,7 +203,7 @@ void Supervisor::command(double t, std::span<const double> x, std::span<const do
     const double height = team_.model(robot.body).sight(&x[robot.x], robot.u_ref.data()).p.z;
     const bool on_ground = height <= options_.ground + at_the_ground;
     FallbackLevel next = next_level(robot.level, options_.times, ages, on_ground, level_by_sigma(robot));
-    // Where it is was never known: nothing to land from.
+    // Without a known position the robot cannot land.
     if (std::isinf(ages.own) || !positioned_[at(robot.body)]) next = FallbackLevel::hold;
     if (next != robot.level) tell({robot.body, next});
     robot.level = next;

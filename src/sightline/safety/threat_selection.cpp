@@ -41,7 +41,7 @@ std::span<const int> ThreatSelection::nearest_threats(int self, const Vec3<doubl
     key[i] = nearest_threats_key(r, w, hard[i], (1.0 - c[i]) * speed[i]);
   }
   std::size_t count = 0;
-  double last = infinity;  // the greatest key that is still taken
+  double last = infinity;  // a key must be less than this to be selected
   for (std::size_t i = 0; i < n; ++i) {
     if (!(key[i] < last) || ids_[i] == self) continue;
     if (count < most) ++count;

@@ -1,10 +1,12 @@
-/// Which few of many bodies press most on a robot, so that its barrier is told of these alone.
+/// Selects the few bodies that threaten a robot most, so that its barrier considers these alone.
 ///
-///   key = |r| - d_hard + r . w / |r| - speed      r = p - p_j [m], w = v - v_j and speed = 0 where j is cooperative,
-///                                                 else w = v and speed = speed_max [m/s]
+///   key = |r| - d_hard + r . w / |r| - speed,     r = p - p_j [m]
 ///
-/// is the distance left after a second of closing in. Columns of all bodies lie side by side, so the keys are computed in
-/// lanes; a barrier that is told of all bodies picks the same, in the same order.
+/// with w = v - v_j and speed = 0 if j is cooperative, else w = v and speed = speed_max [m/s].
+///
+/// The key is the distance left after 1 s of closing in. Columns of all bodies are contiguous, so
+/// that the keys are computed in SIMD lanes. A barrier that receives all bodies selects the same
+/// ones, in the same order.
 #pragma once
 
 #include <cmath>
@@ -15,29 +17,30 @@
 
 namespace sightline {
 
-/// What is closing in with velocity w has of a distance r after a second, beside d_hard and its own speed [m].
+/// Distance that remains of r after 1 s at velocity w, less d_hard and the body's own speed [m].
 inline double nearest_threats_key(const Vec3<double>& r, const Vec3<double>& w, double d_hard,
                                   double speed) noexcept {
   const double D = std::sqrt(dot(r, r)), length = D > 1e-9 ? D : 1e-9;
   return length - d_hard + dot(r, w) / length - speed;
 }
 
-/// Neither `clear`, `add` nor `pressing` allocates.
+/// Selection among the bodies of one period. clear(), add() and nearest_threats() do not allocate.
 class ThreatSelection {
  public:
   struct Body {
     int id;
     Vec3<double> p, v;  // [m], [m/s]
     double d_hard;      // [m]
-    double speed_max;   // of one that is not cooperative [m/s]
+    double speed_max;   // of an uncooperative body [m/s]
   };
 
-  /// Whoever asks; several may at once.
+  /// Input and work space of one request; several threads may each use their own.
   class Requester {
    public:
     explicit Requester(int bodies);
 
-    /// Of each body that was added, in that order: 1 if the robot that is asked about knows it as cooperative, else 0.
+    /// For each added body, in that order: 1 if it is cooperative to the robot of the request, else
+    /// 0.
     std::vector<double> cooperative;
 
    private:
@@ -46,7 +49,7 @@ class ThreatSelection {
     std::vector<double> key_, chosen_key_;
   };
 
-  /// @param bodies  room for so many
+  /// @param bodies  capacity
   explicit ThreatSelection(int bodies);
 
   void clear() noexcept { count_ = 0; }
@@ -54,9 +57,10 @@ class ThreatSelection {
   int size() const noexcept { return static_cast<int>(count_); }
   int id(int i) const noexcept { return ids_[static_cast<std::size_t>(i)]; }
 
-  /// The ids of the `most` bodies with the least keys, the least first, and of all with a key that is not finite.
-  /// @param p, v   of the robot `self`, which is not among them
-  /// @param asker  what it knows; has the answer until it asks again
+  /// The ids of the `most` bodies with the least keys, in ascending order, then of all bodies with
+  /// a key that is not finite.
+  /// @param p, v  position [m] and velocity [m/s] of the robot `self`, which is excluded
+  /// @param requester  cooperation of the bodies; holds the result until its next request
   std::span<const int> nearest_threats(int self, const Vec3<double>& p, const Vec3<double>& v,
                                        std::size_t most, Requester& requester) const noexcept;
 

@@ -12,8 +12,8 @@ namespace sightline {
 namespace {
 
 constexpr double off_the_circle = 0.05;
-constexpr double ahead = 0.05;  // of the clock [s]
-// A body has moved when it has gone, or turned, by more than this.
+constexpr double ahead = 0.05;  // tolerance of a stamp after the present time [s]
+// A body counts as moved beyond these distances and turns.
 constexpr double moved_by = 0.02, turned_by = 0.05;  // [m], [rad]
 
 bool equal_bits(std::span<const double> a, std::span<const double> b) noexcept {

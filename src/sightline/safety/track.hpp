@@ -1,23 +1,24 @@
-/// State estimate of one body: accepts or refuses its measurements, and predicts its state to the present.
+/// State estimate of one body: accepts or refuses its measurements, and predicts its state to the
+/// present.
 ///
-/// A measurement x of time s is refused where
+/// A measurement x of time s is refused with the fault
 ///
-///   not_finite    one of its numbers is NaN or infinite
-///   heading       | |d| - 1 | > 0.05: it is not of unit length
-///   world         |p_x|, |p_y| or |p_z| > world
-///   speed         |v| > v_max
-///   jump          |p - p'| > v_max (s - s') + 3 sqrt(6) sigma, or the heading turned by more than
-///                 turn_max (s - s') + 3 sqrt(2) sigma_heading, (p', s') being the one before
-///   frozen        it has been the same, bit for bit, for frozen_after, while the model under the inputs
-///                 given since has moved
-///   time          s is more than 50 ms ahead of now, or older than `oldest`
+///   not_finite    if one of its numbers is NaN or infinite
+///   heading       if | |d| - 1 | > 0.05: it is not of unit length
+///   world         if |p_x|, |p_y| or |p_z| > world
+///   speed         if |v| > v_max
+///   jump          if |p - p'| > v_max (s - s') + 3 sqrt(6) sigma, or the heading turned by more than
+///                 turn_max (s - s') + 3 sqrt(2) sigma_heading, (p', s') being the previous one
+///   frozen        if it was the same, bit for bit, for frozen_after, while the model under the given
+///                 inputs has moved
+///   time          if s is more than 50 ms ahead of now, or older than `oldest`
 ///
-/// (sqrt(6) sigma is the root mean square of the difference of two positions.) After a refusal `accept_after`
-/// good ones in a row, each consistent with the one before, are needed until one is accepted again. The age of
-/// frozen measurements counts from the first of the equal ones.
+/// (sqrt(6) sigma is the root mean square of the difference of two positions.) After a refusal, a
+/// measurement is accepted again after `accept_after` good ones in a row, each consistent with the
+/// previous one. The age of frozen measurements counts from the first of the equal ones.
 ///
-/// Between measurements the state is predicted by the model under the inputs that were given, so a late
-/// measurement is predicted to the present. One of the present time is taken as it is, bit for bit.
+/// Between measurements the model predicts the state under the given inputs, so a late measurement
+/// is predicted to the present. A measurement of the present time is taken unchanged, bit for bit.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +33,7 @@
 
 namespace sightline {
 
-/// Why a measurement is refused.
+/// Reason why a measurement is refused.
 enum class MeasurementFault : std::uint8_t { none, not_finite, heading, world, speed, jump, frozen, time };
 inline constexpr int measurement_fault_count = 8;
 std::string_view to_string(MeasurementFault fault);
@@ -40,8 +41,8 @@ std::string_view to_string(MeasurementFault fault);
 /// Bounds of plausible measurements of a body.
 struct TrackLimits {
   double world = 100.0;         ///< of a position, each axis [m], > 0
-  double v_max = 5.0;           ///< no body is faster [m/s], > 0
-  double turn_max = 4.0;        ///< no body turns faster [rad/s], > 0
+  double v_max = 5.0;           ///< greatest speed of a body [m/s], > 0
+  double turn_max = 4.0;        ///< greatest turn rate of a body [rad/s], > 0
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
   double frozen_after = 0.3;    ///< equal measurements are a fault after this time [s], > 0
@@ -52,29 +53,29 @@ struct TrackLimits {
 
 class Track {
  public:
-  /// @param input_at  where the body's input stands in the history's rows
+  /// @param input_at  offset of the body's input in the history's rows
   Track(const Model& model, std::size_t input_at, const TrackLimits& limits);
 
-  /// Takes a measurement x (nx) of time `stamp` that arrives at `now` [s]. One that is not newer than the
-  /// last is ignored.
-  /// @param sigma  standard deviation of a position that is estimated [m]; 0: it is measured. An estimate may jump: a new
-  ///               measurement corrects it
-  /// @return why it is refused; none also for one that is ignored
+  /// Takes a measurement x (nx) of time `stamp` that arrives at `now` [s]. Ignores one that is not
+  /// newer than the last.
+  /// @param sigma  standard deviation of an estimated position [m]; 0: measured. An estimate may
+  ///               jump, since a new measurement corrects it
+  /// @return why it is refused; `none` also for one that is ignored
   MeasurementFault take(std::span<const double> x, double stamp, double now, const InputHistory& history,
                         double sigma = 0.0) noexcept;
-  /// Forgets all that was: the body comes to be there at `now`, in the state x (nx); what was measured before is not
-  /// of it.
+  /// Restarts the track for a body that joins at `now` [s] in the state x (nx). Earlier
+  /// measurements are discarded.
   void begin(std::span<const double> x, double now) noexcept;
-  /// Carries the state to `now`, which must not fall.
+  /// Predicts the state to `now` [s], which must not decrease.
   void predict(double now, const InputHistory& history) noexcept;
 
-  /// Whether a measurement was ever accepted; before, the state is at rest in the origin.
+  /// Whether a measurement was ever accepted; before, the state is at rest at the origin.
   bool known() const noexcept { return time_ > never; }
   /// Whether the last measurement was accepted.
   bool trusted() const noexcept { return trusted_; }
   /// The state estimate (nx) at the time of the last predict().
   std::span<const double> state() const noexcept { return x_; }
-  /// Time of the measurement that the state comes from [s]; minus infinity before there was one.
+  /// Time of the measurement on which the state is based [s]; minus infinity before the first.
   double stamp() const noexcept { return stamp_; }
 
  private:
@@ -89,14 +90,14 @@ class Track {
   Model model_;
   std::size_t input_at_;
   TrackLimits limits_;
-  std::vector<double> x_, last_, drift_;  // believed; last plausible measurement; from the first equal one on
+  std::vector<double> x_, last_, drift_;  // estimate; last plausible measurement; prediction if frozen
   std::vector<double> scratch_, no_input_;
-  double time_ = never, stamp_ = never;  // of x_; of the measurement it comes from
+  double time_ = never, stamp_ = never;  // of x_; of the measurement on which it is based
   double last_stamp_ = never;            // youngest measurement so far
   double reference_stamp_ = never;       // of last_
   double equal_since_ = never, drift_time_ = never;
-  Sight<double> sight_{}, reference_{};  // of the measurement at hand; of last_
-  int streak_ = 0;                       // good ones in a row since the last fault
+  Sight<double> sight_{}, reference_{};  // of the current measurement; of last_
+  int streak_ = 0;                       // good measurements in a row since the last fault
   bool trusted_ = true, is_frozen_ = false;
 };
 

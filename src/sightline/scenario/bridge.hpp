@@ -1,4 +1,4 @@
-/// What flies robots that are not simulated: a bridge to them, which a program adds to its Registry.
+/// Interface of a bridge to robots that are not simulated; a program adds a bridge to its Registry.
 #pragma once
 
 #include <atomic>
@@ -17,82 +17,87 @@
 
 namespace sightline {
 
-/// How often a person asked to end: once, and all land; twice, and they are left to their autopilots.
+/// Number of interrupts by the user: at 1 all robots land, at 2 control passes to their autopilots.
 using Interrupts = std::atomic<int>;
-/// Takes a sentence for a person. Between take_off() and land() called by a thread of the bridge, else by its caller's; never by two.
+/// Receives a sentence for the user. Called by a thread of the bridge between take_off() and
+/// land(), otherwise by the caller's thread; never by two threads at once.
 using PrintMessage = std::function<void(std::string_view)>;
 
 enum class Arming {
   real,
-  on_call,  ///< not before somebody calls for it, by what the bridge offers others
+  on_call,  ///< arms only after a call of the interface that the bridge offers to other programs
   dry_run,
 };
 
-/// How a flight kept time, while its task was flown. Times in s.
+/// Timing of a flight while its task was flown. Times in s.
 struct LinkTiming {
   struct Delay {
     double median = 0.0, p99 = 0.0, most = 0.0;
   };
-  std::int64_t periods = 0, missed = 0;  ///< missed: over before they could begin; of `periods`
-  Delay wake{};                          ///< from a period's begin until the loop runs
-  Delay arrival{};                       ///< from the stamp of a pose to us; 0 where clocks differ
-  double cpu = 0.0;                      ///< of one core, by the whole program
+  std::int64_t periods = 0, missed = 0;  ///< missed: ended before they could begin; of `periods`
+  Delay wake{};                          ///< from the begin of a period until the loop runs
+  Delay arrival{};                       ///< from a pose's stamp to its reception; 0 if the clocks differ
+  double cpu = 0.0;                      ///< load of the whole program, in cores
 };
 
-/// Robots that are reached over links, as a world. Time 0 is the first measure().
+/// A world of robots that are reached over links. Time 0 is the first measure().
 ///
-/// take_off(), a Loop that flies in it, land(): by one thread. Each call of apply() keeps the robots in flight; where none comes for
-/// half a second, autopilots do what they do without a companion.
+/// One thread calls take_off(), runs a Loop in this world, then calls land(). Each call of apply()
+/// keeps the robots in flight. Without a call for 0.5 s, each autopilot takes its action for a lost
+/// companion computer.
 class LinkedWorld : public World {
  public:
-  /// Waits for the robots, checks them, arms them, and brings them to where they hold. Returns too when a person asks to end.
-  /// @return false where not all of them hold; faults() says why
+  /// Waits for the robots, checks and arms them, and brings them to their hold positions. Returns
+  /// early when the user interrupts.
+  /// @return false unless all robots hold; faults() gives the reasons
   virtual bool take_off(Arming arming, const Interrupts& interrupts, const PrintMessage& print) = 0;
-  /// Brings all that fly to the ground. Returns when none is left to care for, in bounded time.
+  /// Brings all flying robots to the ground. Returns in bounded time, when no robot needs control
+  /// any more.
   virtual void land(const Interrupts& interrupts, const PrintMessage& print) = 0;
-  /// Whether somebody else than the program's user asks that all land.
+  /// Whether another program than the user's requests that all robots land.
   virtual bool requested_to_land() const noexcept = 0;
-  /// Shows a period to those who look on. By the thread that flies: allocates nothing, waits for nobody.
+  /// Publishes a period to observers. Called by the flight thread: neither allocates nor blocks.
   virtual void show(const Sample& sample) noexcept = 0;
-  /// Of a part of a team, what carries predictions to the others and back; none where one solver plans all.
+  /// Carries the predictions of one part of a team to the other parts and back; null if one solver
+  /// plans the whole team.
   virtual PartExchange* exchange() noexcept { return nullptr; }
-  /// After the flight: what made it fail, a sentence each.
+  /// After the flight: the faults that made it fail, one sentence each.
   virtual std::vector<std::string> faults() const = 0;
-  /// After the flight: what was counted, a line each: messages, and those that were refused.
+  /// After the flight: the counters, one line each, of messages and of rejected messages.
   virtual std::vector<std::string> counts() const = 0;
-  /// After the flight.
+  /// After the flight: its timing.
   virtual LinkTiming timing() const = 0;
 };
 
-/// Stands in for the robots of a fleet, in the place of their links' far ends.
+/// Simulates the robots of a fleet at the far ends of their links.
 class VehicleSimulators {
  public:
   virtual ~VehicleSimulators() = default;
-  /// Until `interrupts` is not zero, or for so long [s].
-  /// @param tell  takes what becomes of faults; may be empty
+  /// Runs until `interrupts` is not zero, or for `duration` [s].
+  /// @param print  receives a sentence for each fault that begins or ends; may be empty
   virtual void run(double duration, const Interrupts& interrupts, const PrintMessage& print) = 0;
-  /// Begins a fault of the usual size, or ends the one that there is. Of any thread.
+  /// Begins a fault of the default size, or ends the active one. Thread-safe.
   /// @param robot  from 0, in the order of the fleet's links
-  /// @return what became of it, a sentence
+  /// @return the effect, one sentence
   virtual std::string toggle(std::size_t robot, LinkFaultKind kind) = 0;
-  /// After it: what each of them was told and did, a line each.
+  /// After the run: the messages received and the actions taken, one line for each robot.
   virtual std::vector<std::string> counts() const = 0;
 };
 
-/// Where a robot says that it is, in G.
+/// Pose that a robot reports, in G.
 struct RobotPose {
   std::string robot;
-  bool known = false;    ///< it has said so
+  bool known = false;    ///< the robot has reported a pose
   Vec3<double> p{};      ///< [m]
   double heading = 0.0;  ///< [rad]
   double age = 0.0;      ///< [s]
 };
 
-/// Listens to the robots of a fleet before a flight. It sends nothing that one of them could obey.
+/// Monitors the robots of a fleet before a flight. Sends nothing that a robot could act on.
 class FleetDoctor {
  public:
   virtual ~FleetDoctor() = default;
-  /// Of what was heard in the last 10 s.
+  /// Findings from the messages of the last 10 s.
   virtual std::vector<Finding> findings() = 0;
   virtual std::vector<RobotPose> poses() = 0;
 };
@@ -100,7 +105,8 @@ class FleetDoctor {
 class Bridge {
  public:
   virtual ~Bridge() = default;
-  /// @throws std::invalid_argument for a scenario that it cannot fly, std::runtime_error where the network cannot be had
+  /// @throws std::invalid_argument for a scenario that the bridge cannot fly, std::runtime_error if
+  /// the network is not available
   virtual std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const = 0;
   virtual std::unique_ptr<VehicleSimulators> vehicle_simulator(const Scenario& scenario) const = 0;
   virtual std::unique_ptr<FleetDoctor> examine(const Scenario& scenario) const = 0;

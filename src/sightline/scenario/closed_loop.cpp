@@ -41,7 +41,8 @@ std::optional<Localizer> localizer_of(const Scenario& scenario) {
   return std::optional<Localizer>(std::in_place, scenario.team, scenario.x0, scenario.localization);
 }
 
-/// What a robot keeps from each body: what the scenario asks for, else not to be at one place with it.
+/// Minimum distance of a robot to each body [m]: the scenario's hard distance, otherwise
+/// LoopOptions::at_one_place.
 std::vector<double> hard_distances(const Scenario& scenario) {
   std::vector<double> d_hard;
   for (int i = 0; i < scenario.team.bodies(); ++i) {
@@ -57,14 +58,14 @@ bool can_plan_in_a_changing_team(Solver& solver) { return solver.team_planner() 
 bool can_keep_apart(Solver& solver) { return solver.keeps_apart(); }
 bool can_use_uncertainty(Solver& solver) { return solver.uses_uncertainty(); }
 
-/// Whether some view shrinks by what its robot does not know.
+/// Whether the pose uncertainty of some robot shrinks its view.
 bool has_uncertain_views(const Scenario& scenario) {
   const auto& robots = scenario.localization.robots;
   return std::any_of(robots.begin(), robots.end(),
                      [](const LocalizedRobot& robot) { return robot.mount.sigmas > 0; });
 }
 
-/// Asks the solver of that name, made for one robot.
+/// Evaluates a capability of the solver of that name, made for a team of one robot.
 bool solver_can(Can can, std::string_view name) {
   Team one;
   one.add(PointMass{});
@@ -107,7 +108,7 @@ void check_solvers(const Scenario& scenario) {
     }
     for (const Agent& agent : scenario.team.agents()) {
       if (agent.R_rate.empty()) continue;
-      Team one;  // what it refuses, it says
+      Team one;  // the solver's own error states the reason
       one.add(agent);
       make_solver(solver_named(name), one, scenario.horizon);
       break;

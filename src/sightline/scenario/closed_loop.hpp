@@ -1,4 +1,5 @@
-/// A scenario's closed loop: its world and its controllers, as `sightline run` and a campaign fly it.
+/// Closed loop of a scenario: the world and the controllers that `sightline run` and a campaign
+/// use.
 #pragma once
 
 #include <atomic>
@@ -13,72 +14,77 @@
 
 namespace sightline {
 
-/// @throws std::invalid_argument where the team changes in flight, or keeps apart as a swarm, and its solver, or one
-/// that is to be compared, does not know how
+/// @throws std::invalid_argument if the team changes in flight or uses keep_apart, and the solver,
+/// or one of simulation.compare, does not support it
 void check_solvers(const Scenario& scenario);
 
-/// The world that the scenario says, seen by its cameras where bodies have tags, with telemetry where robots are localized by view.
+/// The world that the scenario names. Adds cameras if there are cameras and tags, and telemetry if
+/// robots are localized by vision.
 std::unique_ptr<World> make_world(const Scenario& scenario);
 
-/// The solvers that can plan in a team that changes (TeamPlanner), in words: "newton_riccati".
+/// Names of the solvers that support a team that changes (TeamPlanner), as text: "newton_riccati".
 std::string team_planners();
-/// Whether the solver of that name can.
+/// Whether the solver of that name supports such a team.
 bool plans_in_a_changing_team(std::string_view solver);
 
-/// Makes a scenario's flight one that is changed while it flies. No other solver flies it afterwards, by its text too: many cannot
-/// follow a team that changes, and the text with the changes is flown again.
+/// Prepares a scenario for changes in flight. Clears `simulation.compare`, in its text too: many
+/// solvers do not support a team that changes, and the text with the changes must be replayable.
 /// @throws std::invalid_argument for a team that plans in parts, and as check_solvers()
 void make_tunable(Scenario& scenario);
 
-/// In simulated time no deadline acts: a solver has the time it takes, and a run is the same on any machine.
+/// Removes the deadline for simulated time, so that a run gives the same result on any machine.
 void lift_deadline(SolverChoice& choice);
 
-/// Each update of a large team is shared over these threads; the commands are the same whatever their number.
+/// Shares each update of a large team over these threads; the commands do not depend on their
+/// number.
 void share_updates(SolverChoice& choice, const std::shared_ptr<ThreadPool>& pool);
 
-/// Makes solvers of that choice, for teams of one horizon.
+/// Returns a function that makes solvers of that choice, for teams with one horizon.
 MakeSolver solver_maker(SolverChoice choice, const Horizon& horizon);
 
-/// Who steers a scenario: a solver of its team, one of each of its parts, or a TeamSwitcher of them where the team changes in flight.
+/// Controllers of a scenario: a solver of its team, one for each part, or a TeamSwitcher of them if
+/// the team changes in flight.
 class Controls {
  public:
   /// @throws as check_solvers(), and for a script with faults
   explicit Controls(const Scenario& scenario);
 
-  /// Of the start.
+  /// Controllers of the initial team.
   Controllers controllers() const;
-  /// Of the solver of the start.
+  /// Kernels of the initial solver.
   KernelUse kernels() const;
-  /// None for a team that stays.
+  /// Null for a team that does not change.
   TeamSwitcher* team_switcher() const { return team_switcher_.get(); }
-  /// Makes ready for the same flight again, with other starts and another seed. @return false: it has to be made anew, since what
-  /// it did, or what becomes of its messages, follows from the flight
+  /// Prepares for another flight of the scenario, with other starts and another seed.
+  /// @return false if new Controls are necessary: the state of a TeamSwitcher or of simulated
+  /// messages depends on the flight
   bool restart();
 
  private:
   std::unique_ptr<Solver> solver_;
-  bool talks_ = false;  // in parts, by messages
+  bool talks_ = false;  // plans in parts, with simulated messages
   std::unique_ptr<TeamSwitcher> team_switcher_;
 };
 
-/// Guard and loop of one flight in a world, as the scenario says. All memory is taken when it is made.
+/// Guard and loop of one flight in a world, as the scenario specifies. The constructor allocates
+/// all memory.
 class ClosedLoop {
  public:
-  /// @param world          of the scenario's team: make_world(), or another; it, the controllers, the clock and the
-  ///                       sink outlive this
-  /// @param controllers    a solver of the scenario's team
+  /// @param world          of the scenario's team, from make_world() or another; the world, the
+  ///                       controllers, the clock and the sink must outlive this object
+  /// @param controllers    solvers of the scenario's team
   /// @param sink           its items are copies of sized_sample()
-  /// @param allocations    of the calling thread so far, where they are counted
+  /// @param allocations    returns the allocations of the calling thread so far; null: not counted
   /// @param team_switcher  of the Controls, if the scenario has one
-  /// @param stop           ends the flight at the next period once it is true
-  /// @throws std::invalid_argument for a start, a disturbance or a sink that cannot be, named
+  /// @param stop           true ends the flight at the next period
+  /// @throws std::invalid_argument for an invalid start, disturbance or sink, with its name
   ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
              Sink<Sample>& sink, std::int64_t (*allocations)() noexcept = nullptr,
              TeamSwitcher* team_switcher = nullptr, const std::atomic<bool>* stop = nullptr);
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
-  /// Flies to the end, once; closes the sink.
+  /// Runs the flight to its end, once; closes the sink.
   LoopOutcome fly() noexcept { return loop_.run(); }
 
  private:

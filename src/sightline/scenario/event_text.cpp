@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-/// Whether a scenario calls this action so.
+/// Whether a scenario names this action by the key.
 template <class A>
 bool is_called(std::string_view key) {
   if constexpr (requires { A::key; }) return A::key == key;

@@ -45,7 +45,7 @@ constexpr std::array magics = {
     Magic{"\x7f\x45LF"sv, {"a program (ELF)", scenario}},
 };
 
-/// A log of ours, or of somebody else: the header names the library that wrote it.
+/// A log of sightline or of another program; the header names the library that wrote it.
 FileKind mcap_kind(std::string_view head) {
   if (head.substr(0, 256).find("sightline") != std::string_view::npos)
     return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in"};
@@ -59,7 +59,7 @@ std::string_view trimmed_left(std::string_view line) {
   return line;
 }
 
-/// Lines that say something: neither empty nor a comment. The last may be cut off.
+/// Lines that are neither empty nor a comment. The last one may be incomplete.
 std::vector<std::string_view> lines_of(std::string_view head) {
   if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
   std::vector<std::string_view> lines;
@@ -74,7 +74,8 @@ std::vector<std::string_view> lines_of(std::string_view head) {
   return lines;
 }
 
-/// The key of a YAML mapping, "robots" of "robots:" and of "robots: ..."; empty where the line has none.
+/// The key of a YAML mapping, "robots" of "robots:" and of "robots: ..."; empty if the line has
+/// none.
 std::string_view yaml_key(std::string_view line) {
   line = trimmed_left(line);
   if (line.starts_with("- ")) line = trimmed_left(line.substr(2));
@@ -121,7 +122,7 @@ FileKind yaml_kind(const std::vector<std::string_view>& lines) {
   return {};
 }
 
-/// Whether two rows have as many columns, by one of the marks that stand between them.
+/// Whether two rows have equally many columns, by one of the usual separators.
 bool is_table(std::string_view first, std::string_view second) {
   return std::any_of(std::begin(",;\t"), std::end(",;\t") - 1, [&](char mark) {
     const auto columns = std::count(first.begin(), first.end(), mark);
@@ -137,7 +138,7 @@ FileKind text_kind(std::string_view head) {
   if (first.starts_with('<'))
     return {"XML", "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"", true};
   if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario, true};
-  // A table in TOML is a [header] of its own.
+  // In TOML, a line in [ ] is a header, not a row of a table.
   if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&
       is_table(lines[0], lines[1]))
     return {
@@ -148,7 +149,7 @@ FileKind text_kind(std::string_view head) {
   return yaml_kind(lines);
 }
 
-/// The beginning of a file; empty where it cannot be read.
+/// The beginning of a file; empty if it cannot be read.
 std::string head_of(const std::filesystem::path& file) {
   std::string head(file_head, '\0');
   std::ifstream in(file, std::ios::binary);

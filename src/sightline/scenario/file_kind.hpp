@@ -1,4 +1,4 @@
-/// What a file is that is no scenario: a log, a calibration, a table, by its first bytes.
+/// Recognises files that are not scenarios (logs, calibrations, tables) by their first bytes.
 #pragma once
 
 #include <filesystem>
@@ -7,25 +7,26 @@
 
 namespace sightline {
 
-/// Bytes that file_kind() needs, of a file that is longer.
+/// Number of leading bytes that file_kind() needs [bytes].
 inline constexpr std::size_t file_head = 4096;
 
-/// @param what      "a PX4 ULog"; empty where nothing is recognised
-/// @param expected  what stands in its place, "a scenario file (TOML)"; with what to do
-/// @param is_text   of a kind that is text, so that it may be TOML nevertheless
+/// Result of file_kind().
+/// @param what      "a PX4 ULog"; empty if the kind is unknown
+/// @param expected  the expected file, "a scenario file (TOML)", and what to do
+/// @param is_text   a text format, so that the file may be TOML nevertheless
 struct FileKind {
   std::string_view what{}, expected{};
   bool is_text = false;
 };
 
-/// The kind of what begins like this.
+/// Kind of a file that begins with `head`.
 FileKind file_kind(std::string_view head);
 
-/// "this is a PX4 ULog, expected a scenario file (TOML); ..."; empty where nothing is recognised.
+/// "this is a PX4 ULog, expected a scenario file (TOML); ..."; empty if the kind is unknown.
 std::string kind_sentence(const FileKind& kind);
 
-/// The log in the folder of a run, FOLDER/run.mcap.
-/// @throws std::invalid_argument with a sentence where there is none; of a file, with what that is
+/// Path of the log in the folder of a run, FOLDER/run.mcap.
+/// @throws std::invalid_argument if the folder has no log; for a file, the sentence names its kind
 std::filesystem::path log_of(const std::filesystem::path& folder);
 
 }  // namespace sightline

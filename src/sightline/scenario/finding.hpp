@@ -1,4 +1,4 @@
-/// What is looked at before a flight, and what was found: green or red, a sentence each.
+/// Checks before a flight and their findings: a light and a sentence each.
 #pragma once
 
 #include <cstdint>
@@ -11,40 +11,41 @@ namespace sightline {
 
 enum class Light : std::uint8_t {
   green,
-  unknown,  ///< nobody says
+  unknown,  ///< no data
   red,
 };
 std::string_view to_string(Light light);
 
-/// What is looked at.
+/// Subject of a check.
 enum class Aspect : std::uint8_t {
   // Of a robot.
-  topics,     ///< what it is flown by comes, and it hears us
-  release,    ///< its messages have the layout that the fleet says
-  system,     ///< the number that it is to have
-  frames,     ///< its poses are in the frames that the fleet says
-  writers,    ///< nobody else speaks in its place, or commands it
-  rate,       ///< of its poses, against what the supervisor takes for fresh
-  clock,      ///< its clock against ours
-  latency,    ///< of its poses, from their stamp to us
-  place,      ///< where it is in G: within the walls
-  camera,     ///< of one that is localized by view: tags that it finds, and when
+  topics,     ///< the robot publishes the topics that a flight needs, and receives ours
+  release,    ///< its messages have the layout of the fleet's release
+  system,     ///< its system number is the required one
+  frames,     ///< its poses are in the frames of the fleet
+  writers,    ///< no other node publishes in its place, or commands it
+  rate,       ///< rate of its poses, against the supervisor's limit for fresh poses
+  clock,      ///< offset of its clock to ours
+  latency,    ///< of its poses, from the stamp to reception
+  place,      ///< its position in G is within the walls
+  camera,     ///< of a vision-localized robot: tags that it detects, and when
   estimator,  ///< its own estimate is valid
-  checks,     ///< its own checks before a flight, its failsafe
+  checks,     ///< its own preflight checks and failsafe
   state,      ///< disarmed, on the ground
   battery,
-  pilot,  ///< it receives a pilot's transmitter
+  pilot,  ///< a pilot's transmitter is received
   // Of the fleet.
-  distance,  ///< of robots on the ground, one from the other
-  origins,   ///< of their local frames, against what they say of them
-  tags,      ///< large enough for the cameras at the distances that are kept
+  distance,  ///< between robots on the ground
+  origins,   ///< origins of local frames, against the poses that the robots report in them
+  tags,      ///< tags are large enough for the cameras at the distances of the couplings
   // Of this machine.
   timing,  ///< of the control loop
 };
 inline constexpr int aspects = 19;
-/// A word that stays: "topics".
+/// A stable word: "topics".
 std::string_view to_string(Aspect aspect);
-/// Whether `sightline fly` arms nothing while it is red. The others tell what a flight would be like.
+/// Whether `sightline fly` arms no robot while this aspect is red. Other aspects only predict the
+/// quality of a flight.
 bool keeps_grounded(Aspect aspect);
 
 struct Finding {
@@ -54,9 +55,10 @@ struct Finding {
   std::string sentence;
 };
 
-/// The worst of them; green of none.
+/// The worst light; green without findings.
 Light worst(std::span<const Finding> findings);
-/// A table for a person: a heading for each robot, in the order in which they first occur, a line for each finding.
+/// A table for the user: a heading for each robot, in order of first occurrence, and a line for
+/// each finding.
 /// @param coloured  with the colours of a terminal
 std::string findings_table(std::span<const Finding> findings, bool coloured);
 

@@ -1,4 +1,4 @@
-/// Where a person sends a robot while it flies: goals and paths, as one reference without jumps.
+/// Goals and paths that a user sends to a robot in flight, as one continuous reference.
 #pragma once
 
 #include <array>
@@ -13,55 +13,57 @@
 
 namespace sightline {
 
-/// A place on a robot's way.
+/// A place on a robot's path.
 struct Waypoint {
   double after =
-      0.0;  ///< when to be there, after the message [s]; 0 in a message of one: at the track's own speed
+      0.0;  ///< time of arrival after the message [s]; 0 for a single waypoint: at the track's own speed
   Vec3<double> p{};      ///< [m], in G
   double heading = 0.0;  ///< [rad]
 };
 
-/// What became of a message.
+/// Result of a message.
 enum class GoalAnswer { taken, too_fast, full };
 
-/// A reference that begins as the robot's own and goes where messages say.
+/// A reference that begins as the robot's own and then follows messages.
 ///
-/// A message of time t leads from the reference as it is then, with its velocity, to the goal: for each leg the cubic with these
-/// ends,
+/// A message at time t leads from the present reference, with its velocity, to the goal. Each leg
+/// is the cubic with these ends,
 ///
-///   x*(s) = (2s^3 - 3s^2 + 1) p_0 + (s^3 - 2s^2 + s) T v_0 + (3s^2 - 2s^3) p_1 + (s^3 - s^2) T v_1,   s = (time - begin) / T
+///   x*(s) = (2s^3 - 3s^2 + 1) p_0 + (s^3 - 2s^2 + s) T v_0 + (3s^2 - 2s^3) p_1 + (s^3 - s^2) T v_1,
+///   s = (time - begin) / T
 ///
-/// which from rest to rest is the blend s^2 (3 - 2 s) of events. A goal has T = 1.5 distance / speed, the distance at which the blend is
-/// as fast as `speed`, and at least 1 s and 1.5 angle / (1 rad/s). The legs of a path are straight lines but for the first, which meets
-/// the velocity of the second. Headings go the shorter way round, by the blend.
+/// which from rest to rest is the blend s^2 (3 - 2 s) of events. A goal has T = 1.5 distance /
+/// speed, the time at which the blend's greatest speed is `speed`. T is at least 1 s and 1.5 angle
+/// / (1 rad/s). The legs of a path are straight lines, except the first, which meets the velocity
+/// of the second. Headings turn the shorter way, by the blend.
 ///
-/// x*(time) depends on the messages up to that time alone: once they are there, a log and a replay see what the controller saw. One
-/// thread adds, any others look.
+/// x*(time) depends only on messages up to that time: a log and a replay reproduce the controller's
+/// reference. One thread adds messages; any thread may read.
 class GoalTrack {
  public:
   static constexpr std::size_t path_most = 64;                                   ///< waypoints of a message
   static constexpr std::size_t messages_most = 16'384, legs_most = 32'768;       ///< of a flight
   static constexpr double least_time = 1.0, turn_speed = 1.0, path_speed = 5.0;  ///< [s], [rad/s], [m/s]
 
-  /// @param own    until the first message
+  /// @param own    reference until the first message
   /// @param speed  towards goals [m/s], > 0
   GoalTrack(Model model, Reference own, double speed);
 
-  /// Forgets all: before a flight.
+  /// Removes all messages: before a flight.
   void clear() noexcept { messages_.count = 0; }
 
-  /// A message at time t of the flight [s], later than the one before; 1 to path_most waypoints, of a path with times that rise.
-  /// Allocates nothing.
+  /// Adds a message at time t of the flight [s], later than the previous one, with 1 to path_most
+  /// waypoints; those of a path have rising times. Allocates nothing.
   GoalAnswer add(double t, std::span<const Waypoint> waypoints) noexcept;
 
-  /// Messages so far. Of any thread.
+  /// Messages so far. Thread-safe.
   std::size_t messages() const noexcept { return messages_.count.load(std::memory_order_acquire); }
-  /// When one of them came [s].
+  /// Time of a message [s].
   double time(std::size_t message) const noexcept { return messages_.list[message].t; }
-  /// What it said, into `waypoints`.
+  /// Copies the waypoints of a message into `waypoints`.
   void waypoints(std::size_t message, std::vector<Waypoint>& waypoints) const;
 
-  /// The reference of a track, which lives as long as it.
+  /// The reference of a track; shares ownership of the track.
   static Reference reference(std::shared_ptr<const GoalTrack> track);
 
  private:
@@ -82,9 +84,9 @@ class GoalTrack {
   struct Moving {
     Vec3<double> p{}, v{};
     double heading = 0.0;
-    bool heads = false;  // else any heading will do
+    bool heads = false;  // else the heading is free
   };
-  /// Of a robot's model.
+  /// State of a robot's model.
   struct State {
     std::array<double, Reference::max_states> x;
     std::size_t n;
@@ -111,7 +113,7 @@ struct RobotGoals {
   BodyId robot{};
   std::shared_ptr<GoalTrack> track{};
 };
-/// Those of a fleet that take goals.
+/// Robots of a fleet that accept goals.
 std::vector<RobotGoals> goals_of(const std::optional<FleetPlan>& fleet);
 
 }  // namespace sightline

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view based_on_key = "based_on";
-// Of a region, of MuJoCo, of keys.
+// Of a region, of a MuJoCo model, of DDS keys.
 constexpr std::array<std::string_view, 3> file_keys = {"file", "model", "folder"};
 
 bool is_section_table(const toml::node& node) { return node.is_table() && !node.as_table()->is_inline(); }
@@ -28,7 +28,7 @@ bool goes_on(const toml::node& node) {
   return list != nullptr && !list->empty() && std::all_of(list->begin(), list->end(), is_section_table);
 }
 
-/// Puts one table over another.
+/// Merges the upper table into a table.
 void put_over(toml::table& into, toml::table&& upper) {
   for (auto&& [key, node] : upper) {
     toml::node* below = into.get(key.str());
@@ -42,7 +42,7 @@ void put_over(toml::table& into, toml::table&& upper) {
   }
 }
 
-/// The names of files, relative to `folder`, as seen from where that is relative to.
+/// Changes the names of files to be relative to the parent of `folder`.
 /// @return whether there are any
 bool name_files_from(toml::node& node, const fs::path& folder) {
   bool named = false;
@@ -62,7 +62,7 @@ bool name_files_from(toml::node& node, const fs::path& folder) {
   return named;
 }
 
-/// Puts the file's text onto the layers, behind those of the files it is based on.
+/// Appends the file's text to the layers, after those of its base files.
 void stack(std::string_view text, const std::string& file, std::vector<fs::path> above,
            std::vector<TomlLayer>& layers) {
   const toml::table root = parse_layer(text, file);

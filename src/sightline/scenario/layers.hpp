@@ -1,13 +1,13 @@
-/// A scenario in layers: files that it is based on, the file itself, values that are set from outside.
+/// A scenario in layers: base files, the file itself, and values that are set from outside.
 ///
 ///     based_on = "../pair.toml"                          # relative to this file, above its first section
 ///
-///     [agent.uav0]                                       # a section is filled key by key ...
-///     parameters = { preset = "x500" }                   # ... what stands behind a "=" takes the place of what was there
+///     [agent.uav0]                                       # sections merge key by key ...
+///     parameters = { preset = "x500" }                   # ... a value after "=" replaces the lower one
 ///
-///     [[couple]]                                         # and a list of sections goes on
+///     [[couple]]                                         # lists of sections are appended
 ///
-/// docs/templates.md has the whole.
+/// Full description: docs/templates.md.
 #pragma once
 
 #include <filesystem>
@@ -19,18 +19,19 @@
 
 namespace sightline {
 
-/// The document of a text, on top of the files that it is based on and below the values that are set. Its nodes know where
-/// they stand, so that a refusal names the file and line, or the --set.
+/// The document of a text, on top of its base files and below the values in `set`. Its nodes know
+/// their source, so that an error names the file and line, or the --set.
 /// @param set    "KEY=VALUE", see set_value()
-/// @throws ScenarioError for a file that is missing or based on itself, and as parse_toml() and set_value()
+/// @throws ScenarioError for a file that is missing or based on itself, and as parse_toml() and
+/// set_value()
 TomlDocument layered(std::string_view text, std::string file, std::span<const std::string> set);
 
-/// The document as it was made, whatever became of its root.
+/// Parses the document's sources again, without later changes of its root.
 TomlDocument as_written(const TomlDocument& document);
 
-/// The text of a scenario of one folder, to be written into another: what it says of files is seen from there. One that
-/// names none stays as it is.
-/// @param file  that the text is of
+/// Rewrites the text of a scenario in `file` for another location, `folder`: its relative file
+/// names become relative to `folder`. A text without file names stays as it is.
+/// @param file  location of the text
 /// @throws ScenarioError as parse_toml()
 std::string text_seen_from(const std::filesystem::path& folder, const std::string& text,
                            const std::filesystem::path& file);

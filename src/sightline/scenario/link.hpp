@@ -1,4 +1,5 @@
-/// How robots that are not simulated are reached: what [fleet] and [agent.NAME.link] say. Read everywhere; only a bridge flies it.
+/// Links to robots that are not simulated, [fleet] and [agent.NAME.link]. Every build reads them;
+/// only a bridge uses them.
 #pragma once
 
 #include <array>
@@ -18,18 +19,18 @@
 
 namespace sightline {
 
-/// Releases of PX4 whose messages are known.
+/// PX4 releases whose messages are supported.
 enum class Px4Release { v1_14, v1_15, v1_16, v1_17, v1_18 };
 
-/// A vehicle of PX4 behind its uXRCE-DDS agent.
+/// A PX4 vehicle behind its uXRCE-DDS agent.
 struct Px4Link {
   static constexpr std::string_view name = "px4";
 
   Px4Release release = Px4Release::v1_16;
   std::string name_space{};  ///< of its topics, "/px4_1"; empty: none
-  int target_system = 0;     ///< MAV_SYS_ID, that it must have; 0: any
-  double battery_min = 0.2;  ///< charge that is left, below which it is not armed
-  double reset_max = 0.3;    ///< jumps of its estimator, in sum, that are taken as its frame's [m]
+  int target_system = 0;     ///< required MAV_SYS_ID; 0: any
+  double battery_min = 0.2;  ///< remaining charge below which it is not armed, 0 to 1
+  double reset_max = 0.3;    ///< sum of its estimator's jumps that are attributed to its local frame [m]
 
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 5> releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
@@ -43,13 +44,13 @@ struct Px4Link {
   }
 };
 
-/// A Crazyflie behind the server of Crazyswarm2.
+/// A Crazyflie behind the Crazyswarm2 server.
 struct Crazyswarm2Link {
   static constexpr std::string_view name = "crazyswarm2";
 
   std::string name_space{};  ///< of its topics and services, "/cf1"
   double takeoff_height = 0.5, takeoff_time = 2.0;
-  double battery_min = 3.7;  ///< voltage, below which it is not armed
+  double battery_min = 3.7;  ///< voltage below which it is not armed [V]
 
   static constexpr auto parameters() {
     return std::tuple{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
@@ -61,27 +62,27 @@ struct Crazyswarm2Link {
   }
 };
 
-/// What takes a robot on ROS 2 off and lands it.
+/// Interface that takes a ROS 2 robot off and lands it.
 enum class FlightCalls {
   topics,   ///< std_msgs/Empty
   empty,    ///< services of std_srvs/Empty
   trigger,  ///< services of std_srvs/Trigger
 };
-/// What the numbers of its cmd_vel are.
+/// Meaning of the numbers in its cmd_vel.
 enum class FlightCommands {
   velocity,    ///< [m/s], [rad/s]
   normalised,  ///< inputs of (24), within [-1, 1]
 };
 
-/// A robot with an odometry and a cmd_vel topic: rovers, and multirotors that take velocities.
+/// A robot with an odometry and a cmd_vel topic: rovers, and multirotors that accept velocities.
 struct Ros2Link {
   static constexpr std::string_view name = "ros2";
 
   std::string odometry{}, cmd_vel{};  ///< topics
   bool stamped = false;               ///< cmd_vel is a TwistStamped
-  std::string frame{}, body_frame{};  ///< that the odometry must be in and of; empty: any
+  std::string frame{}, body_frame{};  ///< required frames of the odometry: parent and child; empty: any
 
-  // Of one that flies.
+  // Of a robot that flies.
   std::string takeoff{}, land{};  ///< topics or services
   FlightCalls calls = FlightCalls::topics;
   FlightCommands commands = FlightCommands::velocity;
@@ -97,8 +98,9 @@ struct Ros2Link {
   }
 };
 
-/// Where poses come from: from the robot itself; from others, in G and without velocities; or from the estimator of a robot that is
-/// localized by view, which goes by the motion that the robot's odometry tells, and by what its camera sees.
+/// Source of poses: the robot's own odometry; mocap or tf, in G and without velocities; or the
+/// estimator of a vision-localized robot, which uses the motion of the robot's odometry and its
+/// camera's detections.
 enum class PoseSource { odometry, mocap, tf, estimate };
 inline constexpr std::array<std::string_view, 4> pose_sources = {"odometry", "mocap", "tf", "estimate"};
 
@@ -107,33 +109,33 @@ struct PosesFrom {
   bool by_others() const { return source == PoseSource::mocap || source == PoseSource::tf; }
   bool estimated() const { return source == PoseSource::estimate; }
 
-  std::string topic{};  ///< of mocap: PoseStamped, or NamedPoseArray where the body has a name
+  std::string topic{};  ///< of mocap: PoseStamped, or NamedPoseArray if the body has a name
   std::string name{};   ///< of the body in a NamedPoseArray; of tf, the frame of the body
   std::string frame =
-      "world";  ///< that is G: of mocap the frame of its poses, of tf where the chain of parents ends
+      "world";  ///< name of G: for mocap the frame of its poses, for tf the root of the chain of parents
 };
 
-/// Where a local frame lies in G.
+/// Pose of a local frame in G.
 struct LinkOrigin {
   Vec3<double> p{};      ///< [m]
-  double heading = 0.0;  ///< of its x axis, where it is ENU [rad]
+  double heading = 0.0;  ///< of its x axis, if the frame is ENU [rad]
 };
 
 class GoalTrack;
 
-/// Where a person sends the robot in flight.
+/// Goals for the robot in flight.
 struct GoalsFrom {
   std::string goal_topic{};            ///< of PoseStamped; empty: none
   std::string path_topic{};            ///< of Path, whose poses have stamps; empty: none
-  std::string frame = "world";         ///< that is G
+  std::string frame = "world";         ///< name of G
   double speed = 0.5;                  ///< towards goals [m/s]
-  std::shared_ptr<GoalTrack> track{};  ///< the robot's reference, which they change; none: it takes no goals
+  std::shared_ptr<GoalTrack> track{};  ///< the robot's reference, which goals change; null: no goals
 };
 
 struct Link {
   BodyId robot{};
   std::variant<Px4Link, Crazyswarm2Link, Ros2Link> kind{};
-  LinkOrigin origin{};  ///< of the frame that its odometry is in, and its velocity commands
+  LinkOrigin origin{};  ///< of the frame of its odometry and its velocity commands
   PosesFrom poses{};
   GoalsFrom goals{};
   bool has_camera = false;
@@ -144,37 +146,38 @@ struct Link {
   }
 };
 
-/// Who hears us, and whom we hear.
+/// Discovery and addressing on the network.
 enum class Multicast { off, on };
 struct FleetNetwork {
   int domain = 0;                                  ///< of DDS
-  std::vector<std::string> interfaces = {"lo"};    ///< by which messages leave, by name
-  std::vector<std::string> peers = {"127.0.0.1"};  ///< machines that are asked who is there
+  std::vector<std::string> interfaces = {"lo"};    ///< for outgoing messages, by name
+  std::vector<std::string> peers = {"127.0.0.1"};  ///< machines that receive discovery requests
   Multicast multicast = Multicast::off;
-  int participants = 32;            ///< most programs of one machine
-  std::filesystem::path keys{};     ///< DDS security: a folder of each of key_owners; empty: none
-  std::string node = "/sightline";  ///< what the flyer is called: the beginning of its topics and services
-  bool topics = true;               ///< shows the flight to others
+  int participants = 32;            ///< greatest number of programs on one machine
+  std::filesystem::path keys{};     ///< DDS security: a folder for each of key_owners; empty: none
+  std::string node = "/sightline";  ///< name of the flight node, prefix of its topics and services
+  bool topics = true;               ///< publishes the flight to other nodes
 };
 inline constexpr int domain_max = 230;
-/// Who of a fleet has keys, and the files of each, by the names that SROS 2 gives them.
+/// Owners of keys in a fleet, and the files of each, by their names in SROS 2.
 inline constexpr std::array<std::string_view, 2> key_owners = {"flyer", "vehicles"};
 inline constexpr std::array<std::string_view, 6> key_files = {
     "identity_ca.cert.pem",    "cert.pem",       "key.pem",
     "permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"};
 
-/// A target or an obstacle that others say the place of; or a robot that another part of the team plans.
+/// A target or an obstacle whose pose other nodes publish; or a robot that another part of the team
+/// plans.
 struct BodyLink {
   BodyId body{};
   PosesFrom poses{};
-  std::optional<Link> robot{};  ///< to listen to; its id is of the whole team
+  std::optional<Link> robot{};  ///< its link, for reception only; its id is that of the whole team
 };
 
 struct FleetPlan {
   FleetNetwork network{};
   std::vector<Link> links{};        ///< of each robot, in the order of the team
-  std::vector<BodyLink> bodies{};   ///< of those that have one, in the order of the team
-  std::vector<LinkFault> faults{};  ///< that stand-ins have
+  std::vector<BodyLink> bodies{};   ///< of the bodies that have a link, in the order of the team
+  std::vector<LinkFault> faults{};  ///< of the vehicle simulators
 };
 
 /// Whether the robot behind a link can have a fault of that kind.

@@ -1,4 +1,4 @@
-/// What can go wrong with robots that are stood in for: [[fleet.fault]], and keys of `sightline vehicles`.
+/// Faults of simulated vehicles: [[fleet.fault]], and keys of `sightline vehicles`.
 #pragma once
 
 #include <array>
@@ -32,20 +32,20 @@ enum class LinkFaultKind : std::uint8_t {
   blind,
 };
 
-/// Which robots can have it, by the kinds of their links.
+/// Kinds of links whose robots can have a fault.
 struct FaultOf {
   bool px4, crazyswarm2, ros2;
-  bool camera = false;  ///< those with a camera alone
+  bool camera = false;  ///< only robots with a camera
 };
 
-/// A kind of fault, as files, keys and documents have it.
+/// Description of a kind of fault, for files, keys and documents.
 struct LinkFaultText {
   std::string_view name;
   char key;               ///< a letter
   FaultOf of;             ///< px4, crazyswarm2, ros2
-  std::string_view size;  ///< what its size is; empty: it has none
+  std::string_view size;  ///< unit or meaning of its size; empty: no size
   Bounds bounds;          ///< of the size
-  double fallback;        ///< the size where none is said
+  double fallback;        ///< the default size
   std::string_view meaning;
 };
 
@@ -96,10 +96,10 @@ inline const LinkFaultText& text_of(LinkFaultKind kind) {
   return link_faults[static_cast<std::size_t>(kind)];
 }
 
-/// From when on a fault's time counts.
+/// Time origin of a fault.
 enum class FaultClock : std::uint8_t {
-  start,   ///< of the stand-ins
-  flight,  ///< since the robot was first steered
+  start,   ///< of the vehicle simulators
+  flight,  ///< since the robot received its first command
 };
 inline constexpr std::array<std::string_view, 2> fault_clocks = {"start", "flight"};
 
@@ -109,7 +109,7 @@ struct LinkFault {
   FaultClock since = FaultClock::start;
   double at = 0.0;                                            ///< [s]
   double duration = std::numeric_limits<double>::infinity();  ///< [s]
-  double size = 0.0;                                          ///< by its kind
+  double size = 0.0;                                          ///< in the unit of its kind
 };
 
 /// "drop 0.2 for 2 s, 5 s after it is first steered"

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double missed_most = 0.02;  // of the periods
 
-/// A steady clock that writes down when its periods began, and how long the loop was at work in them.
+/// A steady clock that records the wake-up delay and the working time of each period.
 class TimedClock final : public Clock {
  public:
   explicit TimedClock(std::size_t periods) {
@@ -46,7 +46,7 @@ class TimedClock final : public Clock {
  private:
   using Time = std::chrono::steady_clock;
 
-  // No more than there is room for: nothing is allocated in flight.
+  // Never exceeds the reserved capacity: nothing is allocated in flight.
   static void note(std::vector<double>& times, std::chrono::duration<double> time) noexcept {
     if (times.size() < times.capacity()) times.push_back(time.count());
   }

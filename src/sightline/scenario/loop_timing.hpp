@@ -1,4 +1,4 @@
-/// Whether this machine keeps the periods of a scenario: its control loop, timed without a flight.
+/// Measures without a flight whether this machine keeps the periods of a scenario's control loop.
 #pragma once
 
 #include <atomic>
@@ -13,19 +13,21 @@ namespace sightline {
 /// Times in s.
 struct LoopTiming {
   double period = 0.0;
-  std::int64_t periods = 0, missed = 0;  ///< missed: over before they could begin; of `periods`
+  std::int64_t periods = 0, missed = 0;  ///< missed: ended before they could begin; of `periods`
   double update_median = 0.0, update_p99 = 0.0,
-         update_most = 0.0;  ///< measurement to command, and what follows
-  double wake_p99 = 0.0;     ///< from a period's begin until the loop runs
+         update_most = 0.0;  ///< from measurement to command, and the rest of the update
+  double wake_p99 = 0.0;     ///< from the begin of a period until the loop runs
   Realtime realtime{};
 
-  /// Red where more than 2 % are missed, or the 99th percentile of the updates is longer than a period.
+  /// Red if more than 2 % of the periods are missed, or the 99th percentile of the updates exceeds
+  /// a period.
   Finding finding() const;
 };
 
-/// Flies the scenario in its model at the wall clock's pace, in a thread that asks for what a flight asks for.
-/// @param seconds  how long, > 0
-/// @param stop     ends it earlier once it is true
+/// Simulates the scenario at the pace of the wall clock, in a thread that requests the same
+/// real-time settings as a flight.
+/// @param seconds  duration, > 0
+/// @param stop     true ends it earlier
 /// @throws std::invalid_argument as ClosedLoop and Controls
 LoopTiming time_loop(Scenario scenario, double seconds, const std::atomic<bool>* stop = nullptr);
 

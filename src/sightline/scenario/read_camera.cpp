@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-/// `render`, in a world that can.
+/// Reads `render`, which requires a world with a renderer.
 bool read_render(const TomlTable& at, const std::string& world) {
   constexpr std::string_view key = "render";
   if (!at.has(key) || !at.boolean(key)) return false;
@@ -34,7 +34,7 @@ bool is_tf_frame(const std::string& name) {
          std::none_of(name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c == 127; });
 }
 
-/// What /tf calls the optical frame of a robot's camera.
+/// Name in /tf of the optical frame of a robot's camera.
 std::string read_optical_frame(const TomlTable& at, std::string_view robot, const CameraOptions& vision) {
   constexpr std::string_view key = "optical_frame";
   std::string frame = fmt::format("{}_camera_optical_frame", robot);
@@ -47,7 +47,8 @@ std::string read_optical_frame(const TomlTable& at, std::string_view robot, cons
   return frame;
 }
 
-/// What /tf calls the tags of a body: by default as apriltag_ros does, numbers in the order of the file.
+/// Names in /tf of the tags of a body; by default those of apriltag_ros, with numbers in the order
+/// of the file.
 std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, const CameraOptions& vision) {
   constexpr std::string_view key = "frames";
   std::vector<std::string> frames;

@@ -1,4 +1,5 @@
-/// What is seen by whom, and what is in the way: [agent.NAME.sensor], .camera, .tags and .hull; the latter two of any body.
+/// Reads cameras, tags and hulls: [agent.NAME.sensor] and .camera of robots, .tags and .hull of any
+/// body.
 #pragma once
 
 #include <optional>
@@ -13,23 +14,24 @@ namespace sightline {
 /// The mount of a robot's sensor, if it has one.
 std::optional<SensorMount> read_mount(const TomlTable& agent);
 
-/// The camera of a robot, its tags and its hull; of a target or an obstacle, tags and hull.
-/// @param mount  of its sensor
+/// Reads the camera of a robot, and the tags and the hull of any body, into scenario.vision.
+/// @param mount  of the body's sensor, if it has one
 void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
                 Scenario& scenario);
 
-/// Cameras, tags and hulls, those of vehicles included.
+/// Cameras, tags and hulls, including the hulls of vehicles.
 CameraOptions camera_options(const Scenario& scenario);
 
-/// Tags that a robot with a camera has to read at a distance that one of its couplings keeps.
+/// Size of a target's tags in the image of an observer, at a distance that a coupling states.
 struct TagReading {
   BodyId observer{}, target{};
   std::string key;                               ///< of the coupling, "d_max"
-  double distance = 0.0;                         ///< that it keeps [m]
-  double pixels = 0.0;                           ///< side of a tag there
-  double from_ahead = 0.0, from_any_side = 0.0;  ///< pixels that it takes for every second picture
+  double distance = 0.0;                         ///< that the coupling keeps [m]
+  double pixels = 0.0;                           ///< side of a tag in the image at that distance [px]
+  double from_ahead = 0.0, from_any_side = 0.0;  ///< sides at which half of the pictures give a detection
+                                                 ///< [px]
 };
-/// In the order of the couplings; nearest first.
+/// In the order of the couplings; d_min before d_max.
 std::vector<TagReading> tag_readings(const Scenario& scenario);
 
 /// "camera      uav0: 320 x 240 px, ...", a line for each camera, body with tags and distance.

@@ -32,7 +32,7 @@ std::vector<double> read_fractions(const TomlTable& at, std::size_t choices) {
   return fractions;
 }
 
-/// Keys of a distribution, all numbers it gives within the range.
+/// Reads the keys of a distribution; all its values must lie in the range.
 Distribution read_distribution(const TomlTable& at, const Range& range) {
   Distribution d;
   const auto given = std::count_if(distribution_kinds.begin(), distribution_kinds.end(),
@@ -62,7 +62,7 @@ Distribution read_distribution(const TomlTable& at, const Range& range) {
   return d;
 }
 
-/// Reads what is drawn, and looks up what it is drawn for.
+/// Reads the distributions and finds the numbers that they apply to.
 class PlanReader {
  public:
   PlanReader(ScenarioNumbers numbers, const Team& team) : numbers_(std::move(numbers)), team_(team) {
@@ -112,7 +112,7 @@ class PlanReader {
     return draw;
   }
 
-  /// What the file does not write must be something that may be added to it.
+  /// Checks that the scenario accepts drawn keys that the file does not contain.
   void try_missing(const std::function<void(const std::vector<std::string>& set)>& try_set) const {
     if (missing_.empty()) return;
     std::vector<std::string> set;
@@ -129,7 +129,7 @@ class PlanReader {
   }
 
  private:
-  /// Of a number of the file that a campaign may draw, once.
+  /// Reads the key of a number in the file that a campaign may draw.
   std::string read_key(const TomlTable& at) {
     std::string key = at.text("key", "the key of a number in this file, as agent.uav0.start.p[0]");
     if (key.starts_with("campaign.")) refuse_key(at, "those of [campaign] are not drawn");
@@ -175,7 +175,7 @@ class PlanReader {
     at.throw_invalid(key, fmt::format("{} to be a number that this file writes out", number));
   }
 
-  /// Each number is drawn once.
+  /// Marks a number of the file as drawn; rejects a second draw.
   void claim(const TomlTable& at, std::string_view key, const std::string& number) {
     expect_written(at, key, number);
     if (!drawn_.insert(number).second) at.throw_invalid(key, fmt::format("{} to be drawn once", number));
@@ -187,7 +187,7 @@ class PlanReader {
   std::set<std::string> drawn_;
   struct Missing {
     TomlTable at;
-    std::string assignment;  // "KEY=VALUE", of a value that is drawn
+    std::string assignment;  // "KEY=VALUE", of a drawn value
   };
   std::vector<Missing> missing_;
 };
@@ -247,7 +247,7 @@ void read_campaign(const TomlDocument& document, const std::string& text, const 
                    Scenario& scenario) {
   if (!document.root.contains("campaign")) return;
   const std::filesystem::path file = document.file;
-  // What the file does not write is tried in the scenario alone.
+  // Tests drawn keys that the file lacks in the scenario without [campaign].
   const auto try_set = [&](const std::vector<std::string>& set) {
     TomlDocument flight = parse_toml(text, document.file);
     flight.root.erase("campaign");

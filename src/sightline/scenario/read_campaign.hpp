@@ -1,4 +1,4 @@
-/// [campaign] of a scenario.
+/// Reads [campaign] of a scenario.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ namespace sightline {
 struct Scenario;
 struct ScenarioChanges;
 
-/// Puts [campaign] into the scenario that was read from the document: its plan, or why it cannot be flown, since a flight that is
-/// no campaign's does not need it.
-/// @param text  as it is written, whose numbers a campaign draws
+/// Reads [campaign] into the scenario that was read from the document. An invalid [campaign] only
+/// sets campaign_refusal, since other flights do not need it.
+/// @param text  as written in the file; a campaign draws its numbers
 void read_campaign(const TomlDocument& document, const std::string& text, const ScenarioChanges& changes,
                    Scenario& scenario);
 

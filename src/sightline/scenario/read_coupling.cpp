@@ -27,7 +27,8 @@ std::vector<AgentId> read_feeling(const TomlTable& at, Between between, const Te
   return agents;
 }
 
-/// The body that a coupling looks past: none of its two, and its potential sees one.
+/// The third body, past which the potential looks: none of `between`; requires a potential with a
+/// third body.
 BodyId read_third(const TomlTable& at, const Coupling& coupling, const Team& team) {
   const BodyId third =
       team.find(at.value("third", "a name").word(body_names(team, Among::bodies), "the name of a body"));
@@ -120,7 +121,7 @@ void read_keep_apart(const TomlTable& at, Team& team) {
   const double radius = at.has("radius") ? at.number("radius", positive("> 0 m")) : 2.5;
   const auto n = static_cast<std::int64_t>(agents.size());
   const std::int64_t all = std::max<std::int64_t>(1, n * (n - 1) / 2);
-  // Robots that touch are far fewer; who is near along its plans is near in passing.
+  // Far fewer robots touch at one time, but pairs that are near along the predictions count too.
   constexpr std::int64_t of_robot = 30, least = 2000;
   const std::int64_t room =
       at.has("pairs_max") ? at.integer("pairs_max", 1, 100'000) : std::max(least, of_robot * n);

@@ -1,4 +1,4 @@
-/// [simulation.disturbance] of a scenario.
+/// Reads [simulation.disturbance] of a scenario.
 #pragma once
 
 #include "sightline/scenario/toml_table.hpp"
@@ -6,7 +6,8 @@
 
 namespace sightline {
 
-/// Wind is [x, y, z] or, level, { size, direction }: where it blows to, from the x axis of G to the left.
+/// Wind is [x, y, z] or, if horizontal, { size, direction }: the direction into which it blows,
+/// from the x axis of G to the left.
 /// @throws ScenarioError
 Disturbances read_disturbances(const TomlTable& at);
 

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<std::string_view, 2> localization_kinds = {"global", "vision"};
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
 
-/// The bodies with tags that a robot's sensor is to see at some time of a run.
+/// The bodies with tags that a robot's sensor observes at some time of a run.
 std::vector<BodyId> observed_by(BodyId robot, const Scenario& scenario) {
   std::vector<BodyId> all;
   const auto add = [&](BodyId body) {
@@ -58,7 +58,7 @@ std::vector<BodyId> read_observed(const TomlTable& agent, BodyId robot, const Sc
   return read;
 }
 
-/// A robot that is localized by what its camera sees.
+/// Reads a robot that is localized by its camera.
 LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const FilterOptions& filter,
                               const Scenario& scenario) {
   constexpr std::string_view key = "localization";
@@ -79,7 +79,7 @@ LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const Filter
   return read;
 }
 
-/// Who observes nothing that tells its heading has none.
+/// Rejects a vision-localized robot whose sensors do not measure its heading.
 void refuse_unknown_headings(const TomlTable& at, const Scenario& scenario) {
   const SensedTeam team = sensed_team(scenario);
   for (const Unobservable& what : unobservable_states(team.robots, team.places, team.sightings))
@@ -122,7 +122,7 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
       read_part<FilterOptions>(TableSource(all), std::array<std::string_view, 2>{"cycles", "broadcast"});
   if (all.has("cycles") && all.word("cycles", cycle_words) == cycle_words[1])
     options.cycles = Cycles::intersected;
-  // What is told by radio, and how it is carried on between two messages.
+  // The broadcast of poses, and their extrapolation between two messages.
   const TomlTable broadcast = all.table_or_empty("broadcast");
   const TableSource from(broadcast);
   std::vector<std::string_view> keys = parameter_keys<BroadcastOptions>();
@@ -148,7 +148,8 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
   if (!first) return;
   first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
   refuse_unknown_headings(*first, scenario);
-  first->checked([&] { return Guard(scenario.team, *guard_options(scenario)); });  // who searches must turn
+  first->checked([&] { return Guard(scenario.team, *guard_options(scenario)); });  // searching requires a
+                                                                                   // robot that can turn
 }
 
 TelemetryOptions telemetry_options(const Scenario& scenario) {

@@ -1,4 +1,4 @@
-/// How robots know where they are: [agent.NAME] localization, observes and estimate, and [estimate] of all of them.
+/// Reads localization, observes and estimate of [agent.NAME], and [estimate] of all robots.
 #pragma once
 
 #include <string>
@@ -11,24 +11,24 @@
 
 namespace sightline {
 
-/// Fills scenario.localization and scenario.radio; after all bodies, couplings and events.
+/// Fills scenario.localization and scenario.radio. Requires all bodies, couplings and events.
 void read_estimates(const TomlTable& root, Scenario& scenario);
 
-/// A team as its sensors determine it, for unobservable_states().
+/// What the sensors of a team measure, for unobservable_states().
 struct SensedTeam {
   std::vector<SensingRobot>
-      robots{};  ///< all bodies; of those that are localized by view, what their own sensors tell
+      robots{};  ///< all bodies; of vision-localized robots, the states that their own sensors measure
   std::vector<PlacedRobot> places{};  ///< at the start
-  std::vector<Sees> sightings{};      ///< of those that are localized by view
+  std::vector<Sees> sightings{};      ///< of vision-localized robots
 };
 SensedTeam sensed_team(const Scenario& scenario);
-/// Whether the camera of an observer tells the headings of bodies with tags.
+/// Whether the camera of an observer measures the headings of bodies with tags.
 bool sees_headings(const Scenario& scenario, BodyId observer);
 
-/// What robots and bodies tell in simulation.
+/// Poses that robots and bodies report in simulation.
 TelemetryOptions telemetry_options(const Scenario& scenario);
 
-/// "localized   uav0: by view of uav1, ...", a line for each robot that is.
+/// "localized   uav0: by view of uav1, ...", a line for each vision-localized robot.
 std::string localization_words(const Scenario& scenario);
 
 }  // namespace sightline

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// The couplings and constraints that there may ever be: the team's, and those that events add.
+/// The couplings and constraints of the whole flight: the team's, and those that events add.
 void enter_terms(const std::vector<TomlTable>& events, EventScope& scope) {
   const auto enter = [&](const std::string& name, BodyId observer, bool is_pair) {
     if (!name.empty()) scope.terms.push_back({name, observer, is_pair});
@@ -60,8 +60,7 @@ TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script&
   return event;
 }
 
-/// Nothing comes about on a body that is never there, and nobody can observe it. The tables are of the script's
-/// last events.
+/// Rejects events about bodies that are never present. `tables` belong to the script's last events.
 void check_presence(const std::vector<TomlTable>& tables, const Script& script, const Scenario& scenario) {
   std::vector<Presence> presence = scenario.presence;
   for (const TeamEvent& event : script.events) {
@@ -117,7 +116,7 @@ Script read_events(const TomlTable& root, const Scenario& scenario, const Observ
   EventScope scope{scenario.team, observers, scenario.simulation};
   const std::vector<TomlTable> tables = root.tables("event");
   enter_terms(tables, scope);
-  Script script = scenario.script;  // of shapes
+  Script script = scenario.script;  // events of shapes
   const std::size_t of_shapes = script.events.size();
   for (const TomlTable& at : tables) {
     script.events.push_back(read_event(at, scope, script, script.events.size() - of_shapes));

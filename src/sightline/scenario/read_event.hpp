@@ -1,4 +1,5 @@
-/// Events of a scenario, [[event]]: what is to change in flight, and when. docs/events.md.
+/// Reads the events of a scenario, [[event]]: changes in flight and their times. See
+/// docs/events.md.
 #pragma once
 
 #include <vector>
@@ -8,12 +9,12 @@
 
 namespace sightline {
 
-/// `simulation.signal`: the messages that events may wait for, in the order of their times; those that the
-/// simulation does not send come last, at infinity.
+/// `simulation.signal`: the messages that events may wait for, in the order of their times.
+/// Messages that the simulation does not send come last, at infinity.
 std::vector<TimedSignal> read_signals(const TomlTable& simulation);
 
-/// All of [[event]], for the team and its presence at the start; what can be known to be wrong without a flight is
-/// refused.
+/// Reads all of [[event]], for the team and its presence at the start. Rejects every fault that is
+/// known without a flight.
 Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers);
 
 }  // namespace sightline

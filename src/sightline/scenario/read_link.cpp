@@ -47,7 +47,7 @@ std::string read_ros_name(const TomlTable& at, std::string_view key, std::string
   return name;
 }
 
-/// A frame or a body, as others call it: anything that fits in a line.
+/// A frame or a body by its external name: any text that fits in a line.
 std::string read_frame(const TomlTable& at, std::string_view key, std::string_view what) {
   std::string name = at.text(key, what);
   if (name.empty() || name.size() > link_text_max)
@@ -66,7 +66,7 @@ std::vector<std::string> read_network_names(const TomlTable& at, std::string_vie
   return names;
 }
 
-// Of each kind, what stands beside what the kind says of its parameters.
+// Keys of every kind of link, beside the parameters of the kind.
 constexpr std::array<std::string_view, 10> common = {"kind",       "origin",     "poses",      "pose_topic",
                                                      "pose_name",  "pose_frame", "goal_topic", "path_topic",
                                                      "goal_frame", "goal_speed"};
@@ -99,7 +99,7 @@ LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
 LinkKind read_ros2(const TomlTable& at, const std::string&) {
   Ros2Link link = read_kind<Ros2Link>(
       at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame", "takeoff", "land", "state"});
-  // Who is seen by others has no need of its own.
+  // A robot whose poses come from mocap or tf needs no odometry.
   const std::string source = at.has("poses") ? at.text("poses", "where its poses come from") : "";
   if (source == "mocap" || source == "tf") {
     for (const std::string_view key : {"odometry", "frame", "body_frame"})
@@ -148,7 +148,7 @@ PosesFrom read_poses(const TomlTable& at, PoseSource fallback) {
   return poses;
 }
 
-/// Where the keys are; those of a log's fleet need not be any more.
+/// The folder of the DDS keys; for a log's fleet it may be missing.
 std::filesystem::path read_keys(const TomlTable& at) {
   at.expect_only({"folder"});
   const std::string expected = "a folder with flyer/ or vehicles/ in it, as scripts/dds_keys.sh makes it";
@@ -197,7 +197,7 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
 
 namespace {
 
-/// The key and the topic, or what topics begin with, by which a robot is commanded.
+/// The key and the topic, or the prefix of topics, for commands to a robot.
 std::pair<std::string_view, std::string_view> commanded_by(const Link& link) {
   if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) return {"namespace", px4->name_space};
   if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))

@@ -1,4 +1,4 @@
-/// [fleet], [agent.NAME.link], [target.NAME.link] and [obstacle.NAME.link].
+/// Reads [fleet], [agent.NAME.link], [target.NAME.link] and [obstacle.NAME.link].
 #pragma once
 
 #include <optional>
@@ -14,17 +14,18 @@ namespace sightline {
 /// @throws ScenarioError
 std::optional<FleetNetwork> read_fleet(const TomlTable& root);
 
-/// [agent.NAME.link], which each robot of a fleet has, and no other: adds it to the fleet, if there is one.
+/// Reads [agent.NAME.link] and adds it to the fleet, if there is one. Every robot of a fleet has a
+/// link; without a fleet none has.
 /// @param goals  of the same table
 /// @throws ScenarioError
 void read_link(const TomlTable& agent, const std::string& name, BodyId robot, GoalsFrom goals,
                std::optional<FleetPlan>& fleet);
 
-/// What [agent.NAME.link] says of goals: the robot's reference becomes one that they change.
+/// Reads the goals of [agent.NAME.link]; the robot's reference becomes one that goals change.
 /// @throws ScenarioError
 GoalsFrom read_goals(const TomlTable& agent, Agent& robot);
 
-/// [target.NAME.link] and [obstacle.NAME.link], which a body may have: adds it to the fleet.
+/// Reads [target.NAME.link] or [obstacle.NAME.link], which are optional, and adds it to the fleet.
 /// @throws ScenarioError
 void read_body_link(const TomlTable& at, BodyId body, std::optional<FleetPlan>& fleet);
 

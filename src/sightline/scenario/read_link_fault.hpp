@@ -1,4 +1,4 @@
-/// [[fleet.fault]].
+/// Reads [[fleet.fault]].
 #pragma once
 
 #include "sightline/scenario/link.hpp"
@@ -6,7 +6,7 @@
 
 namespace sightline {
 
-/// Adds the faults of [fleet] to the fleet, whose links are read.
+/// Adds the faults of [fleet] to the fleet. Requires its links.
 /// @throws ScenarioError
 void read_link_faults(const TomlTable& at, const Team& team, FleetPlan& fleet);
 

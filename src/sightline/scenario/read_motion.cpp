@@ -113,7 +113,7 @@ UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agen
     const bool measured = at.word("velocity", known) == "measured";
     uncooperative.velocity = measured ? SeenVelocity::measured : SeenVelocity::unknown;
   }
-  // A thing that stands still in the scenario is taken to stay, unless others say where it is.
+  // A body without a velocity is assumed to stay, unless a link reports its pose.
   if (!uncooperative.motion && norm(read.v) == 0 && !at.has("link")) uncooperative.speed_max = 0.0;
   if (at.has("speed_max")) uncooperative.speed_max = at.number("speed_max", not_negative(">= 0 m/s"));
   if (at.has("d_hard")) uncooperative.d_hard = at.number("d_hard", positive("> 0 m"));

@@ -1,4 +1,4 @@
-/// What a scenario says of a target or an obstacle: [target.NAME], [obstacle.NAME].
+/// Reads targets and obstacles, [target.NAME] and [obstacle.NAME].
 #pragma once
 
 #include <functional>
@@ -8,17 +8,17 @@
 
 namespace sightline {
 
-/// A target or an obstacle as its section says it.
+/// A target or an obstacle as its section defines it.
 struct UncooperativeStart {
-  UncooperativeBody uncooperative;  ///< its body not yet set
+  UncooperativeBody uncooperative;  ///< its body is not yet set
   Vec3<double> p, v;                ///< [m], [m/s]
 };
 
-/// @param agent  the robot that a table names under `agent`
+/// @param agent  finds the robot that a table names under `agent`
 UncooperativeStart read_uncooperative(const TomlTable& at,
                                       const std::function<AgentId(const TomlTable&)>& agent);
 
-/// How it moves and what is known of it, in a few words.
+/// A short description of its motion and of what the robots assume about it.
 std::string in_words(const UncooperativeBody& uncooperative, const Team& team);
 
 }  // namespace sightline

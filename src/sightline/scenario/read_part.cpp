@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-/// The mount of the observer's sensor, which it must have.
+/// The mount of the observer's sensor, which is mandatory.
 SensorMount mount_of(const TomlTable& at, const Observer& observer) {
   if (!observer.mount) {
     at.throw_invalid(
@@ -26,14 +26,14 @@ Potential read_text_potential(const TomlTable& at, const Observer& observer) {
   return at.checked([&] { return Potential(region); });
 }
 
-/// The names of the potentials that there are, those of text last.
+/// The names of all potentials; those given as text come last.
 std::vector<std::string_view> potential_names(const Registry& registry) {
   std::vector<std::string_view> names = registry.potentials.names();
   names.insert(names.end(), {"region", "sensor"});
   return names;
 }
 
-/// The potential of that name in the table, seen by the observer.
+/// The potential of that name in the table, for this observer.
 Potential read_choice(const TomlTable& choice, std::string_view name, const Observer& observer) {
   const TomlTable at = choice.table(name);
   const PartList<Potential>& list = choice.registry().potentials;
@@ -53,7 +53,7 @@ double read_weight(const TomlTable& at) {
 double TableSource::number(std::string_view key, const Bounds& bounds, std::string_view unit) const {
   const std::string expected = bounds.expected(unit), a_number = fmt::format("a number, {}", expected);
   if (!at_.value(key, a_number).is_number()) at_.throw_invalid(key, a_number);
-  const double v = at_.number(key);  // finite, and nothing beyond what a scenario measures
+  const double v = at_.number(key);  // finite, within the range of a scenario's numbers
   if (!bounds.hold(v)) at_.throw_invalid(key, expected);
   return v;
 }

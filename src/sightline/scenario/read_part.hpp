@@ -1,5 +1,5 @@
-/// What a scenario chooses by name: potentials, references and limits, by what they say of their parameters (parts.hpp),
-/// and solvers.
+/// Reads parts that a scenario names: potentials, references and limits, by their parameter lists
+/// (registry.hpp), and solvers.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace sightline {
 
-/// A table as it is read by the descriptions of parts. A view: the table outlives it. Throws ScenarioError.
+/// A table as a parameter source of parts. A view: the table must outlive it. Throws ScenarioError.
 class TableSource final : public ParameterSource {
  public:
   explicit TableSource(const TomlTable& at) : at_(at) {}
@@ -37,30 +37,31 @@ class TableSource final : public ParameterSource {
   const TomlTable& at_;
 };
 
-/// The part of that name, with the parameters in the table; `beside` are keys that may stand there too.
+/// The part of that name, with the parameters in the table; `beside` are further keys that the
+/// table may have.
 template <class Made>
 Made read_named(const PartList<Made>& list, std::string_view name, const TomlTable& at,
                 std::span<const std::string_view> beside = {}) {
   return list.find(name)->read(TableSource(at), beside);
 }
 
-/// The robot that looks: the first of a coupling, or the one that is constrained.
+/// An observing robot: the first of a coupling, or the constrained one.
 struct Observer {
   std::string name;
   std::optional<SensorMount> mount;  ///< of its [agent.NAME.sensor]
 };
 
-/// Which bodies of a team are meant.
+/// A selection of a team's bodies.
 enum class Among { robots, bodies };
 
-/// Their names, in the order of the team.
+/// Names of these bodies, in the order of the team.
 std::vector<std::string_view> body_names(const Team& team, Among among);
 
-/// The name under `key` of one of them; `expected` says what they are.
+/// The name of one of them under `key`; `expected` describes them.
 std::string read_name(const TomlTable& at, std::string_view key, const Team& team, Among among,
                       std::string_view expected);
 
-/// A name under `key` that stands for no body: of an event, a stage, a coupling.
+/// A name under `key` that is not the name of a body: of an event, a stage, a coupling.
 std::string read_label(const TomlTable& at, std::string_view key);
 
 /// `potential = { NAME = {...} }` of [[couple]] or [[constrain]]; its `weight`.

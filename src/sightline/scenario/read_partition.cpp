@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view exchange_key = "exchange", part_key = "part";
 constexpr std::size_t parts_max = 1024, part_name_max = 64;
 
-/// What can stand in the name of a topic.
+/// Whether a name can be part of a topic.
 bool is_part_name(std::string_view name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !name.empty() && name.size() <= part_name_max && letter(name[0]) &&
@@ -46,7 +46,7 @@ PlannedPart read_part_of(const TomlTable& at, const std::string& name, const Tea
   return part;
 }
 
-/// Other ids of the same bodies, by name.
+/// Maps the ids of bodies from one team to another, by name.
 class Renumbered {
  public:
   Renumbered(const Team& from, const Team& to) : from_(from), to_(to) {}
@@ -55,7 +55,7 @@ class Renumbered {
     const BodyId here = (*this)(body);
     return here.index >= 0 && to_.is_agent(here);
   }
-  /// Of a list of things that each belong to a robot: those of own robots alone.
+  /// Keeps the entries of the part's own robots, with their ids in the part.
   template <class List, class Member>
   void keep_own(List& list, Member member) const {
     std::erase_if(list, [&](const auto& one) { return !steers(BodyId{one.*member}); });
@@ -64,7 +64,7 @@ class Renumbered {
       id = std::remove_reference_t<decltype(id)>{(*this)(BodyId{id})};
     }
   }
-  /// Of things that each belong to a body.
+  /// Replaces the ids of bodies.
   template <class List, class Member>
   void rename(List& list, Member member) const {
     for (auto& one : list) one.*member = (*this)(one.*member);
@@ -74,7 +74,7 @@ class Renumbered {
   const Team &from_, &to_;
 };
 
-/// Whoever of the team feels it.
+/// Whether the coupling acts on a robot of the part.
 bool is_felt_within(const Coupling& coupling, const Renumbered& here) {
   return std::any_of(coupling.felt_by.begin(), coupling.felt_by.end(),
                      [&](AgentId agent) { return here.steers(agent); });

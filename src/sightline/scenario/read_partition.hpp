@@ -1,4 +1,4 @@
-/// [partition]: parts of the team that plan by themselves, and how they exchange what they predict.
+/// Reads [partition]: parts of the team that plan separately and exchange their predictions.
 #pragma once
 
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace sightline {
 
-/// [partition], where there is one; where it says so, the scenario becomes that of its part.
+/// Reads [partition], if there is one. If it selects a part, the scenario becomes that of the part.
 /// @throws ScenarioError
 void read_partition(const TomlTable& root, Scenario& scenario);
 
-/// @throws std::invalid_argument where parts of the scenario's team cannot plan by themselves
+/// @throws std::invalid_argument if parts of the scenario's team cannot plan separately
 void check_plans_in_parts(const Scenario& scenario);
 
-/// The parts as a solver wants them, ids of that team.
+/// The parts as agent ids of that team, for a solver.
 Partition partition_of(const PartitionPlan& plan, const Team& team);
 
-/// The scenario of the part that is planned here: its robots are the team, all other bodies are seen; robots of other parts among
-/// them. What concerns others alone is left out.
-/// @throws std::invalid_argument for what a part cannot fly
+/// The scenario of the part that is planned on this computer. Its robots form the team; all other
+/// bodies, robots of other parts included, are seen only. Omits what concerns other parts alone.
+/// @throws std::invalid_argument for a feature that a part does not support
 Scenario part_of(const Scenario& whole);
 
 /// Lines for the summary of a scenario.

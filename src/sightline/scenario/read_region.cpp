@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t parameters_max = 64;
 
-/// The parameters of a region, each with the value that says it.
+/// The parameters of a region, each with its value in the file.
 class Parameters {
  public:
   void read(const TomlTable& at) {
@@ -21,7 +21,7 @@ class Parameters {
       at.throw_invalid(fmt::format("at most {} parameters", parameters_max));
   }
 
-  /// Other values for parameters that are there.
+  /// Replaces the values of existing parameters.
   void replace(const TomlTable& at) {
     std::vector<std::string> names;
     for (const Parameter& p : list_) names.push_back(p.name);
@@ -80,7 +80,7 @@ class Parameters {
     }
   }
 
-  /// A parameter that is given anew keeps the range it had.
+  /// A parameter with a new value keeps its range.
   void put(Parameter parameter, const TomlValue& value) {
     values_.insert_or_assign(parameter.name, value);
     for (Parameter& known : list_) {
@@ -154,7 +154,7 @@ Slope read_slope(const TomlTable& choice, const Vocabulary& names) {
   return slope;
 }
 
-/// What is said of the potential once its limits are known; `here` before `there`.
+/// Sets the potential's options once its limits are known; `here` overrides `there`.
 Region finished(Region region, const Vocabulary& names, const TomlTable& here, const TomlTable* there) {
   const auto from = [&](std::string_view key) -> const TomlTable* {
     if (here.has(key)) return &here;
@@ -168,7 +168,7 @@ Region finished(Region region, const Vocabulary& names, const TomlTable& here, c
   return region;
 }
 
-/// The region of a file, with what is said here instead of what is said there; named after the file.
+/// The region of a file, with the overrides in `at`; named after the file.
 Region read_file(const TomlTable& at) {
   at.expect_only({"file", "parameters", "slope", "kappa_A", "smooth"});
   const std::string name = at.text("file", "the file of a region, relative to this one");

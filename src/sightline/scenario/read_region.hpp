@@ -1,4 +1,4 @@
-/// Regions of a scenario: limits as text, in the scenario itself or in a file that several share.
+/// Reads regions of a scenario: limits as text, in the scenario itself or in a shared file.
 #pragma once
 
 #include <string>
@@ -9,21 +9,22 @@
 
 namespace sightline {
 
-/// `{ inside = ..., parameters = {...}, slope = {...}, kappa_A = ..., smooth = ... }`, or
-/// `{ file = "sensors/camera.toml", ... }`: what that file says, its path relative to the scenario's, but for
-/// what is said here, and named after it.
+/// `{ inside = ..., parameters = {...}, slope = {...}, kappa_A = ..., smooth = ... }`, or `{ file =
+/// "sensors/camera.toml", ... }`: the region of that file, under its name, with the keys given here
+/// instead. The path is relative to the scenario.
 Region read_region(const TomlTable& at);
 
-/// The limits under `key`, with the `parameters` beside it; or the region of a file, `{ file = ... }`.
+/// The limits under `key`, with the `parameters` in the same table; or the region of a file, `{
+/// file = ... }`.
 Region read_inside(const TomlTable& at, std::string_view key);
 
-/// Where the formula under `key` is at most 0: its violation is the formula's value.
+/// The region where the formula under `key` is at most 0; its violation is the formula's value.
 Region read_formula(const TomlTable& at, std::string_view key);
 
 /// A number, or a formula in quotes, as text.
 std::string formula_text(const TomlValue& value, std::string_view expected);
 
-/// Runs `read`; a formula that is refused is said at its place in the value.
+/// Runs `read`; reports an invalid formula at its place in the value.
 template <class Read>
 auto in_text(const TomlValue& value, Read&& read) {
   try {

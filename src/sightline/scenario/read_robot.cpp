@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view of_parameter = "a number or a formula in quotes",
                            of_heading = "the state psi, an array of the two of the direction, or none";
 
-/// Names under `key`, each for itself.
+/// Names under `key`, each different.
 std::vector<std::string> read_names(const TomlTable& at, std::string_view key, std::size_t most) {
   const std::string expected = fmt::format("1 to {} names", most);
   std::vector<std::string> list = at.texts(key, TomlTable::any_length, "names");
@@ -28,7 +28,7 @@ std::vector<std::string> read_names(const TomlTable& at, std::string_view key, s
   return list;
 }
 
-/// One of the states, under `key` or at `i` there.
+/// Rejects a name that is not a state, under `key` or at its item `i`.
 void check_state(const TomlTable& at, std::string_view key, std::size_t i, const std::string& name,
                  const TextRobot& robot) {
   if (std::find(robot.states.begin(), robot.states.end(), name) != robot.states.end()) return;

@@ -1,4 +1,4 @@
-/// Robots of a scenario: by name, or as text.
+/// Reads robots of a scenario, by name or as text.
 #pragma once
 
 #include "sightline/model/model.hpp"

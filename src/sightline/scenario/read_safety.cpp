@@ -83,7 +83,7 @@ void read_jump(const TomlTable& at, const Team&, Fault& fault) {
 
 constexpr std::string_view late_plan = "late_plan";
 
-/// Every kind but that of plans, in the order of FaultKind.
+/// Every kind of measurement fault, in the order of FaultKind.
 constexpr std::array kinds = {Named<ReadFault>{"dropout", read_dropout},
                               Named<ReadFault>{"delay", read_delay}, Named<ReadFault>{"freeze", read_freeze},
                               Named<ReadFault>{"nan", read_nan}, Named<ReadFault>{"jump", read_jump}};
@@ -152,7 +152,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
 
 void check_start_outside(const TomlTable& root, const Scenario& scenario) {
   if (!scenario.safety || !scenario.safety->start_outside || root.has("campaign"))
-    return;  // which draws starts
+    return;  // a campaign draws starts
   const Team& team = scenario.team;
   const Walls& walls = scenario.safety->judged;
   const std::vector<double> u(static_cast<std::size_t>(team.nu()));
@@ -196,7 +196,7 @@ void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) 
 
 namespace {
 
-/// What a robot can do; none where a barrier refuses it.
+/// Authority of a robot; none if the barrier does not support it.
 std::optional<Authority> ability(const Agent& agent) {
   try {
     return authority_of(agent.model, agent.limits.u_min().front(), agent.limits.u_max().front());
@@ -220,11 +220,11 @@ std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
     std::optional<double> top{};
   };
   std::vector<Flown> flown;
-  std::vector<std::size_t> of;  // of each robot its place there
+  std::vector<std::size_t> of;  // [robot]: its place in `flown`
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
     if (!team.is_agent(body)) continue;
-    // The widest limits there will be.
+    // Limits of the whole flight, including those that events set.
     const Agent& agent = team.agent(body);
     std::vector<double> low = agent.limits.u_min().front(), high = agent.limits.u_max().front();
     const auto widen = [&](const InputLimits& limits) {
@@ -242,7 +242,7 @@ std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
         if (retune != nullptr && retune->limits && retune->agent == body) widen(*retune->limits);
       }
     }
-    // Most robots of a team are alike, and a flight of each takes tens of milliseconds.
+    // Most robots of a team are alike, and a simulation of each takes tens of milliseconds.
     std::vector<double> probe(static_cast<std::size_t>(agent.model.nx()));
     agent.model.f(state_at_rest(agent.model).data(), high.data(), probe.data());
     for (const std::vector<double>* bound : {&low, &high})
@@ -285,7 +285,8 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .period = scenario.horizon.dt,
                        .search = safety.search,
                        .pool = scenario.pool};
-  // A period longer than the time in which the reserve may be used up uses up all of it, and no more.
+  // If a period exceeds the time in which the reserve may be used up, one period uses all of it,
+  // not more.
   double& rate = options.barrier_options.rate;
   rate = std::min(rate, 1.0 / scenario.horizon.dt);
   if (options.supervisor) options.supervisor->period = scenario.horizon.dt;
@@ -303,7 +304,8 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
       }
     }
   }
-  // A robot that does not cooperate, since another moves otherwise, is as fast as its model can be.
+  // A robot that is not cooperative, since another moves differently, is as fast as its model
+  // allows.
   for (const RobotSpeed& of : uncooperative_robots(scenario)) {
     if (of.counts && std::isfinite(of.speed))
       options.bodies[static_cast<std::size_t>(of.robot.index)].speed_max = of.speed;

@@ -68,7 +68,7 @@ constexpr std::array shapes = {
     Named<ReadPairs>{"all_pairs", read_all_pairs},
 };
 
-/// Who feels a shape; a body that is no robot feels nothing as an observer.
+/// Reads on which robots a shape acts; `observer` requires that every observer is a robot.
 FeltBy read_felt_by(const TomlTable& at, const std::vector<Between>& pairs, const Team& team) {
   constexpr std::array words = {observer_word, both_word};
   if (!at.has("felt_by") || at.word("felt_by", words) == both_word) return FeltBy::both;
@@ -79,7 +79,7 @@ FeltBy read_felt_by(const TomlTable& at, const std::vector<Between>& pairs, cons
   return FeltBy::observer;
 }
 
-/// A name that no other shape has for its stages or its choice.
+/// A name that no other shape uses for its stages or its choice.
 std::string read_shape_name(const TomlTable& shape, std::string_view missing, const Script& script) {
   std::string name = shape.has("name") ? read_label(shape, "name") : std::string(missing);
   const bool taken = std::any_of(script.begins.begin(), script.begins.end(),
@@ -90,7 +90,7 @@ std::string read_shape_name(const TomlTable& shape, std::string_view missing, co
   return name;
 }
 
-/// `nearest = { target, observers, margin, dwell, ramp }`, and `name`: whoever is nearest observes.
+/// `nearest = { target, observers, margin, dwell, ramp }`, and `name`: the nearest robot observes.
 void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Script& script) {
   const TomlTable at = shape.table("nearest", "a table with target and observers");
   RelayOptions options{.name = read_shape_name(shape, "nearest", script)};
@@ -110,7 +110,8 @@ void read_relay(const TomlTable& shape, const TermsOf& terms_of, Team& team, Scr
   shape.checked([&] { relay(team, script, terms_of, observers, target, options); });
 }
 
-/// What each observer makes of the view of each target, by its camera and the target's tags; equal ones are flown once.
+/// Variance of each observer's view of each target, from its camera and the target's tags; equal
+/// pairs are simulated once.
 std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOptions& vision) {
   struct Flown {
     const RobotCamera* camera;
@@ -139,8 +140,8 @@ std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOpt
   return all;
 }
 
-/// `best = { target, observers, observers_max, margin, dwell, ramp }`, and `name`: each observer looks at the target by which it
-/// knows its place best.
+/// `best = { target, observers, observers_max, margin, dwell, ramp }`, and `name`: each observer
+/// views the target that gives its position the least variance.
 void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenario) {
   constexpr std::string_view target_key = "target", observers_key = "observers", max_key = "observers_max";
   const Team& team = scenario.team;
@@ -218,7 +219,7 @@ void read_shape(const TomlTable& at, const Observers& observers, Scenario& scena
     felt_by = read_felt_by(at, pairs, team);
   }
 
-  // One potential as in [[couple]], or a list of them, each with its weight.
+  // One potential as in [[couple]], or a list of potentials with weights.
   std::vector<TomlTable> list;
   if (at.has("potentials")) {
     for (const std::string_view key : {"potential", "weight"}) {

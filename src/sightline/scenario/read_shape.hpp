@@ -1,4 +1,4 @@
-/// Shapes of a team, [[shape]]: many couplings in one table.
+/// Reads shapes of a team, [[shape]]: many couplings in one table.
 #pragma once
 
 #include "sightline/scenario/read_coupling.hpp"
@@ -6,10 +6,10 @@
 
 namespace sightline {
 
-/// Most couplings that one shape expands to.
+/// Greatest number of couplings that one shape may expand to.
 inline constexpr std::size_t shape_couplings_max = 100'000;
 
-/// Expands one [[shape]] to couplings of the team; where the nearest or the best observes, to events too.
+/// Expands one [[shape]] to couplings of the team; `nearest` and `best` also add events.
 void read_shape(const TomlTable& at, const Observers& observers, Scenario& scenario);
 
 }  // namespace sightline

@@ -18,8 +18,8 @@ bool has_vehicles(const TomlTable& at, std::string_view world) {
   return std::find(worlds.begin(), worlds.end(), world) != worlds.end();
 }
 
-/// Refuses what only a world of vehicles would look at.
-/// @param what  it is: "table"
+/// Rejects a key that only a world of vehicles uses.
+/// @param what  "table" or "key", for the sentence
 void refuse_without_vehicles(const TomlTable& at, std::string_view key, std::string_view what,
                              std::string_view world) {
   if (!at.has(key) || has_vehicles(at, world)) return;
@@ -45,7 +45,7 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
                                          model.name(), robots_with_vehicles()));
   }
   if (!has_vehicles(agent, world) || !commands) return std::nullopt;
-  if (commands == Commands::full_state && !agent.has(key)) return std::nullopt;  // a point may stay one
+  if (commands == Commands::full_state && !agent.has(key)) return std::nullopt;  // it may remain a point mass
 
   const TomlTable at = agent.table_or_empty(key);
   const VehicleOfModel of_model = agent.registry().worlds.of_model(world);
@@ -58,7 +58,7 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
   if (at.has("body") && !at.has("model")) at.throw_invalid("model", "the file that body is of");
   if (at.has("model")) {
     read.model = ModelBody{read_model_file(at), at.has("body") ? at.text("body", "the name of a body") : ""};
-    // A log is flown again without the world, and without the files that its models name.
+    // A log is replayed without the world, and without the files that its models name.
     if (!at.from_disk()) return read;
     const Vehicle body = at.checked([&] { return of_model(read.vehicle, *read.model); });
     if (!at.has("mass")) read.vehicle.mass = body.mass;

@@ -1,13 +1,14 @@
-/// What a scenario may call by name: robots, potentials, references, limits, worlds. Ours are registered by the calls that a
-/// program of a user registers its own with:
+/// Registry of the parts that a scenario may name: robots, potentials, references, limits, worlds.
+/// The library and a user's program register parts by the same calls:
 ///
-///   Registry registry;                          // all of ours
+///   Registry registry;                          // the parts of the library
 ///   registry.robots.add<Boat>();
 ///   registry.potentials.add<Downwash>();
 ///   registry.worlds.add("basin", make_basin);
 ///   return command_line(argc, argv, registry);
 ///
-/// A part is a struct with `name`, a word; what it says by `parameters()` (base/parameter.hpp) is what a scenario may set.
+/// A part is a struct with `name`, a word. A scenario may set the parameters that its
+/// `parameters()` lists (base/parameter.hpp).
 #pragma once
 
 #include <algorithm>
@@ -28,13 +29,14 @@
 
 namespace sightline {
 
-/// A struct that a scenario can call by its name.
+/// A struct that a scenario can refer to by its name.
 template <class P>
 concept NamedPart = std::default_initializable<P> && requires {
   { P::name } -> std::convertible_to<std::string_view>;
 };
 
-/// All parts of one kind by their names. `Made` is what is made of a part: Model, Potential, Reference, Limit.
+/// All parts of one kind by their names. `Made` is the type made from a part: Model, Potential,
+/// Reference, Limit.
 template <class Made>
 class PartList {
  public:
@@ -42,17 +44,18 @@ class PartList {
     std::string name;
     std::vector<ParameterText> parameters;
     std::vector<std::string> presets;
-    /// @param beside  keys that may stand beside the parameters
+    /// @param beside  keys that the table may have beside the parameters
     std::function<Made(const ParameterSource&, std::span<const std::string_view> beside)> read;
   };
 
-  /// @param kind   what they are, for refusals: "robot"
-  /// @param taken  words of this kind that are no parts
+  /// @param kind   for error messages: "robot"
+  /// @param taken  reserved words of this kind that are no parts
   explicit PartList(std::string_view kind, std::vector<std::string> taken = {})
       : kind_(kind), taken_(std::move(taken)) {}
 
-  /// One more.
-  /// @throws std::invalid_argument for a name that is no word, or that another part has, and for defaults out of range
+  /// Adds a part.
+  /// @throws std::invalid_argument for a name that is not a word or that another part has, and for
+  /// defaults out of range
   template <NamedPart P>
   requires std::constructible_from<Made, P> PartList& add() {
     check_name(P::name);
@@ -65,10 +68,10 @@ class PartList {
                   return made(read);
                 } catch (const std::invalid_argument& error) {
                   from.throw_invalid(error.what());
-                  throw;  // never: that has thrown
+                  throw;  // never: throw_invalid() has thrown
                 }
               }};
-    // Where something must be given, the defaults alone are no part.
+    // Parts with mandatory parameters have no valid defaults.
     if (std::none_of(part.parameters.begin(), part.parameters.end(),
                      [](const ParameterText& p) { return p.must_be_given; }))
       (void)made(P{});
@@ -80,14 +83,14 @@ class PartList {
   }
 
   std::string_view kind() const { return kind_; }
-  /// In the order in which they were added.
+  /// In the order of adding.
   std::vector<std::string_view> names() const {
     std::vector<std::string_view> all;
     for (const auto& part : parts_) all.push_back(part->name);
     return all;
   }
   const std::vector<std::shared_ptr<const Part>>& all() const { return parts_; }
-  /// The part of that name, or none.
+  /// The part of that name, or null.
   const Part* find(std::string_view name) const {
     for (const auto& part : parts_) {
       if (part->name == name) return part.get();
@@ -112,7 +115,7 @@ class PartList {
   std::vector<std::shared_ptr<const Part>> parts_;
 };
 
-/// @throws std::invalid_argument for a name that is no word or stands in `taken` or `names`
+/// @throws std::invalid_argument for a name that is not a word, or that is in `taken` or `names`
 void check_part_name(std::string_view kind, std::string_view name, const std::vector<std::string>& taken,
                      const std::vector<std::string_view>& names);
 
@@ -126,39 +129,43 @@ class World;
 class DetectionSource;
 class Bridge;
 
-/// Makes what renders the cameras' pictures of a world and searches them for tags.
-/// @throws std::invalid_argument where pictures cannot be rendered, or tags not be found, as asked for
+/// Makes the source of a world's detections: it renders camera pictures and detects tags in them.
+/// @throws std::invalid_argument if the requested pictures cannot be rendered or the requested tags
+/// not be detected
 using MakeRenderer = std::function<std::unique_ptr<DetectionSource>(const Scenario&)>;
 
-/// Makes the world that a scenario flies in.
-/// @throws std::invalid_argument for a scenario that it cannot be the world of
+/// Makes the world of a scenario.
+/// @throws std::invalid_argument for a scenario that the world does not support
 using MakeWorld = std::function<std::unique_ptr<World>(const Scenario&)>;
 
-/// What moves the robots of a world: their models, or vehicles, which `[agent.NAME.vehicle]` says.
+/// What moves the robots of a world: their models, or the vehicles of `[agent.NAME.vehicle]`.
 enum class MovedBy { models, vehicles };
 
-/// What a vehicle is by the body of a model file, in the form that a world reads: of the numbers of `vehicle`, mass and inertia are
-/// those of the body.
-/// @throws std::invalid_argument for a file or a body that cannot be it; a sentence that begins with "model = " or "body = "
+/// Makes the vehicle of a body in a model file, in the format that a world reads. Mass and inertia
+/// are those of the body, all else is that of `vehicle`.
+/// @throws std::invalid_argument for an unsuitable file or body; its sentence begins with "model =
+/// " or "body = "
 using VehicleOfModel = std::function<Vehicle(const Vehicle& vehicle, const ModelBody& model)>;
 
-/// Worlds by the names that `[world] kind` gives them.
+/// Worlds by their names in `[world] kind`.
 class WorldList {
  public:
-  /// @param of_model  where the world reads model files: then `[world] model` and `[agent.NAME.vehicle] model, body` name them
-  /// @param renderer  where the world shows itself to cameras with `render = true`
-  /// @throws std::invalid_argument for a name that is no word, or that another world has, and for no function
+  /// @param of_model  of a world that reads model files, which `[world] model` and
+  ///                  `[agent.NAME.vehicle] model, body` name
+  /// @param renderer  of a world that renders pictures for cameras with `render = true`
+  /// @throws std::invalid_argument for a name that is not a word or that another world has, and for
+  /// an empty function
   WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models,
                  VehicleOfModel of_model = {}, MakeRenderer renderer = {});
-  /// In the order in which they were added; the first is what a scenario flies in that names none.
+  /// In the order of adding; the first is the default of a scenario.
   std::vector<std::string_view> names() const;
-  /// The function of that name, or none.
+  /// The function of that name, or null.
   const MakeWorld* find(std::string_view name) const;
-  /// Those whose robots are vehicles.
+  /// Worlds whose robots are vehicles.
   std::vector<std::string_view> with_vehicles() const;
-  /// How that world reads a vehicle of a model file; empty where it reads none.
+  /// Reader for model files of that world; empty if it reads none.
   VehicleOfModel of_model(std::string_view name) const;
-  /// What renders the pictures of that world; empty where nothing does.
+  /// Renderer of that world; empty if it has none.
   MakeRenderer renderer(std::string_view name) const;
   std::vector<std::string_view> with_renderers() const;
 
@@ -175,9 +182,9 @@ class WorldList {
   std::vector<Entry> worlds_;
 };
 
-/// Every kind of part. A value: to be filled, then to be given to whoever reads a scenario.
+/// Every kind of part. A value: filled first, then passed to read_scenario().
 struct Registry {
-  /// Those of the library.
+  /// Registers the parts of the library.
   Registry();
 
   PartList<Model> robots{"robot", {"text"}};
@@ -185,13 +192,14 @@ struct Registry {
   PartList<Reference> references{"reference", {"state"}};
   PartList<Limit> limits{"limit"};
   WorldList worlds;
-  std::shared_ptr<const Bridge> bridge{};  ///< flies fleets (bridge.hpp); none: nothing does
+  std::shared_ptr<const Bridge> bridge{};  ///< for fleets (bridge.hpp); null: no fleet can fly
 };
 
-/// Those of the library, made once.
+/// The parts of the library, made once.
 const Registry& built_in_registry();
 
-/// The parameters of all parts as a table of Markdown: `part`, `key`, default, range, meaning; as docs/reference.md has it.
+/// The parameters of all parts as a Markdown table: `part`, `key`, default, range, meaning; as in
+/// docs/reference.md.
 template <class Made>
 std::string parameters_table(const PartList<Made>& list);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> body_tables = {"agent", "target", "obstacle", "template"};
 
-/// The tables that a key stands in, from the root: ["agent", "uav1", "camera"]. Lists add no step.
+/// The tables that contain a key, from the root: ["agent", "uav1", "camera"]. Lists add no step.
 using Steps = std::vector<std::string_view>;
 
 bool is_body(const Steps& at) {
@@ -35,7 +35,7 @@ constexpr std::array<OldKey, 8> old_keys = {{{"watches", "observes", is_body},
                                              {"share", "fraction", is_drawn},
                                              {"shares", "fractions", is_drawn}}};
 
-/// A word that a key may have.
+/// A renamed value of a key.
 struct OldWord {
   std::string_view key, old, present;
   bool (*stands_in)(const Steps&);
@@ -43,12 +43,12 @@ struct OldWord {
 constexpr std::array<OldWord, 2> old_words = {
     {{"localization", "view", "vision", is_body}, {"localized_by", "view", "vision", is_body}}};
 
-/// An old name, and where it stands.
+/// An old name and its place.
 struct Found {
   std::string path;  ///< of the key
   std::string_view old, present;
   toml::source_region place;
-  bool is_word = false;  ///< it is the value of the key
+  bool is_word = false;  ///< the name is the value of the key
 };
 
 void find_in(const toml::node& node, Steps& steps, const std::string& path,
@@ -81,7 +81,7 @@ void find_old_names(const toml::table& root, const std::function<void(const Foun
   find_in(root, steps, "", visit);
 }
 
-/// The byte where a name begins, behind its quote if it has one. Columns count characters.
+/// The byte at which a name begins, after its quote if it has one. Columns count characters.
 std::optional<std::size_t> byte_of(std::string_view text, const toml::source_position& place,
                                    std::string_view name) {
   std::size_t at = 0;
@@ -104,7 +104,7 @@ std::optional<std::size_t> byte_of(std::string_view text, const toml::source_pos
 }  // namespace
 
 void refuse_old_names(const TomlDocument& document) {
-  // The first of the file; the tables are sorted by their keys.
+  // The first in the order of the file; the tables are sorted by their keys.
   std::optional<Found> first;
   find_old_names(document.root, [&](const Found& found) {
     if (!first || stands_before(document, found.place, first->place)) first = found;
@@ -128,7 +128,7 @@ RenamedText with_present_names(std::string_view text, const std::string& file) {
     if (const auto at = byte_of(text, found.place.begin, found.old)) all.emplace_back(*at, found);
   });
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  // What an inherited table stands for is found once for each place that shows it.
+  // A name in an inherited table is found once for each table that inherits it.
   all.erase(
       std::unique(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
       all.end());

@@ -76,14 +76,14 @@ class Reader {
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     if (scenario_.fleet) read_link_faults(root_.table("fleet"), scenario_.team, *scenario_.fleet);
     scenario_.script = read_events(root_, scenario_, observers_);
-    // With the limits that events bring.
+    // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
       root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
     }
     read_estimates(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     read_partition(root_, scenario_);
-    // A log is flown again without the world.
+    // A log is replayed without the world.
     const bool has_cameras = !scenario_.vision.cameras.empty();
     if ((!scenario_.vehicles.empty() || scenario_.model || has_cameras) && root_.from_disk())
       root_.table_or_empty("world").checked([&] { return make_world(scenario_); });
@@ -93,7 +93,7 @@ class Reader {
   void read_log() {
     const TomlTable at = root_.table_or_empty("log");
     at.read({{"prediction_period", &scenario_.log.prediction_period, {1e-4, largest_number, ">= 1e-4 s"}}});
-    constexpr double predictions_max = 1000.0;  // a second, of all robots together
+    constexpr double predictions_max = 1000.0;  // per second, of all robots together
     if (!at.has("prediction_period"))
       scenario_.log.prediction_period =
           std::max(scenario_.log.prediction_period,
@@ -216,7 +216,7 @@ class Reader {
     scenario_.compensations.push_back(of);
   }
 
-  /// Refuses a robot whose text gives no number where it starts, as 1 / v does at rest.
+  /// Rejects a robot whose text model is not finite at its start, as 1 / v is at rest.
   static void check_motion(const TomlTable& at, const Model& model, const std::vector<double>& start,
                            const std::vector<double>& u_ref) {
     std::vector<double> rate(start.size());
@@ -227,14 +227,14 @@ class Reader {
         "a state in which the rates of the robot are finite: start.state gives every state of a robot");
   }
 
-  /// The key that says where a robot starts.
+  /// The key that holds a robot's start position.
   static std::string_view place_key(const TomlTable& at) {
     return at.table("start").has("state") ? "state" : "p";
   }
 
-  /// Refuses a robot that starts in the place of another, unless a campaign draws the starts.
+  /// Rejects a robot that starts at the position of another, unless a campaign draws the starts.
   void check_place(const std::string& name, const TomlTable& at, const Vec3<double>& p) {
-    constexpr double one_place = 1e-3;  // m
+    constexpr double one_place = 1e-3;  // [m]
     for (const auto& [other, place] : places_) {
       if (root_.has("campaign") || norm(p - place) >= one_place) continue;
       at.table("start").throw_invalid(place_key(at),
@@ -243,7 +243,7 @@ class Reader {
     places_.emplace_back(name, p);
   }
 
-  /// Refuses a u_min that is not below its u_max; `where` is the key that holds it.
+  /// Rejects a u_min that is not below its u_max; `where` is the key that holds it.
   static void check_crossing(const TomlTable& at, std::string_view where, const std::vector<double>& u_min,
                              const std::vector<double>& u_max) {
     for (std::size_t i = 0; i < u_min.size(); ++i) {
@@ -271,7 +271,7 @@ class Reader {
     return {times, lower, upper};
   }
 
-  /// Each state of the robot, in its order.
+  /// Reads a start by all states of the robot, in their order.
   static std::vector<double> read_whole_start(const TomlTable& at, const Model& model) {
     for (const std::string_view key : {"p", "heading", "v"}) {
       if (at.has(key)) at.throw_invalid(key, "no such key beside state, which has every state of the robot");
@@ -281,7 +281,8 @@ class Reader {
     return x;
   }
 
-  /// The state by whose 1 m/s a robot with heading (1, 0) moves along `way`; -1: none does.
+  /// The velocity state that moves a robot with heading (1, 0) along `way`, at 1 m/s for a value of
+  /// 1 m/s; -1 if none does.
   static int velocity_along(const Model& model, const Vec3<double>& way) {
     const std::vector<double> u(static_cast<std::size_t>(model.nu()));
     for (const int state : roles_of(model).velocities) {
@@ -335,7 +336,7 @@ class Reader {
 
   static bool is_present(const TomlTable& at) { return !at.has("present") || at.boolean("present"); }
 
-  /// Adds a body to the team under a name that is fit for a topic and not yet taken.
+  /// Adds a body to the team under a new name that is valid in a topic.
   template <class Add>
   void enter(const std::string& name, const TomlTable& at, Add&& add) {
     const bool fit =
@@ -384,7 +385,8 @@ class Reader {
   Scenario& scenario_;
   Observers observers_;
   std::unordered_map<std::string, BodyId> bodies_;
-  std::vector<std::pair<std::string, Vec3<double>>> places_;  // of the robots that are there at first
+  std::vector<std::pair<std::string, Vec3<double>>> places_;  // starts of the robots that are present at
+                                                              // first
 };
 
 }  // namespace
@@ -402,7 +404,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   expand(document);
   Reader(document, scenario).read();
   read_campaign(document, text, changes, scenario);
-  if (in_layers) {  // what is good in its layers flies by its one text, as from a log
+  if (in_layers) {  // a valid layered scenario is read again from its single text, as a log is
     auto places = std::move(scenario.coupling_places);
     auto campaign_refusal = std::move(scenario.campaign_refusal);
     scenario = parse_scenario(std::move(text), file, registry, {.files = changes.files});

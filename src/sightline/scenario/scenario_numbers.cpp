@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-/// Turns lines and columns (of characters, from 1) into bytes.
+/// Converts lines and columns (of characters, from 1) to bytes.
 class Lines {
  public:
   explicit Lines(std::string_view text) : text_(text), begins_{0} {

@@ -32,7 +32,7 @@ Character first_character(std::string_view text) {
     if ((byte(i) & 0xc0U) != 0x80) return {};
     code = code << 6 | (byte(i) & 0x3fU);
   }
-  // Longer than need be, half of a pair of UTF-16, or beyond Unicode.
+  // An overlong encoding, half of a UTF-16 surrogate pair, or beyond Unicode.
   constexpr char32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
   if (code < least[size] || (code >= 0xd800 && code <= 0xdfff) || code > 0x10ffff) return {};
   return {code, size};
@@ -169,7 +169,7 @@ std::string read_text(const std::filesystem::path& path) {
     return refuse(fmt::format("too large, expected at most {} bytes", scenario_size_max));
   };
 
-  // Asked for its kind before it is opened: opening a device may already do something.
+  // Checks the kind of the file first: opening a device may have side effects.
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) throw fault();
   if (!S_ISREG(status.st_mode)) {
@@ -191,7 +191,7 @@ std::string read_text(const std::filesystem::path& path) {
     const FileKind kind = file_kind(std::string_view(text).substr(0, file_head));
     const bool large = std::max<std::uintmax_t>(text.size(), static_cast<std::uintmax_t>(status.st_size)) >
                        scenario_size_max;
-    // A text is what it is once it is no TOML.
+    // Text formats are checked only if the text is not TOML.
     if (!kind.what.empty() && (large || !kind.is_text)) throw refuse(kind_sentence(kind));
     if (large) throw too_large();
   }

@@ -16,13 +16,13 @@
 namespace sightline {
 namespace {
 
-using Step = std::variant<std::string, std::size_t>;  // a key of a table, a place in an array
+using Step = std::variant<std::string, std::size_t>;  // a key of a table, an index of an array
 
 [[noreturn]] void refuse_layer(const TomlLayer& layer, std::string_view expected) {
   throw ScenarioError(layer.name, 0, fmt::format("expected {}", expected));
 }
 
-/// "agent.\"a b\".start.p[2]" step by step; none where it is no key.
+/// The steps of "agent.\"a b\".start.p[2]"; none if it is not a key.
 std::optional<std::vector<Step>> steps_of(std::string_view key) {
   std::vector<Step> steps;
   std::size_t at = 0;
@@ -62,12 +62,12 @@ std::string_view trimmed(std::string_view text) {
   return from == std::string_view::npos ? "" : text.substr(from, text.find_last_not_of(space) - from + 1);
 }
 
-/// The value as the only one of a table, which keeps its place.
+/// The value in a table of its own, which keeps the value's source.
 std::optional<toml::table> value_of(std::string_view text, const TomlLayer& layer) {
   try {
     toml::table parsed = parse_layer(fmt::format("value = {}", text), layer.name);
     if (parsed.size() == 1 && parsed.contains("value")) return parsed;
-  } catch (const ScenarioError&) {  // said by who asks
+  } catch (const ScenarioError&) {  // the caller reports the error
   }
   return std::nullopt;
 }

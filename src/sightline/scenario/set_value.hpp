@@ -1,4 +1,4 @@
-/// Values of a scenario that are set from outside of its file.
+/// Sets values of a scenario from outside its file.
 #pragma once
 
 #include "sightline/scenario/toml_table.hpp"
@@ -6,17 +6,17 @@
 namespace sightline {
 
 /// "KEY=VALUE" of a number.
-/// @throws std::invalid_argument for a key that holds more than a key, so that nothing else is set
+/// @throws std::invalid_argument for a key with more than a key in it, so that it sets nothing else
 std::string assignment(std::string_view key, double value);
 
-/// The layer of an assignment from outside: "--set KEY=VALUE" names it in refusals.
+/// The layer of an assignment from outside: error messages name it "--set KEY=VALUE".
 TomlLayer set_layer(std::string_view assignment);
 
-/// Sets one value, "couple[0].weight=0.5": the key as refusals name it, the value as in TOML; a word that is no value there is a
-/// text, "world.kind=rotors". A key that is missing is added to its table, tables that are missing too; of an array, what is
-/// there can be set. What the value means is checked where the scenario is read.
-/// @param layer  of set_layer()
-/// @throws ScenarioError where the assignment is none, or its place cannot be
+/// Sets one value, "couple[0].weight=0.5": the key as in error messages, the value as in TOML. A
+/// word that is not a TOML value is a text, "world.kind=rotors". Adds missing keys and tables; of
+/// an array, only existing items can be set. The reader of the scenario checks the value.
+/// @param layer  from set_layer()
+/// @throws ScenarioError for an invalid assignment or place
 void set_value(toml::table& root, const TomlLayer& layer);
 
 }  // namespace sightline

@@ -7,7 +7,7 @@ namespace {
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xc0U) == 0x80; }
 
-/// Reads on character by character and knows where it is.
+/// Reads character by character and tracks the place.
 class Cursor {
  public:
   Cursor(std::string_view text, TextPlace place) : text_(text) {
@@ -19,7 +19,7 @@ class Cursor {
   char character() const { return text_[at_]; }
   TextPlace place() const { return place_; }
 
-  /// The bytes of the character, and on to the next.
+  /// The bytes of the character; advances to the next.
   std::string_view step() {
     const std::size_t begin = at_;
     do ++at_;
@@ -41,7 +41,7 @@ class Cursor {
   TextPlace place_;
 };
 
-/// Bytes that an escape stands for; the cursor is behind its backslash.
+/// Bytes that an escape represents; the cursor is after its backslash.
 std::size_t escaped_bytes(Cursor& cursor) {
   const char kind = cursor.character();
   cursor.step();
@@ -67,14 +67,14 @@ TextPlace place_in_string(std::string_view document, TextPlace quote, std::strin
   const bool lines = cursor.sees(three);
   cursor.skip(lines ? 3 : 1);
   if (lines && cursor.sees("\r\n")) cursor.step();
-  if (lines && cursor.sees("\n")) cursor.step();  // the first line break is no part of it
+  if (lines && cursor.sees("\n")) cursor.step();  // the first line break is not part of the content
   for (std::size_t bytes = 0; !cursor.at_end();) {
     const TextPlace here = cursor.place();
     std::size_t size = 1;
     if (mark == '"' && cursor.character() == '\\') {
       cursor.step();
       if (cursor.at_end()) break;
-      if (is_blank(cursor.character())) {  // a line that goes on
+      if (is_blank(cursor.character())) {  // a line continuation
         while (!cursor.at_end() && is_blank(cursor.character())) cursor.step();
         continue;
       }

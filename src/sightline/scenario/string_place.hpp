@@ -1,4 +1,4 @@
-/// Where a byte of a string's content stands in the file that holds the string.
+/// Finds the place in a file of a byte in a string's content.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +13,12 @@ struct TextPlace {
   bool operator==(const TextPlace&) const = default;
 };
 
-/// The place of byte `offset` of `content`; escapes, several lines and characters of several bytes are seen
-/// through.
+/// The place of byte `offset` of `content`. Resolves escapes, strings of several lines and
+/// characters of several bytes.
 ///
 /// @param document  TOML
 /// @param quote     place of the first quote of the string, of any of the four kinds
-/// @param content   what the string means; where the document says otherwise, the answer is `quote`
+/// @param content   parsed content of the string; if the document differs, the result is `quote`
 TextPlace place_in_string(std::string_view document, TextPlace quote, std::string_view content,
                           std::size_t offset);
 

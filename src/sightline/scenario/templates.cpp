@@ -40,16 +40,16 @@ std::optional<std::vector<std::string>> names_of(std::string_view text) {
   return names;
 }
 
-/// So that a place reads as one writes it: millimetres, and microradians.
+/// Rounds placements to readable numbers: millimetres and microradians.
 double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
 
-/// One of the robots that a table stands for: what differs from one to the next.
+/// One of the robots of a range, with its index.
 class Instance {
  public:
   Instance(const TomlDocument& document, int index, int count)
       : document_(document), index_(index), count_(count) {}
 
-  /// Puts values in place of the tables { place = ... }, { face = ... } and { each = [...] }.
+  /// Replaces the tables { place = ... }, { face = ... } and { each = [...] } by values.
   void fill(toml::table& robot, const std::string& path) {
     if (toml::table* start = robot["start"].as_table()) find_start(*start, path + ".start");
     fill_all(robot, path);
@@ -92,7 +92,7 @@ class Instance {
     }
   }
 
-  /// What the node stands for, as the only item of an array; nothing where it stands for itself.
+  /// The value of a placement, as the only item of an array; none for any other node.
   std::optional<toml::array> value_of(const toml::node& node, const std::string& path) const {
     const toml::table* table = node.as_table();
     if (table == nullptr) return {};
@@ -151,7 +151,7 @@ class Instance {
   std::optional<Vec3<double>> start_;  // not rounded
 };
 
-/// Fills what a table does not say; tables that choose one of several are taken whole.
+/// Adds the keys that a table lacks. Tables that select one of several are taken whole.
 void merge(toml::table& into, toml::table&& from) {
   constexpr std::array<std::string_view, 3> by_key = {"start", "parameters", "sensor"};
   for (auto&& [key, node] : from) {
@@ -165,7 +165,7 @@ void merge(toml::table& into, toml::table&& from) {
   }
 }
 
-/// Whether a table needs no expansion, so that a document without templates is left as it was read.
+/// Whether a table needs no expansion, so that a document without templates stays unchanged.
 bool stands_for_itself(const toml::node& node) {
   if (const toml::table* table = node.as_table()) {
     for (const std::string_view word : {"inherits", "place", "face", "each"}) {
@@ -219,7 +219,7 @@ class Expansion {
         continue;
       }
       for (std::size_t i = 0; i < names.size(); ++i) {
-        // Each from a document of its own: what is moved keeps its lines, and what is copied loses them.
+        // Each robot from a parse of its own: moved nodes keep their lines, copied ones lose them.
         TomlDocument own = as_written(document_);
         toml::table robot = std::move(*own.root[section][name].as_table());
         const std::string path = fmt::format("{}.{}", section, names[i]);
@@ -234,7 +234,7 @@ class Expansion {
     for (auto&& [key, node] : expanded) into.insert_or_assign(toml::key(key), std::move(node));
   }
 
-  /// In the order of the file, where those of one range stand one behind the other.
+  /// A key with the place of its table in the file; keys of one range follow each other.
   static toml::key key_of(const toml::table& section, const std::string& name, std::size_t i,
                           const std::string& of) {
     const auto found = section.find(name);
@@ -260,7 +260,7 @@ class Expansion {
 
   std::vector<std::string_view> templates_views() const { return {templates_.begin(), templates_.end()}; }
 
-  /// Ranges in lists of names.
+  /// Expands ranges in lists of names.
   void expand_lists(toml::node& node, const std::string& path) {
     if (toml::table* table = node.as_table()) {
       for (auto&& [key, inner] : *table) expand_lists(inner, path + '.' + std::string(key.str()));
@@ -328,7 +328,7 @@ class Printer {
     return out.str();
   }
 
-  /// In the order of the file; what has no place there comes first.
+  /// In the order of the file; entries without a place come first.
   std::vector<std::pair<std::string_view, const toml::node*>> entries(const toml::table& table) const {
     std::vector<std::pair<const toml::key*, const toml::node*>> found;
     for (const auto& [key, node] : table) found.emplace_back(&key, &node);

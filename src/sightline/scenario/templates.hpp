@@ -1,14 +1,16 @@
-/// Robots that are alike, written once: templates, numbered names and places in a row, before a scenario's meaning.
+/// Expands templates, numbered names and placements of similar robots, before a scenario is read.
 ///
 ///     [template.follower]                                # any part of a robot, target or obstacle
 ///     R = [0.1, 0.1, 0.1, 0.1]
 ///
 ///     [agent."uav{00..31}"]                              # uav00, uav01, ... uav31
 ///     inherits = "follower"
-///     start = { p = { place = "circle", centre = [0.0, 0.0, 1.5], radius = 8.0 }, heading = { face = [0.0, 0.0] } }
+///     start.p = { place = "circle", centre = [0.0, 0.0, 1.5], radius = 8.0 }
+///     start.heading = { face = [0.0, 0.0] }
 ///
-/// A table's own keys win over those of its template; `start`, `parameters` and `sensor` are filled key by key. A template
-/// may be like another. In lists of names "uav{0..7}" stands for eight. docs/templates.md has the whole.
+/// A table's own keys override those of its template; `start`, `parameters` and `sensor` merge key
+/// by key. A template may inherit another. In lists of names, "uav{0..7}" expands to eight names.
+/// Full description: docs/templates.md.
 #pragma once
 
 #include <string>
@@ -17,12 +19,13 @@
 
 namespace sightline {
 
-/// Most names that one range stands for.
+/// Greatest number of names in one range.
 inline constexpr int range_max = 1024;
 
-/// Puts robots, targets and obstacles in place of what stands for them, and takes the templates away. What comes of it
-/// keeps the lines of the file, so that a refusal names the line that is wrong.
-/// @throws ScenarioError for an unknown or unused template, a cycle of them, a range that is none, two of one name
+/// Replaces templates and ranges by the robots, targets and obstacles that they define. The result
+/// keeps the lines of the file, so that an error names the right line.
+/// @throws ScenarioError for an unknown or unused template, a cycle of templates, an invalid range,
+/// a duplicate name
 void expand(TomlDocument& document);
 
 /// The document as TOML, sections and keys in the order of the file, without its comments.

@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-/// In quotes; those within are escaped.
+/// In quotes, with inner quotes escaped.
 std::string in_toml_quotes(std::string_view text) {
   std::string all = "\"";
   for (const char c : text) {
@@ -31,7 +31,7 @@ std::string shown_key(std::string_view key) {
   return bare ? shortened(key, shown_size) : in_toml_quotes(shortened(key, shown_size));
 }
 
-/// A value as it stands in a message: short, whatever it is.
+/// A value in the short form of an error message.
 std::string shown(const toml::node& node) {
   if (const auto* v = node.as_integer()) return fmt::format("{}", v->get());
   if (const auto* v = node.as_floating_point()) return fmt::format("{}", v->get());
@@ -49,7 +49,7 @@ std::string shown(const toml::node& node) {
   return fmt::format("[{}]", list);
 }
 
-/// A text is a name, a path or a formula; those of the system end where U+0000 stands.
+/// Rejects U+0000: texts are names, paths or formulas, and the system's strings end there.
 void refuse_null_characters(const toml::node& node, const std::string& key, const std::string& file) {
   if (const toml::table* table = node.as_table()) {
     for (const auto& [name, inner] : *table)
@@ -65,7 +65,7 @@ void refuse_null_characters(const toml::node& node, const std::string& key, cons
   }
 }
 
-/// The layer that a place is in, from the lowest; without layers 0.
+/// Index of the layer of a place, from the lowest; 0 without layers.
 std::size_t layer_of(const TomlDocument& document, const toml::source_region& source) {
   if (document.layers.empty() || !source.path) return 0;
   const auto is = [&](const TomlLayer& layer) { return layer.name == *source.path; };
@@ -73,12 +73,13 @@ std::size_t layer_of(const TomlDocument& document, const toml::source_region& so
                                   document.layers.begin());
 }
 
-/// Where a value of a table stands; one that was put in place of another has no line of its own, and stands where the table does.
+/// Source of a value in a table. A value that replaced another has no line of its own and takes the
+/// table's.
 const toml::source_region& region_of(const toml::node& node, const toml::source_region& table) {
   return node.source().begin.line > 0 ? node.source() : table;
 }
 
-/// The sentence, at its place in the document.
+/// Throws the sentence with its place in the document.
 [[noreturn]] void refuse_at_place(const TomlDocument& document, const toml::source_region& source,
                                   std::string_view sentence) {
   const TomlPlace at = place_of(document, source);
@@ -420,7 +421,7 @@ void TomlTable::throw_invalid(std::string_view expected) const {
 }
 
 void TomlTable::rethrow_at(std::string_view sentence) const {
-  // The key's line is nearer than the table's own.
+  // Prefers the line of the key to that of the table.
   const std::size_t dot = sentence.find('.'), equals = sentence.find(" = ");
   if (equals != std::string_view::npos) {
     const std::size_t begin = dot < equals ? dot + 1 : 0;

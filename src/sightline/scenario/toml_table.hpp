@@ -1,4 +1,5 @@
-/// A TOML table read with types and ranges; every refusal says file, line, key, value and what was expected.
+/// A TOML table with typed and range-checked access; every error states file, line, key, value and
+/// expected value.
 #pragma once
 
 #include <toml++/toml.h>
@@ -22,14 +23,14 @@
 
 namespace sightline {
 
-/// A key and the number it sets; without the key the number stays what it is.
+/// A key and the number it sets; without the key the number keeps its value.
 struct NumberKey {
   std::string_view key;
   double* value;
   Range range = any_number();
 };
 
-/// A name in the file and what reads the part of that name.
+/// A name in the file and the function that reads the part of that name.
 template <class Read>
 struct Named {
   std::string_view name;
@@ -50,60 +51,61 @@ Read find(const std::array<Named<Read>, n>& list, std::string_view name) {
 
 struct Registry;
 
-/// One of the texts that a document is made of.
+/// One of the texts of a document.
 struct TomlLayer {
-  std::string name;  ///< the file; of a value that is set from outside "--set KEY=VALUE"
-  std::string text;  ///< of that value KEY=VALUE
+  std::string name;  ///< the file; of a value set from outside "--set KEY=VALUE"
+  std::string text;  ///< of a value set from outside: KEY=VALUE
   bool is_file = true;
 };
 
-/// A parsed file, owner of what its tables look at.
+/// A parsed file; owns the data of its tables.
 struct TomlDocument {
   std::string file;
   toml::table root;
   std::string text{};
-  std::vector<TomlLayer> layers{};  ///< from the lowest up, where it is more than its own text
-  bool from_disk = true;      ///< files that it names are read from the disk; else they stand in `files`
-  mutable FileTexts files{};  ///< those that were asked for
-  const Registry* registry = nullptr;  ///< which it may call by name, outlive it; none: those of sightline
+  std::vector<TomlLayer> layers{};  ///< from the lowest up; empty if its own text is the only one
+  bool from_disk = true;            ///< files that it names are read from the disk; else they are in `files`
+  mutable FileTexts files{};        ///< the requested ones
+  const Registry* registry = nullptr;  ///< parts that it may name, must outlive it; null: those of sightline
 };
 
-/// @throws ScenarioError where the text is refused by check_text() or is not TOML
+/// @throws ScenarioError if check_text() rejects the text or it is not TOML
 TomlDocument parse_toml(std::string_view text, std::string file);
-/// The table alone, whose nodes know the name of the file.
+/// The table alone; its nodes know the name of the file.
 toml::table parse_layer(std::string_view text, const std::string& file);
 
-/// Where a key or a value of a document stands.
+/// Place of a key or a value in a document.
 struct TomlPlace {
   const std::string& file;  ///< or the name of another layer
-  std::size_t line;         ///< from 1; 0 in a layer that is no file
+  std::size_t line;         ///< from 1; 0 in a layer that is not a file
 };
 TomlPlace place_of(const TomlDocument& document, const toml::source_region& source);
-/// Whether one stands before the other: in a lower layer, or earlier in the same.
+/// Whether `one` precedes `other`: in a lower layer, or earlier in the same.
 bool stands_before(const TomlDocument& document, const toml::source_region& one,
                    const toml::source_region& other);
 
 class TomlValue;
 
-/// One table of a document. A view: the document outlives it. Every reading function throws ScenarioError.
+/// One table of a document. A view: the document must outlive it. Every reading function throws
+/// ScenarioError.
 class TomlTable {
  public:
   explicit TomlTable(const TomlDocument& document);
-  /// A table of the document, under this path.
+  /// The table of the document that has this path.
   TomlTable(const TomlDocument& document, const toml::table& table, std::string path);
 
   bool has(std::string_view key) const { return find(key) != nullptr; }
   std::size_t size() const { return table_->size(); }
-  /// Its place in the file, `agent.uav0`.
+  /// Its path in the file, `agent.uav0`.
   const std::string& path() const { return path_; }
 
-  /// Refuses keys that are not in the list.
+  /// @throws ScenarioError for a key that is not in the list
   void expect_only(std::span<const std::string_view> known) const;
   void expect_only(std::initializer_list<std::string_view> known) const { expect_only(std::span(known)); }
-  /// Reads numbers that have defaults; refuses keys that are neither in `fields` nor in `others`.
+  /// Reads numbers that have defaults; rejects keys that are neither in `fields` nor in `others`.
   void read(std::initializer_list<NumberKey> fields,
             std::initializer_list<std::string_view> others = {}) const;
-  /// The only key of a table that chooses one of several; `others` may stand beside it.
+  /// The only key of a table that selects one of several; the table may have `others` too.
   std::string_view choice(std::span<const std::string_view> known,
                           std::span<const std::string_view> others = {}) const;
   std::string_view choice(std::span<const std::string_view> known,
@@ -116,15 +118,15 @@ class TomlTable {
   std::string text(std::string_view key, std::string_view expected) const;
   /// The text, one of `known`.
   std::string_view word(std::string_view key, std::span<const std::string_view> known) const;
-  /// The same, where `expected` says what the words are.
+  /// The same; `expected` describes the words.
   std::string_view word(std::string_view key, std::span<const std::string_view> known,
                         std::string_view expected) const;
   bool boolean(std::string_view key) const;
   Vec3<double> vec3(std::string_view key) const;
-  /// An array of numbers; of this length, or of any where `length` is `any_length`.
+  /// An array of numbers, of this length, or of any length for `any_length`.
   std::vector<double> numbers(std::string_view key, std::size_t length,
                               const Range& range = any_number()) const;
-  /// An array of times [s], each later than the one before.
+  /// An array of times [s], each later than the previous one.
   std::vector<double> rising(std::string_view key) const;
   /// An array of `count` arrays of `length` numbers.
   std::vector<std::vector<double>> rows(std::string_view key, std::size_t count, std::size_t length) const;
@@ -132,18 +134,19 @@ class TomlTable {
 
   /// The keys, in the order of the file.
   std::vector<std::string> keys() const;
-  /// Whatever stands under the key.
+  /// The value under the key, of any kind.
   TomlValue value(std::string_view key, std::string_view expected) const;
 
   TomlTable table(std::string_view key, std::string_view expected = "a table") const;
-  /// The table, or an empty one where the key is missing.
+  /// The table, or an empty one if the key is missing.
   TomlTable table_or_empty(std::string_view key) const;
   /// The named tables within a table, in the order of the file.
   std::vector<std::pair<std::string, TomlTable>> named_tables(std::string_view key) const;
   /// The tables of [[key]].
   std::vector<TomlTable> tables(std::string_view key) const;
 
-  /// Makes something of this table; what it says of itself by std::invalid_argument becomes a ScenarioError.
+  /// Calls `make`, which makes an object of this table; a std::invalid_argument becomes a
+  /// ScenarioError.
   template <class Make>
   auto checked(Make&& make) const {
     try {
@@ -157,24 +160,25 @@ class TomlTable {
   [[noreturn]] void throw_invalid(std::string_view key, std::string_view expected) const;
   /// `path.key[i] = value, expected ...`.
   [[noreturn]] void throw_invalid(std::string_view key, std::size_t i, std::string_view expected) const;
-  /// Refuses the table itself, as `path = {...}, expected ...`.
+  /// An error of the table itself: `path = {...}, expected ...`.
   [[noreturn]] void throw_invalid(std::string_view expected) const;
-  /// Refuses it with a sentence; one that begins with a key, or with `word.key`, at the line of that key.
+  /// An error with this sentence. A sentence that begins with a key, or with `word.key`, gets the
+  /// line of that key.
   [[noreturn]] void rethrow_at(std::string_view sentence) const;
 
   static constexpr std::size_t any_length = static_cast<std::size_t>(-1);
 
   /// The text of a file that this one names, relative to it. @throws ScenarioError as read_text()
   std::string file_text(const std::string& name) const;
-  /// The folder that such a file lies in.
+  /// The folder of such a file.
   std::filesystem::path file_folder(const std::string& name) const;
-  /// Whether files that it names are there; those of a log's scenario need not be any more.
+  /// Whether the files that it names must exist; those of a log's scenario may be missing.
   bool from_disk() const { return document_->from_disk; }
-  /// What it may call by name.
+  /// The parts that it may name.
   const Registry& registry() const;
-  /// The file, as its refusals name it.
+  /// The file, as in error messages.
   const std::string& file() const { return document_->file; }
-  /// Where it begins, `file:line`.
+  /// Place of its begin, `file:line`.
   std::string where() const;
 
  private:
@@ -194,7 +198,7 @@ class TomlTable {
   toml::source_region source_{};
 };
 
-/// A value of any kind. A view, as a table is.
+/// A value of any kind. A view, like a table.
 class TomlValue {
  public:
   bool is_text() const { return node_->is_string(); }
@@ -202,17 +206,18 @@ class TomlValue {
   bool is_table() const { return node_->is_table(); }
   bool is_array() const { return node_->is_array(); }
 
-  /// Each for a value of that kind; the text as it is meant, not as it is written.
+  /// Each requires a value of that kind; the text is the parsed content.
   const std::string& text() const { return node_->as_string()->get(); }
   TomlTable table() const { return {*document_, *node_->as_table(), path_}; }
-  /// The text, one of `known`; `expected` says what they are.
+  /// The text, one of `known`; `expected` describes them.
   std::string_view word(std::span<const std::string_view> known, std::string_view expected) const;
   std::vector<TomlValue> items() const;
   double number(const Range& range = any_number()) const;
 
   /// `path = value, expected ...`.
   [[noreturn]] void throw_invalid(std::string_view expected) const;
-  /// At the byte `offset` of a text, at the beginning of any other value: `file:line:column: path = value, sentence`.
+  /// At the byte `offset` of a text, at the beginning of any other value: `file:line:column: path =
+  /// value, sentence`.
   [[noreturn]] void refuse_at(std::size_t offset, std::string_view sentence) const;
 
  private:

@@ -20,7 +20,7 @@ Sight<double> between(const Sight<double>& a, const Sight<double>& b, double sha
   s.lean = {mixed(a.lean.x, b.lean.x), mixed(a.lean.y, b.lean.y)};
   const Vec2<double> d = {mixed(a.d.x, b.d.x), mixed(a.d.y, b.d.y)};
   const double length = norm(d.x, d.y);
-  if (length > 0) s.d = {d.x / length, d.y / length};  // headings that are opposite have none between them
+  if (length > 0) s.d = {d.x / length, d.y / length};  // no direction lies between opposite headings
   return s;
 }
 

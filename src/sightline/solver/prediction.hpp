@@ -1,4 +1,4 @@
-/// Where a body will be along the horizon, as whoever plans its way predicts it: all that subteams exchange.
+/// Predicted motion of one body along the horizon: the only data that subteams exchange.
 #pragma once
 
 #include <vector>
@@ -8,21 +8,21 @@
 
 namespace sightline {
 
-/// A plain message: who, from when, in which steps, and what is seen of it there.
+/// Prediction message: the body, the time of the first sample, the step and the predicted Sights.
 struct Prediction {
   BodyId who;
-  double time = 0.0;                       ///< of the first sight [s]
-  double h = 0.0;                          ///< between two sights [s], > 0
-  std::vector<Sight<double>> sights = {};  ///< N + 1; empty: nothing is predicted
+  double time = 0.0;                       ///< time of the first Sight [s]
+  double h = 0.0;                          ///< step between two Sights [s], > 0
+  std::vector<Sight<double>> sights = {};  ///< N + 1 Sights; empty: no prediction
 
-  /// Whether to use it at t for a body that is at p: sent less than its own length ago or ahead, and at most
-  /// `astray` [m] from there.
+  /// Whether the prediction is usable at time t [s] for a body at p [m]: |t - time| is less than
+  /// its length, and it deviates from p by at most `astray` [m].
   bool holds(double t, const Vec3<double>& p) const noexcept;
   static constexpr double astray = 1.0;
-  /// What is seen at its stage k >= 0 of a horizon that begins at t, of steps as long: between two sights the line
-  /// between them, before the first and after the last its velocity goes on.
+  /// Predicted Sight at time t + k h [s], stage k >= 0. Interpolates linearly between two Sights;
+  /// before the first and after the last Sight the velocity is constant.
   Sight<double> at(double t, int k) const noexcept;
-  /// Whether every number is finite.
+  /// Whether the time and all numbers of all Sights are finite.
   bool is_finite() const noexcept;
 };
 

@@ -42,7 +42,7 @@ bool Hull::hides(const Vec3<double>& at, const Vec3<double>& a, const Vec3<doubl
     return across(p, p) < square(radius) && (is_sphere || std::abs(p.z) < 0.5 * height);
   };
   if (within(from) || within(b - at)) return false;
-  // Where the way is within the round side: 0 <= low <= s <= high <= 1.
+  // Section of the line of sight within the lateral surface: 0 <= low <= s <= high <= 1.
   double low = 0.0, high = 1.0;
   const double ww = across(way, way), fw = across(from, way), rest = across(from, from) - square(radius);
   if (ww > 0) {

@@ -1,4 +1,4 @@
-/// Cameras of robots, the tags that they look for, and the hulls that hide them: numbers, and where they are on a body.
+/// Cameras, the tags that they detect, and the hulls that occlude tags: parameters and geometry.
 #pragma once
 
 #include <array>
@@ -14,14 +14,15 @@
 
 namespace sightline {
 
-/// What a camera tells of a body with tags.
+/// Content of a detection of a tagged body.
 enum class CameraOutput {
   pose,      ///< position and attitude
   position,  ///< position alone, that is bearing and range
 };
 inline constexpr std::array<std::string_view, 2> camera_outputs = {"pose", "position"};
 
-/// A pinhole camera with a global shutter, without distortion, that looks along x of the sensor frame S.
+/// Pinhole camera with a global shutter, without distortion. Its optical axis is x of the sensor
+/// frame S.
 struct Camera {
   static constexpr std::string_view name = "camera";
 
@@ -68,22 +69,24 @@ struct Camera {
 
   /// @throws std::invalid_argument naming a number out of its range
   void check() const;
-  /// f [px].
+  /// Focal length f [px].
   double focal() const;
-  /// The side of a tag in a picture [px], at this depth [m].
+  /// Side of a tag of this size [m] in a picture [px], at this depth [m].
   double pixels(double size, double depth) const { return focal() * size / depth; }
-  /// Where a point of S is in a picture [px]: to the right and down, from the middle.
+  /// Projection of a point of S, with x > 0, into a picture [px]: right and down from the image
+  /// centre.
   Vec2<double> project(const Vec3<double>& p_S) const {
     const double f = focal();
     return {-f * p_S.y / p_S.x, -f * p_S.z / p_S.x};
   }
 };
 
-/// Families of AprilTag.
+/// AprilTag families.
 enum class TagFamily { tag36h11 };
 inline constexpr std::array<std::string_view, 1> tag_families = {"tag36h11"};
 
-/// Square tags on upright plates around a body, the first ahead (x of B), the next ones to the left at equal angles.
+/// Square tags on upright plates around a body. The first plate faces ahead (x of B); the others
+/// follow to the left at equal angles.
 struct Tags {
   static constexpr std::string_view name = "tags";
 
@@ -95,8 +98,7 @@ struct Tags {
 
   static constexpr int faces_max = 8;
   bool operator==(const Tags&) const = default;
-  static constexpr double border =
-      1.25;  ///< side of a tag with the white that it needs around it, over its size
+  static constexpr double border = 1.25;  ///< side of a tag with its white border, over its size
 
   static constexpr auto parameters() {
     using T = Tags;
@@ -112,15 +114,16 @@ struct Tags {
 
   /// @throws std::invalid_argument naming a number out of its range
   void check() const { check_parameters(*this); }
-  /// Out of the plate, in B.
+  /// Outward unit normal of a plate, in B.
   Vec3<double> normal(int face) const;
-  /// The middle of a tag in B [m].
+  /// Centre of a tag in B [m].
   Vec3<double> centre(int face) const;
-  /// Corners of a tag in B [m], as seen from outside: bottom left, bottom right, top right, top left; `scale` of its size.
+  /// Corners of a tag in B [m], its size multiplied by `scale`. Order, seen from outside: bottom
+  /// left, bottom right, top right, top left.
   std::array<Vec3<double>, 4> corners(int face, double scale = 1.0) const;
 };
 
-/// What hides others: an upright cylinder about a body's origin, a sphere where it has no height.
+/// Body that occludes others: an upright cylinder about the body's origin, or a sphere at height 0.
 struct Hull {
   static constexpr std::string_view name = "hull";
 
@@ -134,7 +137,8 @@ struct Hull {
                                 "of the cylinder, half of it above the body's origin; 0: a sphere")};
   }
 
-  /// Whether the way from a to b passes through it, at this place; not where one of them is within it.
+  /// Whether the hull, centred at `at`, intersects the line of sight from a to b. False if a or b
+  /// is inside the hull.
   bool hides(const Vec3<double>& at, const Vec3<double>& a, const Vec3<double>& b) const;
 };
 
@@ -142,8 +146,8 @@ struct RobotCamera {
   BodyId observer{};
   SensorMount mount{};
   Camera camera{};
-  bool render = false;  ///< pictures are rendered, and searched for tags; else detections are drawn
-  std::string frame{};  ///< what /tf calls its optical frame, where it is a real one
+  bool render = false;  ///< render pictures and search them for tags; else draw detections
+  std::string frame{};  ///< optical frame of a real camera in /tf
 };
 struct BodyTags {
   BodyId body{};
@@ -154,29 +158,30 @@ struct BodyHull {
   Hull hull{};
 };
 
-/// All that is seen by, seen and in the way.
+/// All cameras, tags and occluding hulls of a team.
 struct CameraOptions {
   std::uint64_t seed = 1;
   std::vector<RobotCamera> cameras{};
   std::vector<BodyTags> tags{};
   std::vector<BodyHull> hulls{};
   std::vector<std::vector<std::string>>
-      tag_frames{};  ///< of each of `tags`, face by face: what /tf calls them
+      tag_frames{};  ///< frame names in /tf, for each of `tags`, one for each face
 
-  /// Of that robot or body; nullptr where it has none.
+  /// Camera of this robot, or tags of this body; nullptr if it has none.
   const RobotCamera* camera_of(BodyId observer) const noexcept;
   const BodyTags* tags_of(BodyId body) const noexcept;
 };
 
-/// A pose: of a body in G, or of one seen from S.
+/// Position and attitude: of a body in G, or of a detected body in S.
 struct RigidPose {
   Vec3<double> p{};
   Rotation R{};
 };
 
-/// The frame S of a sensor on a body; of a mount that a gimbal holds level, the body's heading alone counts.
+/// Pose in G of the sensor frame S on a body. A mount that a gimbal holds level uses the body's
+/// heading alone.
 RigidPose sensor_pose(const SensorMount& mount, const RigidPose& body);
-/// b in the frame a, both given in G.
+/// Pose of b in the frame a; both are given in G.
 RigidPose seen_from(const RigidPose& a, const RigidPose& b);
 
 }  // namespace sightline

@@ -25,7 +25,7 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
   for (const RobotCamera& one : options_.cameras) {
     one.camera.check();
     check_body(one.observer);
-    // Pictures on their way, and one more for each end of the drawn range.
+    // Pictures in transit, plus one for each end of the latency range.
     room += (static_cast<std::size_t>(std::ceil(one.camera.latency[1] * one.camera.rate)) + 2) *
             options_.tags.size();
     shutters_.push_back({0, RandomStream(options_.seed, StreamId::latency, one.observer.index)});
@@ -55,7 +55,7 @@ Measured CameraWorld::measure(double t) noexcept {
     const double rate = options_.cameras[i].camera.rate;
     if (t < static_cast<double>(shutters_[i].next) / rate - same_time) continue;
     take_picture(i, t);
-    // Of pictures that missed periods left out, none comes later.
+    // Pictures due in missed periods are skipped, not taken later.
     shutters_[i].next = static_cast<std::int64_t>(std::floor((t + same_time) * rate)) + 1;
   }
   last_ = t;

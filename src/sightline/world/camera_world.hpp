@@ -1,4 +1,4 @@
-/// A world with cameras: what the robots' cameras see of the bodies with tags comes as detections beside the states.
+/// Adds cameras to a world: detections of tagged bodies, next to the measured states.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,19 @@
 
 namespace sightline {
 
-/// Any world that knows the truth, seen by cameras. A picture is taken at the first measure() at which it is due, so its stamp is a
-/// whole number of periods; it arrives at the first one after its latency. What it shows is the truth then: the attitudes that the
-/// world tells, of other robots those that their models say, upright where they say none.
+/// Decorator that adds cameras to any world that provides the true states. A picture is taken at
+/// the first measure() at which it is due, so its stamp is a whole number of periods. Its
+/// detections arrive at the first measure() after the latency. A picture shows the true states.
+/// Attitudes are those that the world reports. For other robots they follow from the model, and are
+/// upright if the model has no tilt.
 ///
-/// A body that is absent neither sees nor is seen, and what it saw before it went does not arrive any more.
+/// An absent body neither detects nor is detected. Its pending detections are dropped when it
+/// leaves.
 class CameraWorld final : public SensingWorld {
  public:
-  /// @param source  of the same options and team
-  /// @throws std::invalid_argument for a camera or tags out of range, and for a world that gives detections of its own
+  /// @param source  built for the same options and team
+  /// @throws std::invalid_argument for a camera or tags out of range, and for a world that already
+  /// provides detections
   CameraWorld(std::unique_ptr<World> world, CameraOptions options, std::unique_ptr<DetectionSource> source);
 
   MeasuredMost measured_max() const noexcept override {
@@ -45,7 +49,7 @@ class CameraWorld final : public SensingWorld {
   std::unique_ptr<DetectionSource> source_;
   std::vector<Shutter> shutters_;
   std::vector<ExposedBody> bodies_;
-  std::optional<double> last_{};  // measure() [s]
+  std::optional<double> last_{};  // time of the last measure() [s]
   std::vector<Detection> found_;  // in one picture
   UnderWay<Detection> detections_;
 };

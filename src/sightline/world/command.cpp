@@ -8,7 +8,7 @@
 namespace sightline {
 namespace {
 
-// Of a limit: a sum of an input and what is added to it may be beyond by rounding.
+// Tolerance relative to a limit: an input plus its offset may exceed the limit by rounding.
 constexpr double rounding = 1e-9;
 
 bool is_beyond(double u, double low, double high) noexcept {

@@ -1,10 +1,11 @@
-/// The last stage before World::apply(), and the one place that says between which bounds an input must be.
+/// Commands: the last stage before World::apply(), and the only place that bounds the inputs.
 ///
-///   limits   u_min(t) <= u <= u_max(t), those in force at t: always
-///   rates    |u - u'| <= rate_max dt, u' applied a period before: as far as the limits leave room
+///   limits   u_min(t) <= u <= u_max(t), in force at t: always
+///   rates    |u - u'| <= rate_max dt, u' applied one period before: as far as the limits allow
 ///
-/// Limits come before rates: an input that a limit narrows upon follows it at once. The same interval,
-/// clamp(u' -+ rate_max dt, u_min, u_max), is that of a plan's first stage.
+/// Limits take precedence over rates: when a limit tightens beyond an input, the input follows the
+/// limit at once. The first stage of a plan uses the same interval, clamp(u' -+ rate_max dt, u_min,
+/// u_max).
 #pragma once
 
 #include <cstddef>
@@ -15,8 +16,8 @@
 
 namespace sightline {
 
-/// Inputs of all robots (nu) that are finite and within their limits in force. Only a CommandGate makes them, so a World cannot
-/// be given others. Valid until the gate's next pass().
+/// Inputs of all robots (nu), finite and within the limits in force. Only a CommandGate creates
+/// Commands, so a World receives no others. Valid until the gate's next pass().
 class Command {
  public:
   std::size_t size() const noexcept { return u_.size(); }
@@ -32,34 +33,38 @@ class Command {
   std::span<const double> u_;
 };
 
-/// Makes commands of one team. After construction nothing here allocates, locks, throws or prints.
+/// Creates the commands of one team. After construction nothing here allocates, locks, throws or
+/// prints.
 class CommandGate {
  public:
-  /// Robots have their own limits, and hold u* until the first pass().
+  /// Each robot starts with its own limits. Until the first pass() its applied input is u*, clamped
+  /// to those limits.
   /// @param period  between two commands [s]
   CommandGate(const Team& team, double period);
   CommandGate(const CommandGate&) = delete;
   CommandGate& operator=(const CommandGate&) = delete;
 
-  /// Limits in force from now on, one of each robot in the order of the team; they outlive the next call.
+  /// Sets the limits in force from now on, one per robot in team order. They must outlive the next
+  /// call.
   void set_limits(std::span<const InputLimits> limits) noexcept;
 
-  // Once in each period, in this order.
+  // Called once in each period, in this order.
 
-  /// Finds the limits in force at t [s].
+  /// Evaluates the limits in force at t [s].
   void open(double t) noexcept;
-  /// Moves inputs u (nu) to the nearest within limits and rates.
-  /// @param added  to u afterwards (nu): both hold for the sum; empty: nothing
+  /// Projects the inputs u (nu) onto the limits and rates.
+  /// @param added  offset added to u afterwards (nu); limits and rates hold for the sum. Empty: no
+  /// offset
   void keep_limits_and_rates(std::span<double> u, std::span<const double> added) const noexcept;
-  /// The command u + added. A robot's inputs are replaced where one is not finite, by what was applied before, or beyond a limit,
-  /// by the nearest within.
+  /// Returns the command u + added. If an input of a robot is not finite, the robot keeps its
+  /// previous inputs. Inputs beyond a limit are clamped.
   Command pass(std::span<const double> u, std::span<const double> added) noexcept;
 
   /// Robots whose inputs the last pass() replaced.
   std::span<const BodyId> replaced() const noexcept { return replaced_; }
-  /// As passed last.
+  /// The command of the last pass().
   Command applied() const noexcept { return Command(applied_); }
-  /// A robot's u*, to the nearest within its limits at t [s], into the inputs u of all robots (nu).
+  /// Writes a robot's u*, clamped to its limits at t [s], into the inputs u of all robots (nu).
   void rest(BodyId robot, double t, std::span<double> u) noexcept;
 
  private:

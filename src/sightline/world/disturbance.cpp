@@ -10,11 +10,7 @@
 #include "sightline/potential/potential.hpp"
 
 namespace sightline {
-namespace {
-
-// Times are sums of steps; two that differ by less are the same.
-
-}  // namespace
+namespace {}  // namespace
 
 bool Disturbances::spoil_measurements() const {
   return noise.position > 0 || noise.heading > 0 || noise.velocity > 0 || odometry != Odometry{} ||
@@ -95,7 +91,7 @@ void Wakes::push(std::span<const Vec3<double>> p, std::span<Vec3<double>> accele
     for (std::size_t j = 0; j < p.size(); ++j) {
       const Vec3<double> line = p[i] - p[j];
       const double level = sqrt(square(line.x) + square(line.y));
-      if (!(level > 0)) continue;  // itself, or one right above the other: no side to be pushed to
+      if (!(level > 0)) continue;  // itself, or a robot vertically above: no lateral direction
       const double near = std::min(square(airflow_.distance) / dot(line, line), Airflow::strongest);
       const double push = airflow_.amplitude * near * swing_[j] / level;
       acceleration[i].x -= push * line.y;

@@ -1,8 +1,8 @@
-/// Disturbances of a flight: wind, gusts, the robots' wakes, delayed and lagging commands, noise and drift of what is measured. All
-/// seeded.
+/// Seeded disturbances of a flight: wind, gusts, wakes, command delay and lag, measurement noise
+/// and drift.
 ///
-/// Each source has a random stream of its own, from seed, kind and body, so that switching one
-/// disturbance on leaves the others' numbers as they were. Same seed and binary: same numbers.
+/// Each source has its own random stream, from seed, kind and body. Enabling one disturbance leaves
+/// the numbers of the others unchanged. The same seed and binary give the same numbers.
 #pragma once
 
 #include <cstdint>
@@ -15,31 +15,33 @@
 
 namespace sightline {
 
-/// The wakes of robots in hover, section 7.2: each swings slowly and shakes the others, the more the nearer.
+/// Wakes of hovering robots, section 7.2: each wake oscillates slowly and pushes the other robots,
+/// more at short distance.
 struct Airflow {
-  double amplitude = 0.0;  ///< acceleration felt at `distance` [m/s^2], >= 0
+  double amplitude = 0.0;  ///< acceleration at `distance` [m/s^2], >= 0
   double distance =
-      1.5;  ///< [m], > 0; nearer by a factor q the push is q^2 stronger, at most `strongest` times
-  double frequency = 0.5;  ///< of the swinging [Hz], >= 0
+      1.5;  ///< [m], > 0; at distance / q the push is q^2 times stronger, at most `strongest` times
+  double frequency = 0.5;  ///< of the oscillation [Hz], >= 0
 
   static constexpr double strongest = 4.0;
   static constexpr double wander = 0.3;  ///< of the phase [rad/sqrt(s)]: coherent over about ten seconds
 };
 
-/// Standard deviations of a measurement; independent from one measurement to the next.
+/// Standard deviations of the white noise of a measurement.
 struct Noise {
   double position = 0.0;  ///< each axis [m], >= 0
   double heading = 0.0;   ///< [rad], >= 0
   double velocity = 0.0;  ///< each axis [m/s], >= 0
 };
 
-/// Errors of the robots' own odometry, beside the noise. What a robot measures is off by
+/// Errors of the robots' own odometry, besides the white noise. A measurement has the error
 ///
 ///   position, heading   b(t)                     b(t) = b_0 + random walk
-///   velocity v          b(t) + scale v           of each velocity among its states
+///   velocity v          b(t) + scale v           for each velocity state
 ///
-/// b_0 and scale are drawn once for a flight, with the standard deviations `..._bias` and `velocity_scale`; a walk of density K has moved
-/// by K sqrt(t) after t. The errors are independent: the position is not the integral of the velocity that is measured.
+/// b_0 and scale are drawn once per flight, with the standard deviations `..._bias` and
+/// `velocity_scale`. A walk of density K has the standard deviation K sqrt(t) after t. The errors
+/// are independent: the position is not the integral of the measured velocity.
 struct Odometry {
   static constexpr std::string_view name = "odometry";
 
@@ -70,27 +72,28 @@ struct Odometry {
   bool operator==(const Odometry&) const = default;
 };
 
-/// All that disturbs a simulated flight. The default disturbs nothing.
+/// All disturbances of a simulated flight. The default is none.
 struct Disturbances {
   Vec3<double> wind{};             ///< steady acceleration in G [m/s^2]
   double gust_sigma = 0.0;         ///< of each horizontal and vertical axis [m/s^2], >= 0
   double gust_time = 1.0;          ///< correlation time of the gusts [s], > 0
-  Airflow airflow{};               ///< between each two robots
+  Airflow airflow{};               ///< between each pair of robots
   double input_delay = 0.0;        ///< from command to effect [s], in [0, 1]
   double yaw_lag = 0.0;            ///< time constant of the input u_psi [s], 0 or >= 1e-3
-  double input_gain = 1.0;         ///< error of the model: what the inputs do, over what the model says, > 0
-  double slip = 0.0;               ///< of wheels: part of a rover's way and turn that is lost, in [0, 0.9]
+  double input_gain = 1.0;         ///< model error: true input effect over the model's, > 0
+  double slip = 0.0;               ///< of wheels: lost fraction of a rover's translation and turn, in [0,
+                                   ///< 0.9]
   Noise noise{};                   ///< of the measurement
   Odometry odometry{};             ///< of robots
   double measurement_delay = 0.0;  ///< from state to measurement [s], in [0, 1]
 
-  /// Whether what is measured differs from what is true.
+  /// Whether measurements differ from the true states.
   bool spoil_measurements() const;
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const;
 };
 
-/// What a stream of random numbers is for.
+/// Purpose of a random stream.
 enum class StreamId : std::uint64_t {
   gust,
   wake,
@@ -114,7 +117,7 @@ enum class StreamId : std::uint64_t {
   picture
 };
 
-/// Random numbers of one seed, purpose and body: SplitMix64, and Box-Muller on top.
+/// Random numbers of one seed, purpose and body: SplitMix64, with Box-Muller for normal numbers.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, StreamId purpose, int body);
@@ -130,11 +133,12 @@ class RandomStream {
   bool has_spare_ = false;
 };
 
-/// Coloured noise, one Ornstein-Uhlenbeck process for each robot and axis, in its exact discretisation
+/// Coloured noise: one Ornstein-Uhlenbeck process for each robot and axis, in its exact
+/// discretisation
 ///
 ///   a(t + s) = a(t) e^{-s/tau} + sigma sqrt(1 - e^{-2s/tau}) n,   a(0) = sigma n,   n normal,
 ///
-/// so that the variance is sigma^2 and the correlation e^{-s/tau} for any step.
+/// so that for any step the variance is sigma^2 and the correlation e^{-s/tau}.
 class Gusts {
  public:
   Gusts(double sigma, double time, int robots, std::uint64_t seed);
@@ -148,12 +152,13 @@ class Gusts {
   std::vector<Vec3<double>> a_;
 };
 
-/// The push of the robots' wakes. Robot i feels of each other robot j, at distance D,
+/// Accelerations from the robots' wakes. Each other robot j, at distance D, accelerates robot i by
 ///
-///   amplitude min((distance / D)^2, strongest) sin(phase_j) e,   e across the line from j to i, horizontal:
+///   amplitude min((distance / D)^2, strongest) sin(phase_j) e
 ///
-/// with the two lined up along x, both swing in y, as the paper's flight shows. The phase of each robot runs
-/// at `frequency`, from a seeded start and with a slow seeded wander.
+/// with e horizontal and normal to the line from j to i. Two robots aligned along x oscillate in y,
+/// as in the paper's flight. The phase of each robot advances at `frequency`, from a seeded start
+/// and with a slow seeded random walk.
 class Wakes {
  public:
   Wakes(const Airflow& airflow, int robots, std::uint64_t seed);
@@ -168,40 +173,41 @@ class Wakes {
   std::vector<double> phase_, swing_;  // [rad], sin(phase)
 };
 
-/// What the odometry of one robot is off by, as Odometry says.
+/// Error of the odometry of one robot, as Odometry defines it.
 class OdometryErrors {
  public:
-  /// @param velocities  how many of its states are one
+  /// @param velocities  number of velocity states of the robot
   OdometryErrors(const Odometry& odometry, std::size_t velocities, std::uint64_t seed, int body);
 
   void advance(double s) noexcept;
 
   const Vec3<double>& position() const noexcept { return position_; }  ///< [m]
   double heading() const noexcept { return heading_; }                 ///< [rad]
-  /// Of the velocity of that number, which is v [m/s].
+  /// Error of velocity state i [m/s], whose true value is v [m/s].
   double velocity(std::size_t i, double v) const noexcept { return velocity_[i] + scale_ * v; }
 
  private:
   Odometry odometry_;
-  // What is drawn at the start comes first in each, asked for or not.
+  // Each stream draws its initial values first, even if they are unused.
   RandomStream of_position_, of_heading_, of_velocity_;
   Vec3<double> position_;
   double heading_, scale_;
   std::vector<double> velocity_;
 };
 
-/// Commands on their way to the robot; each comes into force `delay` after it was given, wherever that falls
-/// between two steps.
+/// Queue of delayed commands. Each command comes into force `delay` after give(), also between two
+/// steps.
 class InputDelay {
  public:
-  /// @param period   the shortest time between two commands [s]; of faster ones only the latest is kept
+  /// @param period   the shortest time between two commands [s]; of faster ones only the latest is
+  /// kept
   /// @param initial  the command in force until the first arrives (nu)
   InputDelay(double delay, double period, std::span<const double> initial);
 
   void give(double t, std::span<const double> u) noexcept;
-  /// The command in force at t [s]; t must not fall.
+  /// The command in force at t [s]; t must not decrease.
   std::span<const double> at(double t) noexcept;
-  /// When the next command comes into force [s]; infinity where none is on its way. After at().
+  /// When the next command comes into force [s]; infinity if none is pending. Call after at().
   double next_arrival() const noexcept;
 
  private:

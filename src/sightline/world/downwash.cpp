@@ -9,7 +9,7 @@ Vec3<double> Jet::air(const Vec3<double>& there) const noexcept {
   const Vec3<double> d = there - p;
   const double z = dot(d, down), r2 = dot(d, d) - square(z);
   if (!(z > 0)) return {};
-  // Most are far off the axis, where less than e^-25 is left of the speed.
+  // Early exit for most points: so far off the axis, less than e^-25 of the speed is left.
   const double grown = square(growth * z);
   if (!(r2 < 25 * (2 * radius2 + grown))) return {};
   const double zeta = z / sqrt(radius2 + square(z));

@@ -1,4 +1,4 @@
-/// The air that vehicles push down, and that moves around those below.
+/// Downwash: the air that a vehicle accelerates downward onto vehicles below it.
 #pragma once
 
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// What a world of vehicles is told of it.
+/// Downwash parameters of a vehicle world.
 struct DownwashOptions {
   static constexpr std::string_view name = "world";
 
@@ -23,28 +23,30 @@ struct DownwashOptions {
   void check() const { check_parameters(*this); }
 };
 
-/// The mean flow under the rotors of one vehicle, all as one disc of radius R: momentum theory at the disc, a turbulent round jet far
-/// below. At z along the jet from the disc, r off its axis,
+/// Mean flow below the rotors of one vehicle, modelled as one disc of radius R. It is that of
+/// momentum theory at the disc and a turbulent round jet far below. At depth z along the jet and
+/// distance r off its axis,
 ///
 ///   w = sqrt(2 F / (pi rho)) / b  e^{-r^2 / b^2},
 ///   F = T / 2 (1 + zeta),   b^2 = 2 R^2 / (1 + zeta) + (growth z)^2,   zeta = z / sqrt(R^2 + z^2)
 ///
-/// F is the flux of momentum, rho times the integral of w^2 over a section, whatever z: T / 2 at the disc, where pressure carries the
-/// other half, and T below. The speed on the axis is v_i = sqrt(T / (2 rho pi R^2)) at the disc, goes towards 2 v_i and, where the jet
-/// has grown, falls with 1 / z. Nothing moves above the disc.
+/// F is the momentum flux, rho times the integral of w^2 over a cross section at any z. F is T / 2
+/// at the disc, where pressure carries the other half, and T far below. The speed on the axis is
+/// v_i = sqrt(T / (2 rho pi R^2)) at the disc and approaches 2 v_i. Where the jet has grown, it
+/// decays as 1 / z. Above the disc the air is at rest.
 ///
-/// The jet follows the thrust at once and goes straight along it: no wind bends it, and no ground.
+/// The jet follows the thrust without delay and stays straight: wind and ground do not bend it.
 /// Sources: docs/vehicles.md.
 struct Jet {
   static constexpr double air_density = 1.225;  ///< rho [kg/m^3]
   static constexpr double growth = 0.113;       ///< of the radius b at which the speed is 1/e, over z
 
   Vec3<double> p{};             ///< centre of the disc, in G [m]
-  Vec3<double> down{0, 0, -1};  ///< against the thrust, |down| = 1
+  Vec3<double> down{0, 0, -1};  ///< opposite to the thrust, |down| = 1
   double thrust = 0.0;          ///< T [N], >= 0
   double radius2 = 1.0;         ///< R^2 [m^2], > 0
 
-  /// Velocity of its air there, in G [m/s]; 0 where a number is not finite.
+  /// Velocity in G of the jet's air at the point `there` [m/s]; 0 if a number is not finite.
   Vec3<double> air(const Vec3<double>& there) const noexcept;
 };
 

@@ -10,32 +10,32 @@
 namespace sightline {
 
 enum class FaultKind : std::uint8_t {
-  dropout,  ///< no measurement arrives; the last one stays, with its time
-  delay,    ///< it comes later than it would
-  freeze,   ///< the same values come again, with a fresh time
-  nan,      ///< one of its numbers is NaN
-  jump,     ///< the position is wrong by an offset
+  dropout,  ///< no measurement arrives; the last one stays, with its stamp
+  delay,    ///< the measurement arrives later
+  freeze,   ///< the same values repeat, with a fresh stamp
+  nan,      ///< one number is NaN
+  jump,     ///< the position has an added offset
 };
 std::string_view to_string(FaultKind kind);
 
-/// A fault in the measurements of a body, in from <= t < until. Times are of the arrival.
+/// A fault in the measurements of a body, for arrival times from <= t < until.
 struct Fault {
   FaultKind kind = FaultKind::dropout;
-  BodyId body{};  ///< index -1: each of all bodies
+  BodyId body{};  ///< index -1: every body
   double from = 0.0;
   double until = std::numeric_limits<double>::infinity();
-  double probability = 1.0;  ///< of each measurement, in [0, 1]; dropout, nan, jump
-  double delay = 0.1;        ///< of a delay, besides the sensor's own [s], in [0, 10]
-  Vec3<double> offset{};     ///< of a jump [m]
-  int number = -1;           ///< that becomes none: place in the body's state; -1: drawn each time
+  double probability = 1.0;  ///< for each measurement, in [0, 1]; dropout, nan, jump
+  double delay = 0.1;        ///< of FaultKind::delay, added to the sensor's own [s], in [0, 10]
+  Vec3<double> offset{};     ///< of FaultKind::jump [m]
+  int number = -1;           ///< of FaultKind::nan: index in the body's state; -1: drawn each time
 
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const;
   bool strikes(BodyId at, double t) const noexcept;
 };
 
-/// Updates that begin in from <= t < until take `delay` to end: until then the last plan is used, and the
-/// next update begins only then.
+/// Delays the controller: an update that begins in from <= t < until takes `delay` to finish. Until
+/// then the previous plan stays in force and no other update begins.
 struct LatePlan {
   double from = 0.0;
   double until = std::numeric_limits<double>::infinity();

@@ -12,12 +12,12 @@
 namespace sightline {
 namespace {
 
-/// What the states of planning models show of a vehicle.
+/// Numbers that a vehicle provides, by the state names of planning models.
 constexpr std::array<std::string_view, 14> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y", "psi", "v_f",
                                                           "v_s", "v_x", "v_y", "v_z", "r",   "a_f", "a_s"};
 using ShownNumbers = std::array<double, shown_names.size()>;
 
-/// Of each state of the model, which of them it is.
+/// For each state of the model, its index in shown_names.
 std::vector<std::size_t> shown_by(const Model& model) {
   std::vector<std::size_t> all;
   for (const std::string_view state : model.states()) {
@@ -32,14 +32,14 @@ std::vector<std::size_t> shown_by(const Model& model) {
 ShownNumbers shown_of(const RigidBody& body) {
   const Rotation R = rotation(body.q);
   const Vec2<double> d = heading(R), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
-  const double lean = gravity / std::max(R.z.z, 0.1);  // finite, however it tumbles
+  const double lean = gravity / std::max(R.z.z, 0.1);  // bounded for every attitude
   const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * R.z.x, lean * R.z.y});
   return {body.p.x, body.p.y, body.p.z, d.x,      d.y,      atan2(d.y, d.x),
           v.x,      v.y,      body.v.x, body.v.y, body.v.z, heading_rate(R, body.w),
           a.x,      a.y};
 }
 
-/// The first of those numbers that a vehicle measures itself.
+/// Index of the first number that a vehicle with an IMU measures itself.
 constexpr std::size_t first_sensed = 11;
 static_assert(shown_names[first_sensed] == "r");
 
@@ -104,7 +104,7 @@ void Fleet::move(double t) noexcept {
   for (Craft& craft : crafts_) craft.steered = false;
 }
 
-/// The air around each vehicle, by the jets of all others.
+/// Evaluates the air velocity at each vehicle from the jets of all others.
 void Fleet::blow() noexcept {
   for (std::size_t i = 0; i < crafts_.size(); ++i) {
     const Rotorcraft& one = crafts_[i].flown;

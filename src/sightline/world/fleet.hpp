@@ -12,22 +12,28 @@
 
 namespace sightline {
 
-/// What the vehicles of a team are told, and what they show. How they move in steps of rotorcraft_step, a world says by advance().
+/// Commands and states of a team's vehicles. A derived class moves them by advance(), in steps of
+/// rotorcraft_step.
 ///
-/// The vehicles' downwash, where there is one, moves the air around those below: it is found anew every `downwash_steps`, and held.
+/// If enabled, the downwash of each vehicle moves the air around vehicles below it. It is evaluated
+/// every `downwash_steps` and held in between.
 ///
-/// What is shown of a vehicle is the state of its planning model, as the rigid body has it:
+/// show() writes the state of the vehicle's planning model, evaluated from the rigid body:
 ///
 ///   p            of the centre of mass
-///   d or psi     of the body's x axis, seen from above
-///   v_f, v_s     velocity along d and to its left, level;   v_x, v_y   in G;   v_z   upward;   r   rate of psi
+///   d or psi     horizontal direction of the body's x axis
+///   v_f, v_s     horizontal velocity along d and to its left
+///   v_x, v_y     horizontal velocity in G
+///   v_z, r       upward velocity; rate of psi
 ///   a_f, a_s     g times the tangent of the tilt, along d and to its left
 ///
-/// Of these a vehicle with an IMU measures r, a_f and a_s itself, with the errors of that.
+/// A vehicle with an IMU measures r, a_f and a_s itself, with the errors of that IMU.
 class Fleet : public RobotDynamics {
  public:
-  /// @throws std::invalid_argument for a vehicle that cannot be, of a robot that cannot be one, or twice of one robot
-  /// @param plant  that it is the dynamics of: its seed, its downwash and its crew
+  /// @throws std::invalid_argument for a vehicle out of range, for a robot that cannot be a
+  /// vehicle, and for two vehicles of one robot
+  /// @param plant  options of the plant that these dynamics serve: its seed, downwash and thread
+  /// pool
   Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant = {});
 
   bool moves(BodyId robot) const noexcept override { return rotorcraft(robot) != nullptr; }
@@ -37,27 +43,27 @@ class Fleet : public RobotDynamics {
   void show(BodyId robot, double* x) const noexcept override;
   void sense(BodyId robot, double* x) const noexcept override;
 
-  /// The vehicle that is that robot; none for any other body.
+  /// The vehicle of this robot; nullptr for any other body.
   const Rotorcraft* rotorcraft(BodyId robot) const noexcept;
 
  protected:
   struct Craft {
     BodyId robot;
     Rotorcraft flown;
-    std::vector<std::size_t> shown;    ///< of each state, which number of those that a vehicle shows
-    int inputs;                        ///< of the robot
-    std::array<double, 4> commands{};  ///< those in force
-    Vec3<double> wind{}, air{};        ///< velocity in G of the air, without and with downwash [m/s]
-    bool steered = false;              ///< in this move; else it rests
+    std::vector<std::size_t> shown;    ///< for each model state, its index among the numbers of a vehicle
+    int inputs;                        ///< number of the robot's inputs
+    std::array<double, 4> commands{};  ///< the commands in force
+    Vec3<double> wind{}, air{};        ///< air velocity in G, without and with downwash [m/s]
+    bool steered = false;              ///< in this move(); else the vehicle rests
   };
 
-  /// Moves the vehicles that are steered by so many steps.
+  /// Moves the steered vehicles by this many steps.
   virtual void advance(std::int64_t steps) noexcept = 0;
-  /// Steps since the start of the world; of an advance() that is under way, at its beginning.
+  /// Steps since the start of the world; within advance(), the count at its beginning.
   std::int64_t tick() const noexcept { return tick_; }
 
   std::vector<Craft> crafts_;
-  std::shared_ptr<ThreadPool> pool_;  ///< shares the vehicles
+  std::shared_ptr<ThreadPool> pool_;  ///< distributes the vehicles over threads
 
  private:
   static constexpr std::int64_t downwash_steps = 10;
@@ -65,8 +71,8 @@ class Fleet : public RobotDynamics {
   void blow() noexcept;
 
   double downwash_;
-  std::vector<Jet> jets_;      // of the crafts
-  std::vector<int> craft_of_;  // by body, -1 for none
+  std::vector<Jet> jets_;      // of crafts_
+  std::vector<int> craft_of_;  // index into crafts_ by body, -1 for none
   std::int64_t tick_ = 0;
 };
 

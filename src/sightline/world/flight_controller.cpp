@@ -24,16 +24,16 @@ constexpr std::array<Commanded, 5> commanded = {{{Multirotor::name, Commands::ti
                                                  {VelocityMultirotor::name, Commands::velocity},
                                                  {PointMass::name, Commands::full_state}}};
 
-constexpr double steepest = 1.2;             // tilt that is asked for, where inputs are beyond 1 [rad]
+constexpr double steepest = 1.2;             // bound of the commanded tilt, for inputs beyond 1 [rad]
 constexpr double climb_most = 4.0;           // vertical acceleration [m/s^2]
 constexpr double climb_integral_most = 2.0;  // [m/s^2]
-constexpr double least_lift = 0.5;           // cosine of the tilt that the collective makes up for
+constexpr double least_lift = 0.5;           // smallest cosine of the tilt that the collective compensates
 constexpr double damping_rate = 30.0;        // of the filter of the acceleration [1/s]
-constexpr double lead_p_most = 0.5;          // of a full-state trajectory before the body [m]
+constexpr double lead_p_most = 0.5;          // distance of a full-state trajectory from the body [m]
 constexpr double lead_v_most = 1.0;          // [m/s]
 constexpr double heading_gain = 2.0;         // yaw rate over heading, under full-state commands [1/s]
 
-/// The nearest to `to` within that distance of `from`.
+/// The point nearest to `to` within the distance `most` of `from`.
 Vec3<double> within(const Vec3<double>& to, const Vec3<double>& from, double most) noexcept {
   const Vec3<double> way = to - from;
   const double length = norm(way);
@@ -66,14 +66,14 @@ void FlightController::begin() noexcept {
   first_ = true;
 }
 
-/// The next point of the trajectory of full-state commands.
+/// Advances the trajectory of full-state commands by one period.
 void FlightController::lead(const RigidBody& body, const Vec3<double>& a) noexcept {
   if (first_) lead_p_ = body.p, lead_v_ = body.v;
   lead_v_ = within(lead_v_ + period * a, body.v, lead_v_most);
   lead_p_ = within(lead_p_ + period * lead_v_, body.p, lead_p_most);
 }
 
-/// Level acceleration by the velocity's error, integral and rate, beside what is asked for ahead; in G.
+/// Horizontal acceleration in G: PID on the velocity plus the commanded acceleration `ahead`.
 Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, const Vec3<double>& wanted,
                                                      const Vec3<double>& ahead) noexcept {
   const Vec2<double> error = {wanted.x - body.v.x, wanted.y - body.v.y};
@@ -90,7 +90,7 @@ Vec3<double> FlightController::velocity_acceleration(const RigidBody& body, cons
   Vec3<double> a = {part(error.x, velocity_integral_.x, acceleration_.x, ahead.x),
                     part(error.y, velocity_integral_.y, acceleration_.y, ahead.y), 0.0};
   const double most = gravity * std::tan(c.tilt_limit), size = norm(a.x, a.y);
-  if (size > most) return (most / size) * a;  // and the integral waits
+  if (size > most) return (most / size) * a;  // anti-windup: the integral is not updated
   velocity_integral_.x += c.velocity_integral * period * error.x;
   velocity_integral_.y += c.velocity_integral * period * error.y;
   return a;
@@ -118,7 +118,7 @@ Thrusts FlightController::update(const RigidBody& body, const Rotation& R,
     yaw_rate = std::clamp(-heading_gain * atan2(d.y, d.x), -c.yaw_max, c.yaw_max);
   }
 
-  // Climb first: its acceleration is part of what velocity commands ask the thrust for.
+  // Climb first: velocity and full-state commands add its acceleration to the thrust direction.
   const double climb_error = wanted.z - body.v.z;
   climb_integral_ = std::clamp(climb_integral_ + c.climb_integral * period * climb_error,
                                -climb_integral_most, climb_integral_most);
@@ -137,7 +137,7 @@ Thrusts FlightController::update(const RigidBody& body, const Rotation& R,
     push.z = gravity + climb;
   }
 
-  // The shortest turn that brings the thrust there.
+  // The shortest rotation that aligns the thrust with `push`.
   const Vec3<double> to = R.to_B((1 / norm(push)) * push);
   const double sine = norm(to.x, to.y);
   const double turn = c.attitude_gain * (sine > 1e-9 ? atan2(sine, to.z) / sine : 1.0);

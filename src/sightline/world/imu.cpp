@@ -8,7 +8,7 @@ const Imu& checked(const Imu& imu) {
   return imu;
 }
 
-/// e_z x a_G / g: the tilt that an accelerometer with this error sees where there is none.
+/// e_z x a_G / g: the apparent tilt of an accelerometer with this error at zero tilt.
 Vec3<double> tilt_of(const Vec3<double>& a_G) { return {-a_G.y / gravity, a_G.x / gravity, 0.0}; }
 
 }  // namespace
@@ -62,7 +62,7 @@ RigidBody InertialErrors::seen(const RigidBody& body) const noexcept {
   RigidBody estimated = body;
   estimated.v = body.v + v_;
   estimated.w = body.w + rate_;
-  // exp([phi]) from the left: phi is in G.
+  // exp([phi]) multiplies from the left, because phi is in G.
   const double angle = norm(phi_);
   const SinCos<double> half = sincos(0.5 * angle);
   const Vec3<double> s = (angle > 0 ? half.sin / angle : 0.5) * phi_;

@@ -1,4 +1,4 @@
-/// The inertial measurement unit of a vehicle, and what its errors make of what the flight controller knows.
+/// The inertial measurement unit of a vehicle, and the estimation errors that it causes.
 #pragma once
 
 #include <array>
@@ -11,12 +11,13 @@
 
 namespace sightline {
 
-/// Errors of gyroscope and accelerometer, each axis alike:
+/// Errors of gyroscope and accelerometer, equal for each axis:
 ///
 ///   measured - true = b(t) + white noise,   b(t) = b_0 + random walk
 ///
-/// b_0 is drawn once for a flight, with the standard deviation `..._bias`. White noise of density N has the standard deviation N / sqrt(h)
-/// over a step h; a walk of density K has moved by K sqrt(t) after t.
+/// b_0 is drawn once per flight, with the standard deviation `..._bias`. White noise of density N
+/// has the standard deviation N / sqrt(h) over a step h. A walk of density K has the standard
+/// deviation K sqrt(t) after t.
 ///
 /// The defaults are those of bmi088.
 struct Imu {
@@ -53,32 +54,35 @@ struct Imu {
   void check() const { check_parameters(*this, "vehicle.imu"); }
 };
 
-/// What the estimator of an autopilot, a complementary filter, is off by because of its IMU. With attitude error phi (R_estimated =
-/// exp([phi]) R, in G), gyroscope error w~ and accelerometer error a~, e_z up,
+/// Errors of an autopilot's estimator, a complementary filter, caused by its IMU. With attitude
+/// error phi (R_estimated = exp([phi]) R, in G), gyroscope error w~ and accelerometer error a~, e_z
+/// up,
 ///
-///   y      = phi + e_z x R a~ / g                       what the accelerometer says of phi, beside a velocity that is known
+///   y      = phi + e_z x R a~ / g         measurement of phi by the accelerometer, v known
 ///   phi'   = R (w~ - w_b) - attitude_gain y
-///   w_b'   = bias_gain R^T y                            the gyroscope's bias, estimated from 0
+///   w_b'   = bias_gain R^T y              estimated gyroscope bias, from 0
 ///   v_err' = g phi x e_z + R a~ - velocity_gain v_err
 ///
-/// (Mahony, Hamel and Pflimlin 2008, to first order in the errors, for a specific force of about g e_z). Position, velocity and a
-/// compass, which hold v_err and the heading, have no errors here: the motion of the vehicle leaves none.
+/// (Mahony, Hamel and Pflimlin 2008, to first order in the errors, for a specific force of about g
+/// e_z). Position, velocity and compass bound v_err and the heading error. Their measurements are
+/// taken as exact, because the vehicle's motion causes no error in them.
 class InertialErrors {
  public:
   static constexpr double attitude_gain = 0.5;  ///< [1/s]
   static constexpr double bias_gain = 0.05;     ///< [1/s^2]
   static constexpr double velocity_gain = 2.0;  ///< [1/s]
 
-  /// Each of the four sources of errors has a stream of its own.
+  /// Each of the four error sources has its own random stream.
   /// @throws std::invalid_argument from Imu::check()
   InertialErrors(const Imu& imu, std::uint64_t seed, int body);
 
-  /// The estimator begins anew, settled at this attitude; the biases go on.
+  /// Restarts the estimator in steady state at this attitude; the biases continue.
   void begin(const Rotation& R) noexcept;
   /// One step of h [s] at this attitude.
   void advance(const Rotation& R, double h) noexcept;
 
-  /// The body as the flight controller takes it to be: with other attitude, angular velocity and velocity.
+  /// The body as the flight controller estimates it: attitude, angular velocity and velocity have
+  /// errors.
   RigidBody seen(const RigidBody& body) const noexcept;
 
   const Vec3<double>& attitude() const noexcept { return phi_; }  ///< phi, in G [rad]

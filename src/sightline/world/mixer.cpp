@@ -7,7 +7,7 @@
 namespace sightline {
 namespace {
 
-/// Torque of 1 N of rotor i [m].
+/// Torque per thrust of rotor i [m].
 Vec3<double> torque_of(const Vehicle& v, std::size_t i) {
   return {v.rotor_y[i], -v.rotor_x[i], -v.spin[i] * v.k_m};
 }
@@ -35,7 +35,8 @@ Mixer::Mixer(const Vehicle& v) : rotors_(v.rotors()), top_(v.k_f * square(v.spee
   const Rotation g = gram(v);
   const double scale = 1 / determinant(g);
   for (std::size_t i = 0; i < rotors_; ++i) {
-    // (A A^T)^-1 is symmetric, its rows are the cross products of the columns.
+    // (A A^T)^-1 is symmetric; its rows are the cross products of the columns, over the
+    // determinant.
     const Vec3<double> a = torque_of(v, i);
     of_torque_[i] = {scale * dot(cross(g.y, g.z), a), scale * dot(cross(g.z, g.x), a),
                      scale * dot(cross(g.x, g.y), a)};

@@ -17,7 +17,7 @@ void ModelWorld::set_presence(std::span<const Presence> presence) noexcept {
   plant_.set_presence(presence);
   for (std::size_t i = 0; i < std::min(presence.size(), presence_.size()); ++i) {
     const Presence was = std::exchange(presence_[i], presence[i]);
-    // What was seen of a body before it went is not of it any more.
+    // Measurements from before the body left must not reach the body that starts again.
     if (was == Presence::absent && presence_[i] != Presence::absent)
       sensor_.begin(BodyId{static_cast<int>(i)}, plant_.x());
   }
@@ -33,7 +33,7 @@ Measured ModelWorld::measure(double t) noexcept {
   return {measured, sensor_.stamps(), plant_.x()};
 }
 
-/// False where a state is no longer finite.
+/// Returns false if a state is no longer finite.
 bool ModelWorld::apply(double, std::span<const double>, const Command& u, double period,
                        std::int64_t periods) noexcept {
   bool finite = true;

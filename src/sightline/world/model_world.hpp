@@ -1,4 +1,4 @@
-/// The simulated world of the models: a plant, and a sensor that looks at it.
+/// The simulated world of the models: a plant and a sensor.
 #pragma once
 
 #include <utility>
@@ -12,7 +12,7 @@ namespace sightline {
 
 class ModelWorld final : public World {
  public:
-  /// @param x0  states of all bodies, in the order of the team (nx)
+  /// @param x0  states of all bodies, in team order (nx)
   /// @throws std::invalid_argument as Plant and Sensor
   ModelWorld(Team team, std::vector<double> x0, const PlantOptions& plant = {},
              const SensorOptions& sensor = {});
@@ -31,7 +31,7 @@ class ModelWorld final : public World {
  private:
   Plant plant_;
   Sensor sensor_;
-  std::vector<double> start_;  // as it was given, which is that of a replay
+  std::vector<double> start_;  // x0 as given, before normalisation: a replay needs the same
   std::vector<Presence> presence_;
 };
 

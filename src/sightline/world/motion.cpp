@@ -13,32 +13,30 @@
 namespace sightline {
 namespace {
 
-// Times are sums of steps; two that differ by less are the same.
-
-/// In the direction of a, of the given length; along +x where a has none.
+/// Vector of the given length in the direction of a; along +x if a is 0.
 Vec3<double> along(const Vec3<double>& a, double length) {
   const double size = norm(a);
   return size > 0 ? (length / size) * a : Vec3<double>{length, 0, 0};
 }
 
-/// The velocity of a pursuit that comes no nearer than the standoff within dt.
+/// Velocity of a pursuit that stops at the standoff within dt.
 Vec3<double> pursue(const Vec3<double>& to_robot, double speed, double standoff, double dt) {
   const double gap = norm(to_robot) - standoff;
   return gap > 0 ? along(to_robot, std::min(speed, gap / dt)) : Vec3<double>{};
 }
 
-/// From a body at the origin to the place where it meets, at this speed, what is at q with velocity w; q
-/// itself where it cannot.
+/// Vector from a body at the origin to the point where it meets, at this speed, a body at q with
+/// velocity w. Returns q if they cannot meet.
 Vec3<double> meeting_place(const Vec3<double>& q, const Vec3<double>& w, double speed) {
   // |q + w T| = speed T for the least T > 0.
   const double a = square(speed) - dot(w, w), b = dot(q, w), c = dot(q, q);
   const double root = b * b + a * c;
   if (!(root >= 0)) return q;
-  const double denominator = std::sqrt(root) - b;  // T = c / (sqrt(b^2 + a c) - b), sound for a = 0 too
+  const double denominator = std::sqrt(root) - b;  // T = c / (sqrt(b^2 + a c) - b), valid also for a = 0
   return denominator > 0 ? q + (c / denominator) * w : q;
 }
 
-/// Any way, each as likely as another.
+/// Uniformly distributed direction.
 Vec3<double> any_way(RandomStream& chance, AdversaryMotion::Within within) {
   const SinCos<double> turn = sincos(2 * std::numbers::pi * chance.uniform());
   if (within == AdversaryMotion::Within::plane) return {turn.cos, turn.sin, 0};
@@ -174,15 +172,15 @@ Motions::Motions(const Team& team, std::vector<BodyMotion> motions, std::uint64_
   }
 }
 
-/// The velocity of one body over the step that begins now.
+/// Evaluates the velocity of one body over the step that starts now.
 struct Motions::Steer {
   Mover& mover;
   double t, dt;
   Vec3<double> p;        // of the body
-  Sight<double> robot;   // that it follows
-  Vec3<double>& placed;  // where it is all at once
+  Sight<double> robot;   // the followed robot
+  Vec3<double>& placed;  // position, which a motion may set directly
 
-  /// To be at q at the end of the step, whatever rounding left behind.
+  /// Velocity that reaches q at the end of the step, so that rounding errors do not accumulate.
   Vec3<double> reach(const Vec3<double>& q) const { return (1 / dt) * (q - p); }
 
   Vec3<double> operator()(const PathMotion& path) const {
@@ -246,7 +244,7 @@ void Motions::move(const Surroundings::Move& move, std::span<const double> x) no
     one.move = move;
     one.from = {x[one.x], x[one.x + 1], x[one.x + 2]};
     one.moves = true;
-    constexpr double peak = 1.5;  // speed of blended(), over its mean
+    constexpr double peak = 1.5;  // maximum over mean speed of blended()
     one.move.duration = std::fmax(move.duration, peak * norm(move.to - one.from) / one.speed_max);
   }
 }

@@ -12,11 +12,12 @@ const FilterOptions& checked_errors(const FilterOptions& errors) {
   return errors;
 }
 
-constexpr std::uint64_t stream_of_motion = 0x6d6f74696f6eULL;  // beside the streams of the disturbances
+constexpr std::uint64_t stream_of_motion = 0x6d6f74696f6eULL;  // separate from the streams of the
+                                                               // disturbances
 
 constexpr std::uint64_t stream_of_compass = 0x636f6d70617373ULL;
 
-/// The turn vector of a rotation by less than pi / 2.
+/// Rotation vector of a rotation by less than pi / 2.
 Vec3<double> turn_vector(const Mat<3, 3>& R) {
   const Vec3<double> s = {0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1))};
   const double sine = norm(s), cosine = 0.5 * (trace(R) - 1);

@@ -1,4 +1,4 @@
-/// What a robot's autopilot tells of its motion, in simulation.
+/// Simulated motion samples of a robot's autopilot.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,23 @@
 
 namespace sightline {
 
-/// Motion samples of a robot from its true poses, with the errors that FilterOptions describe: white noise, and
-/// biases that are drawn at the start and go on as Gauss-Markov processes or random walks.
+/// Motion samples of a robot from its true poses, with the errors of FilterOptions: white noise and
+/// biases. The biases are drawn at the start and continue as Gauss-Markov processes or random
+/// walks.
 class MotionSensor {
  public:
   /// @param errors  of the autopilot's sensors
   /// @throws std::invalid_argument from FilterOptions::check()
   MotionSensor(const FilterOptions& errors, std::uint64_t seed, int body);
 
-  /// The robot was so at t, and moved on from the pose before, dt [s] earlier. The sample before must have ended
-  /// there, for the specific force; the first one supposes the velocity at its beginning to be that over the
-  /// period.
+  /// Measures the motion of the dt [s] up to t [s], from the previous pose to this one. The
+  /// specific force needs the preceding sample to end at the previous pose. For the first sample
+  /// the acceleration is taken as 0.
   /// @param R  attitude, B to G
   MotionSample measure(double t, double dt, const Vec3<double>& p_before, const Mat<3, 3>& R_before,
                        const Vec3<double>& p, const Mat<3, 3>& R) noexcept;
 
-  /// The robot begins elsewhere: the next sample is a first one.
+  /// The robot restarts elsewhere: the next sample counts as the first.
   void forget() noexcept { moved_ = false; }
 
  private:
@@ -37,7 +38,7 @@ class MotionSensor {
   Vec3<double> v_before_{};
   bool moved_ = false;
   RandomStream magnetic_;
-  double next_compass_ = -infinity;  // it is due at [s]
+  double next_compass_ = -infinity;  // time of the next compass measurement [s]
 };
 
 }  // namespace sightline

@@ -24,7 +24,7 @@ const PlantOptions& checked(const PlantOptions& options) {
   return options;
 }
 
-/// Of place and heading.
+/// Indices of the position and heading states.
 std::vector<int> pose_states(const Model& model) {
   const StateRoles roles = roles_of(model);
   std::vector<int> all(roles.position.begin(), roles.position.end());
@@ -34,7 +34,8 @@ std::vector<int> pose_states(const Model& model) {
   return all;
 }
 
-/// Spectral radius of df/dx at the state x under resting inputs u [1/s], by the growth of its powers: A^64.
+/// Spectral radius of df/dx at the state x under resting inputs u [1/s], from the growth of its
+/// powers up to A^64.
 double fastest_rate(const Model& model, std::span<const double> x, std::span<const double> u) {
   const std::size_t n = x.size();
   std::vector<double> A(n * n), product(n * n), up(x.begin(), x.end()), down = up, more(n), less(n);
@@ -46,7 +47,7 @@ double fastest_rate(const Model& model, std::span<const double> x, std::span<con
     up[j] = down[j] = x[j];
     for (std::size_t i = 0; i < n; ++i) A[i * n + j] = (more[i] - less[i]) / (2 * by);
   }
-  double log_growth = 0.0;  // of the matrix that A is scaled from, per factor
+  double log_growth = 0.0;  // scale removed from A so far, per factor of the power
   constexpr int squarings = 6;
   for (int k = 0; k <= squarings; ++k) {
     double largest = 0.0;
@@ -126,7 +127,7 @@ Plant::Plant(Team team, std::vector<double> x0, const PlantOptions& options)
   motions_.steer(time_, steered_for_, u_, z_);
 }
 
-/// Into bunches, large enough for sharing to pay.
+/// Groups bodies into bunches that are large enough for sharing to pay.
 void Plant::divide() {
   constexpr std::size_t together = 32;
   Bunch next{};
@@ -153,8 +154,8 @@ bool Plant::step(std::span<const double> u, double dt) noexcept {
   if (pushed_) set_accelerations();
   delay_.give(time_, u);
 
-  // A command that comes into force divides the step. So does a lag as short as the step: a step of Runge-Kutta is accurate to a
-  // part of it, and beyond 2.8 times of it unstable.
+  // A command that comes into force divides the step. A short yaw lag does too: Runge-Kutta is
+  // accurate only for steps of a fraction of the lag, and unstable beyond 2.8 lags.
   constexpr double most_parts = 1000;
   const double fast = std::max(longest_, dt / most_parts);
   const double longest = lags_.empty() ? fast : std::min(fast, disturbances_.yaw_lag / 4);
@@ -196,7 +197,7 @@ void Plant::surround(const Surroundings& around) noexcept {
   wind_moves_ = pushed_ = true;
 }
 
-/// The wind that events changed, held over the step that begins now.
+/// Blends the wind of an event; it is held over the step that starts now.
 void Plant::set_wind() noexcept {
   const double part = blended(time_, wind_.begin, wind_.duration);
   disturbances_.wind = wind_before_ + part * (wind_.acceleration - wind_before_);
@@ -224,9 +225,9 @@ void Plant::set_accelerations() noexcept {
   if (wakes_) wakes_->push(p_, acceleration_);
 }
 
-/// The robots that other dynamics move, to t [s].
+/// Moves the robots of dynamics_ to t [s].
 void Plant::move_by_dynamics(double t) noexcept {
-  // A yaw rate that lags is held over the step.
+  // A lagging yaw rate is held over the step.
   for (const YawLag& lag : lags_) u_[lag.input] = z_[lag.state];
   const auto each = [&](const auto& act) {
     for (std::size_t i = 0; i < parts_.size(); ++i) {

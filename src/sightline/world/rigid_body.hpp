@@ -1,4 +1,4 @@
-/// One rigid body: position and attitude in G, and how forces and torques move them.
+/// One rigid body: position and attitude in G, and its motion under forces and torques.
 #pragma once
 
 #include "sightline/model/frames.hpp"
@@ -9,16 +9,16 @@ inline Vec3<double> cross(const Vec3<double>& a, const Vec3<double>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Attitude: turns the axes of the body B into G. |q| = 1.
+/// Attitude: rotates coordinates from the body frame B to G. |q| = 1.
 struct Quaternion {
   double w = 1.0, x = 0.0, y = 0.0, z = 0.0;
 
   bool operator==(const Quaternion&) const = default;
 };
-/// In place of an attitude that nobody knows.
+/// Placeholder for an unknown attitude.
 inline constexpr Quaternion no_attitude = {0.0, 0.0, 0.0, 0.0};
 
-/// The same as a matrix, by its columns: the axes of B in G.
+/// Attitude as a matrix, by its columns: the axes of B in G.
 struct Rotation {
   Vec3<double> x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
@@ -34,22 +34,22 @@ inline Rotation rotation(const Quaternion& q) {
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
 }
 
-/// One after the other: R_GB, R_BC to R_GC.
+/// Composition: R_GB and R_BC to R_GC.
 inline Rotation compose(const Rotation& R_GB, const Rotation& R_BC) {
   return {R_GB.to_G(R_BC.x), R_GB.to_G(R_BC.y), R_GB.to_G(R_BC.z)};
 }
-/// B seen from A, of two whose axes are given in G.
+/// R_AB, the attitude of B relative to A, from the attitudes of both in G.
 inline Rotation between(const Rotation& R_GA, const Rotation& R_GB) {
   return {R_GA.to_B(R_GB.x), R_GA.to_B(R_GB.y), R_GA.to_B(R_GB.z)};
 }
-/// The turn by |w| [rad] about w.
+/// Rotation by |w| [rad] about w.
 inline Rotation turn_by(const Vec3<double>& w) {
   const double angle = norm(w);
   const SinCos<double> half = sincos(0.5 * angle);
   const double s = angle > 0 ? half.sin / angle : 0.5;
   return rotation({half.cos, s * w.x, s * w.y, s * w.z});
 }
-/// The attitude of a rotation; of the two that are the same, the one with w >= 0.
+/// Quaternion of a rotation; of the two equivalent ones, the one with w >= 0.
 inline Quaternion quaternion(const Rotation& R) {
   const double xx = R.x.x, yy = R.y.y, zz = R.z.z;
   Quaternion q;
@@ -66,28 +66,29 @@ inline Quaternion quaternion(const Rotation& R) {
   return {scale * q.w, scale * q.x, scale * q.y, scale * q.z};
 }
 
-/// The direction of the body's x axis seen from above, (1, 0) where it points straight up or down.
+/// Horizontal unit direction of the body's x axis; (1, 0) if x is exactly vertical.
 inline Vec2<double> heading(const Rotation& R) {
   const double level = norm(R.x.x, R.x.y);
   if (!(level > 0)) return {1, 0};
   return {R.x.x / level, R.x.y / level};
 }
-/// The tangent of the tilt of the body's z axis, forward and to the left of the heading: the lean of a Sight. Finite, however
-/// it tumbles.
+/// Tangent of the tilt of the body's z axis, forward and to the left of the heading: the `lean` of
+/// a Sight. Bounded for every attitude.
 inline Vec2<double> lean(const Rotation& R) {
   constexpr double least_up = 0.1;
   const Vec2<double> d = heading(R);
   const double up = R.z.z > least_up ? R.z.z : least_up;
   return rotate<double>({d.x, -d.y}, {R.z.x / up, R.z.y / up});
 }
-/// Rate of that direction [rad/s] at the angular velocity w, in B: R' = R [w], whose first column is w_z y - w_y z.
+/// Rate of the heading [rad/s] at the angular velocity w, in B. From R' = R [w], whose first column
+/// is w_z y - w_y z.
 inline double heading_rate(const Rotation& R, const Vec3<double>& w) {
   const double level = square(R.x.x) + square(R.x.y);
   if (!(level > 0)) return 0.0;
   const Vec3<double> rate = w.z * R.y - w.y * R.z;
   return (R.x.x * rate.y - R.x.y * rate.x) / level;
 }
-/// The attitude of this heading and lean: yaw, pitch atan(lean_f), roll.
+/// Attitude with this heading d and tilt tangents `lean`: yaw, pitch atan(lean.x), roll.
 inline Quaternion leaning(const Vec2<double>& d, const Vec2<double>& lean) {
   const double yaw = 0.5 * atan2(d.y, d.x), pitch = 0.5 * atan2(lean.x, 1.0),
                roll = -0.5 * atan2(lean.y, sqrt(1.0 + square(lean.x)));
@@ -95,19 +96,20 @@ inline Quaternion leaning(const Vec2<double>& d, const Vec2<double>& lean) {
   return {cx * cy * cz + sx * sy * sz, sx * cy * cz - cx * sy * sz, cx * sy * cz + sx * cy * sz,
           cx * cy * sz - sx * sy * cz};
 }
-/// Upright, in this heading.
+/// Attitude without tilt, with this heading.
 inline Quaternion upright(const Vec2<double>& d) {
   const double half = 0.5 * atan2(d.y, d.x);
   return {cos(half), 0, 0, sin(half)};
 }
 
-/// Newton's and Euler's equations,
+/// Newton-Euler equations,
 ///
 ///   m v' = F_G,   I w' + w x I w = M_B,   p' = v,   q' = q (0, w) / 2,
 ///
-/// by the semi-implicit Euler step: first the velocities at the old state, then position and attitude by the new velocities,
-/// the attitude by its exact turn. It is the order of MuJoCo's integrator "Euler", so that both fly alike. Of first order: energy
-/// and angular momentum of a body that turns freely drift in proportion to the step.
+/// integrated by the semi-implicit Euler step: first the velocities at the old state, then position
+/// and attitude with the new velocities. The attitude step is an exact rotation. MuJoCo's
+/// integrator "Euler" uses the same order, so both give equal flights. First order: energy and
+/// angular momentum of a freely rotating body drift in proportion to the step.
 struct RigidBody {
   double mass = 1.0;                 ///< [kg], > 0
   Vec3<double> inertia = {1, 1, 1};  ///< about the axes of B, which are principal [kg m^2], > 0
@@ -116,8 +118,8 @@ struct RigidBody {
   Vec3<double> w{};                  ///< angular velocity, in B [rad/s]
 
   /// Advances by h [s].
-  /// @param force   on the centre of mass, its weight included, in G [N]
-  /// @param torque  about it, in B [N m]
+  /// @param force   on the centre of mass, including weight, in G [N]
+  /// @param torque  about the centre of mass, in B [N m]
   void step(const Vec3<double>& force, const Vec3<double>& torque, double h) noexcept {
     v = v + (h / mass) * force;
     const Vec3<double> spin = {inertia.x * w.x, inertia.y * w.y, inertia.z * w.z};
@@ -131,7 +133,7 @@ struct RigidBody {
   Vec3<double> angular_momentum() const {             ///< about the centre of mass, in G [N m s]
     return rotation(q).to_G({inertia.x * w.x, inertia.y * w.y, inertia.z * w.z});
   }
-  /// Of motion and rotation [J].
+  /// Kinetic energy of translation and rotation [J].
   double energy() const {
     return 0.5 *
            (mass * dot(v, v) + inertia.x * square(w.x) + inertia.y * square(w.y) + inertia.z * square(w.z));

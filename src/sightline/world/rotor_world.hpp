@@ -5,23 +5,24 @@
 
 namespace sightline {
 
-/// Its vehicles are rigid bodies of our own, over the plane z = 0.
+/// World whose vehicles are sightline's own rigid bodies, above the ground plane z = 0.
 ///
-/// A vehicle is an upright cylinder to others, of its radius and height; bodies that are no vehicles touch as points. Touches are looked
-/// for at the end of each period. Who overlaps at the start, or on joining, touches when they have been apart once.
+/// For contacts a vehicle is an upright cylinder of its radius and height; other bodies are points.
+/// Contacts are checked at the end of each period. Two bodies that overlap at the start, or on
+/// joining, can touch only after they have separated.
 class RotorWorld final : public VehicleWorld {
  public:
-  /// @param x0  states of all bodies, in the order of the team (nx)
+  /// @param x0  states of all bodies, in team order (nx)
   /// @throws std::invalid_argument as VehicleWorld and Fleet
   RotorWorld(const Team& team, std::vector<double> x0, const std::vector<RobotVehicle>& vehicles,
              const PlantOptions& plant = {}, const SensorOptions& sensor = {});
 
  private:
-  /// Two bodies that can touch; the first is a vehicle.
+  /// Two bodies that can touch; a is a vehicle.
   struct Pair {
     BodyId a, b;
-    double radii, height;  ///< nearer than both, they touch [m]
-    bool apart = false;    ///< they have been
+    double radii, height;  ///< contact if the horizontal and the vertical distance are both below these [m]
+    bool apart = false;    ///< they have been separated
   };
 
   std::optional<Touch> touch(double t) noexcept override;

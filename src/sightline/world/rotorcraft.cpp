@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t ticks_per_control = 2;
 static_assert(FlightController::period == ticks_per_control * rotorcraft_step);
 
-constexpr double touch_depth = 1e-6;  // below it rounding is no touch [m]
+constexpr double touch_depth = 1e-6;  // a smaller depth is rounding, not contact [m]
 
 const Vehicle& checked(const Vehicle& vehicle) {
   vehicle.check();
@@ -78,7 +78,7 @@ void Rotorcraft::control(const Rotation& R, const std::array<double, 4>& u) noex
   wanted_ = controller_.update(body, rotation(body.q), u);
 }
 
-/// With the battery as it is, of which the flight controller knows nothing.
+/// Thrust coefficient at the present battery charge, which is unknown to the flight controller.
 double Rotorcraft::k_f() const noexcept {
   const double used = std::min(1.0, static_cast<double>(ticks_) * rotorcraft_step / vehicle_.battery_time);
   return vehicle_.k_f * (1.0 - vehicle_.battery_sag * used);

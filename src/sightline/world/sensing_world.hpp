@@ -1,4 +1,4 @@
-/// A world around another, with sensors of its own; and what is on its way from a sensor to the controller.
+/// Decorator that adds sensors to a world, and the queue of measurements in transit.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@
 
 namespace sightline {
 
-/// Any world that knows the truth, for sensors that are not part of it: all but what they measure is the inner world's.
+/// Base of worlds that add sensors to a world with known true states. Everything except those
+/// measurements comes from the inner world.
 class SensingWorld : public World {
  public:
   const Team& team() const noexcept override { return world_->team(); }
@@ -35,17 +36,19 @@ class SensingWorld : public World {
  protected:
   explicit SensingWorld(std::unique_ptr<World> world);
 
-  /// What is seen of a body in this state of the team, under the inputs that were applied last.
+  /// Pose and velocity of a body in the stacked state x, under the inputs applied last.
   Sight<double> sight_of(BodyId body, std::span<const double> x) const noexcept;
-  /// Body to G: as the inner world tells it, else as the model leans; upright where it says nothing.
+  /// Attitude, body to G: from the inner world if it reports one, else from the tilt of the model.
+  /// Upright if the model has no tilt.
   Quaternion attitude_of(BodyId body, const Sight<double>& sight, const Measured& now) const noexcept;
 
  private:
   std::unique_ptr<World> world_;
-  std::vector<double> applied_;  // inputs, by which robots lean
+  std::vector<double> applied_;  // inputs, on which the tilt of a model depends
 };
 
-/// Things that were measured or sent and have not arrived; takes no memory after its construction.
+/// Queue of items that were measured or sent and have not arrived. Allocates only in its
+/// constructor.
 ///
 /// @tparam T  has `arrival` [s]
 template <class T>
@@ -55,7 +58,7 @@ class UnderWay {
   explicit UnderWay(std::size_t most) : waiting_(most), arrived_(most) {}
 
   std::size_t capacity() const noexcept { return waiting_.size(); }
-  /// Drops it when there is no room.
+  /// Drops the item if the queue is full.
   void send(const T& one) noexcept {
     if (count_ < waiting_.size()) waiting_[count_++] = one;
   }
@@ -64,7 +67,8 @@ class UnderWay {
     const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count_);
     count_ = static_cast<std::size_t>(std::remove_if(waiting_.begin(), end, of_it) - waiting_.begin());
   }
-  /// What arrives by t [s], in the order of arrival and then of sending; valid until the next call.
+  /// Items that arrive by t [s], in the order of arrival and then of sending; valid until the next
+  /// call.
   std::span<const T> take(double t) noexcept {
     std::size_t count = 0, kept = 0;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -72,7 +76,7 @@ class UnderWay {
       to = waiting_[i];
     }
     count_ = kept;
-    // Insertion keeps the order of equals and takes no memory.
+    // Insertion sort is stable and does not allocate.
     for (std::size_t i = 1; i < count; ++i) {
       for (std::size_t k = i; k > 0 && arrived_[k].arrival < arrived_[k - 1].arrival; --k)
         std::swap(arrived_[k], arrived_[k - 1]);
@@ -81,7 +85,7 @@ class UnderWay {
   }
 
  private:
-  std::vector<T> waiting_, arrived_;  // the first count_ wait
+  std::vector<T> waiting_, arrived_;  // the first count_ of waiting_ are pending
   std::size_t count_ = 0;
 };
 

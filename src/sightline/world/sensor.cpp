@@ -106,7 +106,8 @@ void Sensor::begin(BodyId body, std::span<const double> x) noexcept {
     std::copy_n(&x[part.x], nx, &past_[at]);
 }
 
-/// The youngest state that is not after `until`, or the oldest; times are sums of steps, hence the tolerance.
+/// Index of the youngest state not after `until`, or the oldest. Times are sums of steps, hence the
+/// tolerance.
 std::size_t Sensor::youngest(double until) const noexcept {
   std::size_t at = oldest_;
   for (std::size_t k = 1; k < count_; ++k) {
@@ -121,7 +122,7 @@ void Sensor::spoil(std::size_t part, double t, FaultEffect& effect) noexcept {
   const BodyId body{static_cast<int>(part)};
   for (Injection& one : injections_) {
     if (one.part != part || !one.fault.strikes(body, t)) continue;
-    // Both are drawn whatever comes of it, so that one fault leaves the others as they were.
+    // Draws both numbers in any case, so that one fault leaves the others unchanged.
     const bool hit = one.chance.uniform() <= one.fault.probability;
     const double which = one.chance.uniform();
     befall(one.fault, of, hit, which, effect);
@@ -158,7 +159,7 @@ void Sensor::befall(const Fault& fault, const Part& part, bool hit, double which
 }
 
 void Sensor::surround(const Surroundings& around) noexcept {
-  constexpr std::array kinds = {FaultKind::dropout, FaultKind::freeze, FaultKind::jump};  // as there
+  constexpr std::array kinds = {FaultKind::dropout, FaultKind::freeze, FaultKind::jump};  // index: one.kind
   brought_.clear();
   for (const Surroundings::Fault& one : around.faults) {
     if (brought_.size() == brought_.capacity()) return;
@@ -200,7 +201,7 @@ void Sensor::turn(const Part& part, double angle) noexcept {
     fresh_[y] = d.y;
   }
   if (part.angle) fresh_[*part.angle] += angle;
-  // A state that is no state stays as it is: refusing it is the solver's part.
+  // An invalid state stays as it is: the solver rejects it.
   static_cast<void>(part.model.normalise(&fresh_[part.x]));
 }
 

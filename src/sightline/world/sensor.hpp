@@ -1,4 +1,4 @@
-/// The measurement of the world: the true state with delay, noise, drift and injected faults.
+/// Measurement of the simulated world: the true state with delay, noise, drift and injected faults.
 #pragma once
 
 #include <array>
@@ -20,30 +20,34 @@ struct SensorOptions {
   Noise noise{};
   Odometry odometry{};   ///< of robots
   double delay = 0.0;    ///< from state to measurement [s], in [0, 1]; rounded up to whole measurements
-  double period = 0.01;  ///< shortest time between two measurements [s]; sizes the memory of past states
-  std::vector<BodyId> velocity_unknown{};  ///< these are seen at rest
+  double period = 0.01;  ///< shortest time between two measurements [s]; sizes the buffer of past states
+  std::vector<BodyId> velocity_unknown{};  ///< bodies whose measured velocity is 0
   std::vector<Fault> faults{};
 };
 
-/// Measures all bodies at once, as motion capture does. What a state is, the robot's pose and velocity tell
-/// (`StateRoles`): noise and jumps are added to positions, turn headings, which stay on the circle, and are added to
-/// velocities. A robot whose pose is no state gets none. The odometry's errors are added likewise, at the time of the measurement.
+/// Measures all bodies at once, as motion capture does. `StateRoles` identify the states of the
+/// robot's pose and velocity. Noise and jumps are added to positions, noise also to velocities.
+/// Heading noise rotates headings, which stay normalised. A robot whose pose is not among its
+/// states gets no noise. The odometry errors are added likewise, with their values at the time of
+/// the measurement.
 ///
-/// Each measurement has a time for each body: that of the state that was seen. Without noise, delay and faults the
-/// measurement is the state, bit for bit. Faults draw from streams of their own.
+/// Each measurement has a stamp for each body: the time of the measured state. Without noise, delay
+/// and faults the measurement equals the state, bit for bit. Each fault draws from its own random
+/// stream.
 class Sensor {
  public:
-  /// @throws std::invalid_argument for an option out of its range, named
+  /// @throws std::invalid_argument naming an option out of its range
   explicit Sensor(const Team& team, const SensorOptions& options = {});
 
-  /// Takes the true states at t [s], which must rise, and gives what is seen then (nx), valid until the next
-  /// call. Until the first state is `delay` old, that state is seen. Allocates nothing.
+  /// Takes the true states x (nx) at t [s], which must increase, and returns the measured states
+  /// (nx). They are valid until the next call. Until the first state is `delay` old, the first
+  /// state is measured. Allocates nothing.
   std::span<const double> measure(double t, std::span<const double> x) noexcept;
-  /// A body begins anew in this state of the world: what was seen of it before is not of it.
+  /// A body starts again in this state of the world: its earlier measurements are discarded.
   void begin(BodyId body, std::span<const double> x) noexcept;
-  /// The faults that events bring. Allocates nothing.
+  /// Sets the faults that events add. Allocates nothing.
   void surround(const Surroundings& around) noexcept;
-  /// Times of the last measurement of each body [s]; minus infinity before the first that arrived.
+  /// Stamps of the last measurement of each body [s]; minus infinity before the first one arrives.
   std::span<const double> stamps() const noexcept { return stamps_; }
 
  private:
@@ -51,12 +55,12 @@ class Sensor {
     Model model;
     std::size_t x;
     RandomStream position, heading, velocity;
-    // In the stacked state.
-    std::vector<std::pair<std::size_t, std::size_t>> positions;  // axis of G, place
+    // Indices in the stacked state.
+    std::vector<std::pair<std::size_t, std::size_t>> positions;  // axis of G, index
     std::optional<std::array<std::size_t, 2>> direction{};
     std::optional<std::size_t> angle{};
     std::vector<std::size_t> velocities;
-    std::optional<OdometryErrors> odometry{};  ///< of a robot, where it has any
+    std::optional<OdometryErrors> odometry{};  ///< of a robot with odometry errors
   };
   /// A fault of one body.
   struct Injection {
@@ -64,7 +68,7 @@ class Sensor {
     std::size_t part;
     RandomStream chance;
   };
-  /// What faults make of a measurement.
+  /// Combined effect of all faults on one measurement.
   struct FaultEffect {
     double delay = 0.0;
     bool lost = false, frozen = false;
@@ -76,17 +80,19 @@ class Sensor {
   void turn(const Part& part, double angle) noexcept;
   void add_drift(Part& part, double since) noexcept;
   void spoil(std::size_t part, double t, FaultEffect& effect) noexcept;
-  /// @param which  of its numbers, in [0, 1]; of a fault that makes one of them none
+  /// Applies one fault to the measurement of a body.
+  /// @param hit    whether a fault with a probability occurs this time
+  /// @param which  for FaultKind::nan, selects the number, in [0, 1]
   void befall(const Fault& fault, const Part& part, bool hit, double which, FaultEffect& effect) noexcept;
 
   Noise noise_;
   double delay_;
   std::vector<Part> parts_;
-  std::vector<std::size_t> unknown_;  // velocities in the stacked state
+  std::vector<std::size_t> unknown_;  // indices in the stacked state of velocities that are not measured
   std::vector<Injection> injections_;
-  std::vector<Fault> brought_;                 // by events
-  std::vector<double> times_, past_;           // ring of states, the oldest at oldest_
-  std::vector<double> fresh_, seen_, stamps_;  // as measured now; as it arrived
+  std::vector<Fault> brought_;                 // faults from events
+  std::vector<double> times_, past_;           // ring buffer of states, the oldest at oldest_
+  std::vector<double> fresh_, seen_, stamps_;  // measured now; as received; stamps of seen_
   std::size_t oldest_ = 0, count_ = 0;
 };
 

@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-/// All chance of one body in one picture.
+/// All random numbers for one body in one picture.
 struct SyntheticDetections::Draws {
   std::array<double, Tags::faces_max> faces{};
   Column<6> errors{};
@@ -75,7 +75,7 @@ bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, D
   const Vec2<double> way = smear_of(options_, exposure, turned, body);
   const double smear = norm(way.x, way.y);
 
-  // Which of its tags are found, each for itself.
+  // Each tag is found independently.
   PoseInformation information(camera, tags, pose);
   int seen = 0, face_seen = 0;
   double n_seen = 0.0, cos_seen = 0.0;
@@ -102,11 +102,11 @@ bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, D
   const std::optional<Mat<6, 6>> covariance = information.covariance();
   if (seen == 0 || !covariance) return false;
 
-  // What is said of it.
+  // Reported pose: the true pose with the errors.
   const Column<6> e = Cholesky<6>(*covariance).L * draws.errors;
   RigidPose said = pose;
   if (seen == 1 && draws.mirror <= mirror_share(n_seen, cos_seen)) {
-    // Of both solutions the more upright is taken, by an attitude that is known to about 0.01 rad.
+    // A detector takes the more upright of both solutions, by an attitude known to about 0.01 rad.
     constexpr double as_upright = 0.03;  // [rad]
     const RigidPose image = mirrored(tags, face_seen, pose);
     const Vec3<double> up = S.R.to_B({0, 0, 1});

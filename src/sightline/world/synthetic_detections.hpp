@@ -1,4 +1,4 @@
-/// Detections that are drawn by the noise of tags in rendered pictures, without a picture.
+/// Detections drawn from the noise of tags in rendered pictures, without rendering.
 #pragma once
 
 #include <array>
@@ -10,34 +10,43 @@
 
 namespace sightline {
 
-/// A tag whose side has n px at its depth, seen at an angle i to its normal, is found with the probability
+/// Draws detections from a probability model. A tag with a side of n px at its depth, at an angle i
+/// to its normal, is found with the probability
 ///
-///   0.99 / (1 + exp((n_0 - n cos(i)^(7/8)) / 0.7)),   i < 75 degrees,   n_0 = 10.6 px sharp, 20 px smeared over 2 px and more,
+///   0.99 / (1 + exp((n_0 - n cos(i)^(7/8)) / 0.7)),   i < 75 degrees,
+///   n_0 = 10.6 px sharp, 20 px if smeared over 2 px or more,
 ///
-/// where it is in the picture with its white border, and where no hull hides its middle or one of its corners: the logistic curve that is
-/// likeliest for 2197 rendered plates. The pose over all tags found has the covariance of PoseInformation with corner_sigma(). One tag alone,
-/// within 20 degrees of being seen from ahead, gives its mirror image (mirrored()) in 35 % of the pictures below 16 px and in 20 % up to
-/// 22 px, where the body stands as upright in it.
+/// provided that it is in the picture with its white border and no hull hides its centre or a
+/// corner. The curve is the maximum-likelihood logistic fit to 2197 rendered plates.
 ///
-/// Camera::outliers puts the body elsewhere, half of them anywhere in the view and half of them 1.1 to 1.5 times as far; Camera::flips turns it by
-/// 0.35 to 1.35 rad about the vertical. Both say the covariance of what is true.
+/// The pose over all tags found has the covariance of PoseInformation with corner_sigma(). One tag
+/// alone, within 20 degrees of frontal view, may give its mirror image (mirrored()). The share is
+/// 35 % of the pictures below 16 px and 20 % up to 22 px, if the body is as upright in the mirror
+/// image.
 ///
-/// Each camera and body has a stream of its own, with the same number of draws for each picture.
+/// Camera::outliers displaces the body: half of the outliers anywhere in the view, half to 1.1 to
+/// 1.5 times the distance. Camera::flips rotates it by 0.35 to 1.35 rad about its z axis. Both
+/// report the covariance of the undisturbed pose.
+///
+/// Each pair of camera and body has its own random stream, with the same number of draws for each
+/// picture.
 class SyntheticDetections final : public DetectionSource {
  public:
   explicit SyntheticDetections(const Team& team, const CameraOptions& options);
 
   std::size_t find(const Exposure& exposure, std::span<Detection> found) noexcept override;
 
-  /// Probability that a tag is found, whose side has n px and which is seen at an angle of that cosine.
+  /// Probability that a tag with a side of n px is found, at an incidence angle with this cosine.
+  /// @param smear  motion of the tag in the picture during the exposure [px]
   static double probability(double n, double cosine, double smear);
-  /// Greatest angle to its normal at which a tag is found [rad].
+  /// Largest incidence angle at which a tag is found [rad].
   static constexpr double incidence_max = 1.309;
-  /// Of a sharp tag of so many pixels, seen from ahead, half of all are found; seen at an angle, of that many over readable().
+  /// Side [px] at which about half of all sharp tags in frontal view are found. At an angle it is
+  /// half_found / readable().
   static constexpr double half_found = 10.6;
-  /// cos(i)^(7/8): as if the tag were smaller by that.
+  /// cos(i)^(7/8): factor by which the incidence angle i reduces the apparent size of a tag.
   static double readable(double cosine);
-  /// That a single tag gives its mirror image.
+  /// Probability that a single tag gives its mirror image.
   static double mirror_share(double n, double cosine);
 
  private:
@@ -48,7 +57,7 @@ class SyntheticDetections final : public DetectionSource {
 
   CameraOptions options_;
   std::vector<Rotation> turned_;
-  std::vector<RandomStream> streams_;  // of each camera and body with tags
+  std::vector<RandomStream> streams_;  // one for each pair of camera and body with tags
 };
 
 }  // namespace sightline

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double nearest_depth = 0.02;  // [m]
 
-/// The rows of a corner's Jacobian over position and turn: to the right, and down.
-/// @param arm  of the corner from the body's origin, in S
+/// Rows of a corner's Jacobian over position and rotation: image coordinates right and down.
+/// @param arm  from the body's origin to the corner, in S
 Mat<2, 6> rows_of(double f, const Vec3<double>& p, const Vec3<double>& arm) noexcept {
   const double near = 1 / p.x;
   const Vec3<double> right = {f * p.y * near * near, -f * near, 0},
@@ -22,7 +22,7 @@ Mat<2, 6> rows_of(double f, const Vec3<double>& p, const Vec3<double>& arm) noex
 
 struct Misfit {
   double squares = 0.0;
-  bool ahead = true;  // all corners are before the camera
+  bool ahead = true;  // all corners are in front of the camera
 };
 
 Misfit misfit(const Camera& camera, const Tags& tags, std::span<const FoundTag> found,
@@ -40,7 +40,7 @@ Misfit misfit(const Camera& camera, const Tags& tags, std::span<const FoundTag> 
   return sum;
 }
 
-/// The middle of a face and its plate's normal, both in S.
+/// Centre of a face and normal of its plate, both in S.
 struct Plate {
   Vec3<double> centre, normal;
 };
@@ -50,9 +50,10 @@ Plate plate_of(const Tags& tags, int face, const RigidPose& pose) {
 
 Vec3<double> unit(const Vec3<double>& a) { return (1 / norm(a)) * a; }
 
-/// The homography from the plate of a tag, (-1, -1) to (1, 1), into the picture: x right, y up; false for four corners of no square.
+/// Homography from the plate of a tag, (-1, -1) to (1, 1), to the picture: x right, y up.
+/// @return false if the four corners are not the image of a square
 bool homography(const std::array<Vec2<double>, 4>& q, double (&H)[9]) {
-  // Of a quadrilateral, from the unit square's corners in order (Heckbert 1989).
+  // Unit square to quadrilateral, corners in order (Heckbert 1989).
   const Vec2<double>&a = q[0], &b = q[1], &c = q[2], &d = q[3];
   const double dx1 = b.x - c.x, dx2 = d.x - c.x, dy1 = b.y - c.y, dy2 = d.y - c.y;
   const double sx = a.x - b.x + c.x - d.x, sy = a.y - b.y + c.y - d.y, det = dx1 * dy2 - dx2 * dy1;
@@ -76,7 +77,7 @@ bool homography(const std::array<Vec2<double>, 4>& q, double (&H)[9]) {
   return true;
 }
 
-/// The body's pose that the corners of one tag say.
+/// The body's pose from the corners of one tag.
 std::optional<RigidPose> pose_of_one(const Camera& camera, const Tags& tags, const FoundTag& tag) {
   double H[9];
   if (!homography(tag.corners, H)) return std::nullopt;
@@ -102,7 +103,7 @@ std::optional<RigidPose> pose_of_one(const Camera& camera, const Tags& tags, con
 }  // namespace
 
 double corner_sigma(double n, double cos_incidence, double noise, double smear) {
-  // Beyond 45 degrees the lines of a tag run together.
+  // Beyond 45 degrees the lines of a tag merge in the picture.
   const double slant = std::max(1.0, 0.7071 / cos_incidence);
   const double of_noise = 0.65 + 0.0875 * noise, of_smear = 1 + std::clamp(smear - 1, 0.0, 1.0);
   return of_noise * of_smear * slant * sqrt(slant) * (0.05 + 30 / square(n));
@@ -186,7 +187,7 @@ std::optional<TagPose> refined(const Camera& camera, const Tags& tags, std::span
 RigidPose mirrored(const Tags& tags, int face, const RigidPose& pose) {
   const auto [centre, n] = plate_of(tags, face, pose);
   const Vec3<double> to_camera = unit(-1.0 * centre), axis = cross(n, to_camera);
-  // Twice the way from the normal to the line of sight.
+  // Twice the angle from the normal to the line of sight.
   const double sine = norm(axis);
   if (!(sine > 0)) return pose;
   const double angle = 2 * atan2(sine, dot(n, to_camera));

@@ -1,4 +1,4 @@
-/// The pose of a body from the corners of its tags in a picture, and how sure it is.
+/// Pose and covariance of a body from the corners of its tags in a picture.
 #pragma once
 
 #include <array>
@@ -10,32 +10,35 @@
 
 namespace sightline {
 
-/// A tag that was found in a picture.
+/// A tag found in a picture.
 struct FoundTag {
   int face = 0;
   std::array<Vec2<double>, 4>
-      corners{};  ///< in the order of Tags::corners(), as Camera::project() has them [px]
+      corners{};  ///< in the order of Tags::corners(), in the coordinates of Camera::project() [px]
 };
 
-/// Standard deviation of a corner's coordinates [px], of a tag whose side is n px: measured on rendered pictures, docs/localization.md.
-/// @param cos_incidence  of the angle between its normal and the line of sight
+/// Standard deviation of a corner's coordinates [px] for a tag with a side of n px. Measured on
+/// rendered pictures, docs/localization.md.
+/// @param cos_incidence  cosine of the angle between the tag's normal and the line of sight
 /// @param noise  of a pixel, of 255 grey levels
-/// @param smear  way of the tag in the picture while it is exposed [px]
+/// @param smear  motion of the tag in the picture during the exposure [px]
 double corner_sigma(double n, double cos_incidence, double noise, double smear);
-/// That cosine, of a face of a body at this pose in S.
+/// Cosine of the incidence angle of a face, for a body at this pose in S.
 double cos_incidence(const Tags& tags, int face, const RigidPose& pose);
 
-/// J^T J of the corners' places over the pose of the body in S, position and turn, each weighed by 1 / sigma^2.
+/// Information matrix J^T J of the corner positions over the body's pose in S (position, rotation),
+/// weighted by 1 / sigma^2.
 ///
-/// The turn of a single plate seen from ahead hardly moves its corners at first order. At second order they move by n theta^2 / 4, so it is
-/// known to about theta^2 = 2 sigma / n all the same; that is part of the information.
+/// In frontal view, a rotation of a single plate hardly moves its corners at first order. At second
+/// order they move by n theta^2 / 4, so the rotation is known to about theta^2 = 2 sigma / n. The
+/// matrix includes that information.
 class PoseInformation {
  public:
   PoseInformation(const Camera& camera, const Tags& tags, const RigidPose& pose);
 
-  /// One more tag, whose corners are known to within sigma [px].
+  /// Adds one tag whose corners have the standard deviation sigma [px].
   void add(int face, double sigma) noexcept;
-  /// Its inverse, in the order of Detection::covariance; none where no tag was added.
+  /// Inverse of the information, in the order of Detection::covariance; none if no tag was added.
   std::optional<Mat<6, 6>> covariance() const noexcept;
 
  private:
@@ -46,24 +49,25 @@ class PoseInformation {
   Mat<6, 6> sum_{};
 };
 
-/// A pose that corners say.
+/// A pose estimated from corners.
 struct TagPose {
   RigidPose pose{};  ///< of the body in S
-  double rms = 0.0;  ///< of what the corners are off by [px]
+  double rms = 0.0;  ///< root mean square of the reprojection errors [px]
 };
 
-/// The pose that leaves the least squares of all corners, from a first guess, by Levenberg and Marquardt. None where the guess has a
-/// corner behind the camera.
+/// Least-squares pose of all corners, from a first guess, by Levenberg-Marquardt. None if the guess
+/// has a corner behind the camera.
 std::optional<TagPose> refined(const Camera& camera, const Tags& tags, std::span<const FoundTag> found,
                                const RigidPose& guess);
 
-/// The pose that the mirror image of a tag says: its plate turned to the other side of the line of sight. A small tag seen
-/// from nearly ahead leaves both.
+/// Mirror solution of a tag's pose: its plate is reflected about the line of sight. A small tag in
+/// nearly frontal view does not distinguish the two.
 RigidPose mirrored(const Tags& tags, int face, const RigidPose& pose);
 
-/// The pose of all tags found, from no guess: of the two that each single tag says, refined over all, the one that fits best; of those that
-/// fit nearly as well, the one whose z axis is nearest to `up`, in S.
-/// None where the corners are of no plate ahead.
+/// Pose of all tags found, without a guess. Each single tag gives two candidates, which are refined
+/// over all tags. Of the candidates that fit nearly as well as the best, the one whose z axis is
+/// nearest to `up` is returned. None if the corners match no plate in front of the camera.
+/// @param up  in S
 std::optional<TagPose> pose_of(const Camera& camera, const Tags& tags, std::span<const FoundTag> found,
                                const Vec3<double>& up);
 

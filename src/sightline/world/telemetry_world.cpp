@@ -45,7 +45,7 @@ TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, const TelemetryOpti
          .chance = RandomStream(options.seed ^ stream_of_messages, StreamId::motion, body.index)});
   }
   motions_.reserve(robots_.size());
-  // Messages on their way, and one more for each end of the drawn range.
+  // Messages in transit, plus one for each end of the latency range.
   const auto under_way = static_cast<std::size_t>(std::ceil(radio_.latency[1] * radio_.rate)) + 2;
   messages_ = UnderWay<Message>(under_way * senders_.size());
   arrived_.reserve(messages_.capacity());
@@ -66,7 +66,7 @@ void TelemetryWorld::set_presence(std::span<const Presence> presence) noexcept {
   for (Robot& robot : robots_) {
     const bool was = std::exchange(robot.there, is_there(robot.body));
     if (was == robot.there) continue;
-    robot.moves = false;  // one that comes again is elsewhere
+    robot.moves = false;  // a robot that joins again starts elsewhere
     robot.sensor.forget();
   }
   for (Sender& sender : senders_) {
@@ -89,7 +89,7 @@ Measured TelemetryWorld::measure(double t) noexcept {
   return now;
 }
 
-/// Tells how a robot moved since the last time.
+/// Samples a robot's motion since the previous call.
 void TelemetryWorld::move(Robot& robot, double t, const Measured& now) noexcept {
   if (!robot.there) return;
   const Sight<double> sight = sight_of(robot.body, now.truth);
@@ -101,12 +101,12 @@ void TelemetryWorld::move(Robot& robot, double t, const Measured& now) noexcept 
   robot.moves = true;
 }
 
-/// Sends what a body knows of its pose, when that is due and new.
+/// Broadcasts the measured pose of a body, if a message is due and the measurement is new.
 void TelemetryWorld::send(Sender& sender, double t, const Measured& now) noexcept {
   if (!sender.there || t < static_cast<double>(sender.next) / radio_.rate - same_time) return;
   const double stamp = now.stamps[at(sender.body)];
   if (!(stamp <= t) || !(stamp > sender.last.value_or(-infinity))) return;
-  // Of messages that missed periods left out, none comes later.
+  // Messages due in missed periods are skipped, not sent later.
   sender.next = static_cast<std::int64_t>(std::floor((t + same_time) * radio_.rate)) + 1;
   sender.last = stamp;
   RandomStream& chance = sender.chance;

@@ -1,4 +1,4 @@
-/// A world whose robots tell how they move, and whose bodies tell where they are.
+/// Adds telemetry to a world: robots report their motion, and bodies broadcast their poses.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace sightline {
 
-/// How bodies that know their poses tell them.
+/// Radio over which bodies with known poses broadcast them.
 struct Radio {
   static constexpr std::string_view name = "radio";
 
@@ -44,27 +44,29 @@ struct Radio {
   void check() const;
 };
 
-/// A robot that tells its motion.
+/// A robot that reports its motion.
 struct MovingRobot {
   BodyId robot{};
-  FilterOptions errors{};  ///< what its autopilot's sensors are like
+  FilterOptions errors{};  ///< of its autopilot's sensors
 };
 
 struct TelemetryOptions {
   std::uint64_t seed = 1;
   std::vector<MovingRobot> robots{};
-  std::vector<BodyId> broadcasters{};  ///< bodies that tell their poses
+  std::vector<BodyId> broadcasters{};  ///< bodies that broadcast their poses
   Radio radio{};
 };
 
-/// Any world that knows the truth, with telemetry. In each measure() a robot's autopilot tells how it moved since the last
-/// one (MotionSensor). A body that broadcasts tells what was measured of it, with the errors of the radio on top, at the
-/// first period that a message is due at; the message arrives at the first one after its latency.
+/// Decorator that adds telemetry to any world that provides the true states. In each measure() a
+/// robot's autopilot reports its motion since the previous call (MotionSensor). A broadcasting body
+/// sends its measured pose, plus the errors of the radio, at the first period at which a message is
+/// due. The message arrives at the first measure() after its latency.
 ///
-/// A body that is absent tells nothing, and what it told before it went does not arrive any more.
+/// An absent body sends nothing, and its pending messages are dropped when it leaves.
 class TelemetryWorld final : public SensingWorld {
  public:
-  /// @throws std::invalid_argument for options out of range, and for a world with telemetry of its own
+  /// @throws std::invalid_argument for options out of range, and for a world that already provides
+  /// telemetry
   TelemetryWorld(std::unique_ptr<World> world, const TelemetryOptions& options);
 
   MeasuredMost measured_max() const noexcept override;
@@ -101,7 +103,7 @@ class TelemetryWorld final : public SensingWorld {
   std::vector<RobotMotion> motions_;
   UnderWay<Message> messages_;
   std::vector<BodyBroadcast> arrived_;
-  double last_ = 0.0;  // measure() [s]
+  double last_ = 0.0;  // time of the last measure() [s]
 };
 
 }  // namespace sightline

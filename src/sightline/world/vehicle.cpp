@@ -99,7 +99,7 @@ void Vehicle::check() const {
         "vehicle.inertia = [{}, {}, {}] kg m^2, expected none greater than the sum of the other two",
         inertia.x, inertia.y, inertia.z);
 
-  // Hover needs equal thrusts without torque, and steering a torque about each axis.
+  // Hover needs equal thrusts without torque; control needs a torque about each axis.
   const auto sum = [](const std::vector<double>& all) {
     return std::accumulate(all.begin(), all.end(), 0.0);
   };

@@ -1,4 +1,4 @@
-/// The numbers of a multirotor: body, rotors, air, and its flight controller. docs/vehicles.md has where they are from.
+/// Parameters of a multirotor: body, rotors, air and flight controller. Sources: docs/vehicles.md.
 #pragma once
 
 #include <array>
@@ -17,10 +17,11 @@ namespace sightline {
 
 inline constexpr std::size_t rotors_min = 4, rotors_max = 8;
 
-/// A multirotor with rotors in the plane of its centre of mass, all of one kind, whose thrust is along z of the body B (x forward,
-/// y to the left, z up).
+/// A multirotor with equal rotors in the plane of its centre of mass. Their thrust is along z of
+/// the body B (x forward, y left, z up).
 ///
-///   thrust of a rotor at speed s [rad/s]   f = k_f s^2 (1 - battery_sag min(1, t / battery_time)),  0 <= s <= speed_max
+///   thrust of a rotor at speed s [rad/s]   f = k_f s^2 (1 - battery_sag min(1, t / battery_time))
+///                                          0 <= s <= speed_max
 ///   its torque about z of the body         -spin k_m f
 ///   drag of the air, in B                  -(drag + rotor_drag (sum of s) (1, 1, 0)) (v - air)
 ///
@@ -58,13 +59,13 @@ struct Vehicle {
   double climb_max = 1.0;
   double yaw_max = 1.6;
   double tilt_limit = 0.6;
-  std::optional<Imu> imu{};  ///< none: the flight controller knows the truth
+  std::optional<Imu> imu{};  ///< none: the flight controller uses the true state
 
   static constexpr auto parameters() {
     using V = Vehicle;
-    // Shorter ones want a shorter step than rotorcraft_step.
+    // Shorter lags would need a step shorter than rotorcraft_step.
     constexpr Bounds lag = {0.004, 1.0, "0.004 to 1"};
-    // Of loops that are closed every 2 ms.
+    // The upper bound suits control loops that are closed every 2 ms.
     constexpr Bounds gain = {1e-3, 100.0, "0.001 to 100"}, tilt = {1e-3, 1.2, "0.001 to 1.2"};
     constexpr Bounds part = {0.0, 0.9, "0 to 0.9"};
     return std::tuple{
@@ -118,40 +119,44 @@ struct Vehicle {
   double weight() const;       ///< [N]
   double thrust_max() const;   ///< of all rotors [N]
   double hover_speed() const;  ///< of a rotor [rad/s]
-  /// Drag over the speed of the air in hover, level in the mean of x and y, and vertical [N s/m].
+  /// Linear drag coefficient of the air in hover: horizontal, averaged over x and y, and vertical
+  /// [N s/m].
   Vec3<double> hover_drag() const;
-  /// The air whose drag accelerates the hovering vehicle so [m/s^2], in G [m/s]; hover_drag() is not 0 where it is asked for.
+  /// Air velocity in G [m/s] whose drag gives the hovering vehicle this acceleration [m/s^2].
+  /// Requires hover_drag() > 0 on each axis with a nonzero acceleration.
   Vec3<double> air(const Vec3<double>& acceleration) const;
 
-  /// Gains so that the attitude has the poles of natural frequency omega [rad/s] and damping zeta, where rotors lag by tau [s].
+  /// Sets attitude_gain and rate_gain for attitude poles of natural frequency omega [rad/s] and
+  /// damping zeta. The rotors lag by tau [s].
   Vehicle& set_attitude(double omega, double zeta, double tau);
 
-  /// @throws std::invalid_argument naming a number out of its range, rotors that cannot steer it, too little thrust
+  /// @throws std::invalid_argument naming a number out of its range, rotors that leave an axis
+  /// without torque, or insufficient thrust
   void check() const;
 };
 
-/// A file of a world's own form that describes bodies.
+/// A file in the native format of a world that describes bodies.
 struct ModelFile {
-  std::string name;                ///< as the scenario has it
-  std::string text;                ///< as it was read
-  std::filesystem::path folder{};  ///< that it lies in, and what it names lies beside
+  std::string name;                ///< as in the scenario
+  std::string text;                ///< content as read
+  std::filesystem::path folder{};  ///< folder of the file; its relative references start there
 };
 
-/// A body of such a file.
+/// A body in such a file.
 struct ModelBody {
   ModelFile file;
-  std::string body;  ///< its name there
+  std::string body;  ///< its name in the file
 };
 
 /// A robot of a team that is a vehicle.
 struct RobotVehicle {
   BodyId robot{};
   Vehicle vehicle{};
-  std::string preset = "x500";       ///< that its numbers began with
-  std::optional<ModelBody> model{};  ///< that has its mass, inertia and shape
+  std::string preset = "x500";       ///< start values of its parameters
+  std::optional<ModelBody> model{};  ///< source of its mass, inertia and shape
 };
 
-/// Whether its flight controller measures with errors.
+/// Whether its flight controller measures through an IMU with errors.
 inline bool has_imu(const RobotVehicle& vehicle) { return vehicle.vehicle.imu.has_value(); }
 
 /// "x500, 2.06 kg, 4 rotors, thrust to weight 1.69"

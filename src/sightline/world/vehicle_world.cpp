@@ -21,7 +21,7 @@ void check_period(std::string_view kind, double period) {
         kind, rotorcraft_step, period);
 }
 
-/// Refuses wind that finds no drag to push.
+/// Rejects wind on an axis without drag, where it could not act.
 void check_wind(const Vehicle& vehicle, std::string_view name, const PlantOptions& plant) {
   const Disturbances& d = plant.disturbances;
   const Vec3<double> drag = vehicle.hover_drag();
@@ -69,7 +69,7 @@ void VehicleWorld::set_presence(std::span<const Presence> presence) noexcept {
   }
 }
 
-/// As the models' world has it, with the attitudes of the vehicles.
+/// Measurements of the models' world, with the attitudes of the vehicles.
 Measured VehicleWorld::measure(double t) noexcept {
   Measured now = world_->measure(t);
   for (std::size_t i = 0; i < attitudes_.size(); ++i) {
@@ -96,7 +96,7 @@ bool VehicleWorld::there(BodyId body) const noexcept { return presence_[at(body)
 Sight<double> VehicleWorld::sight(BodyId body) const noexcept {
   const Team& all = world_->team();
   const double* const x = &world_->x()[size(all.state_offset(body))];
-  // No pose depends on inputs.
+  // Poses do not depend on inputs.
   return all.model(body).sight(x, rest_.data() + all.input_offset(body));
 }
 

@@ -19,7 +19,7 @@ constexpr double circle_radius = 0.8;                             // [m]
 constexpr double swaying = 1.3;                                   // [rad/s]
 constexpr double slowest_turning = 0.15, fastest_turning = 0.45;  // [rad/s]
 
-/// The heading of the body.
+/// Heading of the body over time [rad].
 struct Turning {
   double from = 0.0, rate = 0.0;
   double at(double t) const { return from + rate * t; }
@@ -35,13 +35,14 @@ Vec3<double> target_place(const ViewFlight& flight, double t) {
   return {circle_radius * h.cos, circle_radius * h.sin, 1.2};
 }
 
-/// How far the camera is from a body on its optical axis whose origin is so far from the robot's.
+/// Distance from the camera to a body on its optical axis, at this distance of the body's origin
+/// from the robot's.
 double depth_of(const SensorMount& mount, double distance) {
   const double along = mount.offset * cos(mount.pitch);
   return sqrt(std::max(0.0, square(distance) - square(mount.offset) + square(along))) - along;
 }
 
-/// Where both are at t: the observer in the line of its optical axis, had it not followed late.
+/// Positions of both at t. The observer would hold the body on its optical axis but for its lag.
 Places places_at(const ViewFlight& flight, double distance, double t, const Turning& turning) {
   Places at{.target = target_place(flight, t), .target_heading = wrap(turning.at(t))};
   const double c = cos(flight.mount.pitch), s = sin(flight.mount.pitch);
@@ -144,7 +145,7 @@ ViewFigures fly_beside(const ViewFlight& flight, double distance) {
 
 ViewVariance view_variance(const ViewFlight& flight) {
   constexpr double step = 0.25, farthest = 100.0;  // [m]
-  // A tag that fills less than 4 px is not read, whatever the rest is.
+  // A tag below 4 px is never read.
   const double last = std::min(farthest, flight.camera.focal() * flight.tags.size / 4.0);
   ViewVariance over{.step = step, .values = {}};
   std::size_t unseen = 0;

@@ -1,20 +1,21 @@
-/// OpenGL without a screen: a context of EGL, on Mesa's surfaceless platform.
+/// OpenGL without a screen: an EGL context on Mesa's surfaceless platform.
 #pragma once
 
 namespace sightline::mujoco {
 
-/// Of one thread at a time: the one that made it current. Released once it is made.
+/// An OpenGL context for one thread at a time, the one that made it current. The constructor
+/// releases the context.
 class Offscreen {
  public:
-  /// @throws std::invalid_argument where this machine has none
+  /// @throws std::invalid_argument if this machine has no such context
   Offscreen();
   ~Offscreen();
   Offscreen(const Offscreen&) = delete;
   Offscreen& operator=(const Offscreen&) = delete;
 
-  /// Its calls are this thread's from now on; false where another thread has it.
+  /// Binds the context to the calling thread; false if another thread holds it.
   bool make_current() const noexcept;
-  /// Any thread may have it.
+  /// Releases the context, so that any thread may take it.
   void release() const noexcept;
 
  private:

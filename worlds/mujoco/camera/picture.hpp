@@ -1,4 +1,4 @@
-/// What a lens, motion and a sensor make of a rendered picture.
+/// The effects of lens, motion and sensor on a rendered picture.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,24 @@
 
 namespace sightline::mujoco {
 
-/// Grey pictures of one size, the top row first.
+/// Greyscale pictures of one size, top row first.
 class Picture {
  public:
   Picture(int width, int height);
 
-  /// From pixels of three bytes, the bottom row first, as OpenGL reads them.
+  /// Reads pixels of three bytes, bottom row first, as OpenGL returns them.
   void take(std::span<const std::uint8_t> rgb) noexcept;
-  /// A Gaussian of that standard deviation [px].
+  /// Applies a Gaussian blur with this standard deviation [px].
   void blur(double sigma) noexcept;
-  /// A straight way of the whole picture, to the right and down [px].
+  /// Applies a linear motion blur to the whole picture; `way` points right and down [px].
   void smear(const Vec2<double>& way) noexcept;
-  /// Normal noise of that standard deviation [grey levels], and whole levels from 0 to 255.
+  /// Adds normal noise with this standard deviation [grey levels], and rounds to levels from 0 to
+  /// 255.
   void add_noise(double sigma, RandomStream& chance) noexcept;
 
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }
-  /// After add_noise().
+  /// The pixels; valid after add_noise().
   std::span<const std::uint8_t> bytes() const noexcept { return bytes_; }
 
  private:
@@ -34,7 +35,7 @@ class Picture {
   int width_, height_;
   std::vector<float> grey_, other_;
   std::vector<std::uint8_t> bytes_;
-  std::vector<float> normals_;  // read from a place that is drawn for each row
+  std::vector<float> normals_;  // read from a position drawn per row
 };
 
 }  // namespace sightline::mujoco

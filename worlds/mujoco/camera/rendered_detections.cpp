@@ -26,7 +26,7 @@ bool RenderedDetections::take(const Exposure& exposure, const RigidPose& eye) no
   const Camera& camera = options_.cameras[exposure.camera].camera;
   const std::span<const std::uint8_t> rgb = scene_.render(exposure, eye);
   if (rgb.empty()) return false;
-  // As the nearest body ahead moves.
+  // The motion blur is that of the nearest body ahead of the camera.
   double nearest = std::numeric_limits<double>::infinity();
   Vec2<double> way{};
   for (const BodyTags& one : options_.tags) {
@@ -51,7 +51,7 @@ std::size_t RenderedDetections::find(const Exposure& exposure, std::span<Detecti
   if (!of.render) return synthetic_.find(exposure, found);
   const ExposedBody& own = exposure.bodies[at(of.observer)];
   if (!own.there) return 0;
-  constexpr double given_within = 0.012;  // attitude of the observer [rad]
+  constexpr double given_within = 0.012;  // error of the observer's attitude [rad]
   const Vec3<double> error = given_within * chance_[exposure.camera].normals();
   const RigidPose reported = sensor_pose(of.mount, {own.now.p, compose(turn_by(error), own.now.R)});
   if (!take(exposure, camera_pose(of, turned_[exposure.camera], own.now))) return 0;
@@ -65,7 +65,7 @@ std::size_t RenderedDetections::find(const Exposure& exposure, std::span<Detecti
 
 bool RenderedDetections::detect(const Exposure& exposure, std::size_t number, const Vec3<double>& up,
                                 Detection& found) const noexcept {
-  constexpr double misfit_max = 3.0;  // of corners that are of no such body [px]
+  constexpr double misfit_max = 3.0;  // rejects corners of other objects [px]
   const RobotCamera& of = options_.cameras[exposure.camera];
   const auto& [body, tags] = options_.tags[number];
   std::array<FoundTag, Tags::faces_max> all;

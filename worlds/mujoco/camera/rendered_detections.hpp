@@ -1,4 +1,5 @@
-/// Detections in rendered pictures: MuJoCo's camera, a lens and a sensor, AprilTag, and the pose of all tags found.
+/// Detections in rendered pictures: MuJoCo's camera, models of lens and sensor, AprilTag, and the
+/// body pose from all tags found.
 #pragma once
 
 #include <optional>
@@ -12,11 +13,11 @@
 
 namespace sightline::mujoco {
 
-/// A picture is blurred by the lens, smeared as its nearest body with tags moves, and noisy. Of the poses that fit the corners the one is
-/// taken whose body stands most upright, by the observer's attitude, which is told with an error of 0.012 rad. The covariance is that of
-/// PoseInformation.
+/// A picture has lens blur, motion blur of its nearest body with tags, and noise. Several poses may
+/// fit the corners: the chosen one has the body most upright. That choice uses the observer's
+/// attitude with an error of 0.012 rad. The covariance is that of PoseInformation.
 ///
-/// Cameras without `render` see as SyntheticDetections. Finding takes memory, and time.
+/// Cameras without `render` use SyntheticDetections. find() allocates memory and takes time.
 class RenderedDetections final : public DetectionSource {
  public:
   /// @throws std::invalid_argument as Scene
@@ -25,7 +26,7 @@ class RenderedDetections final : public DetectionSource {
 
   std::size_t find(const Exposure& exposure, std::span<Detection> found) noexcept override;
 
-  /// The last picture of that camera.
+  /// The last picture of a camera.
   const Picture& picture(std::size_t camera) const { return pictures_.at(camera); }
 
  private:

@@ -29,7 +29,7 @@ std::string plates_of(const BodyTags& of, const TagNumbers& numbers) {
         "{}\" {}/>\n",
         half, half, c.x, c.y, c.z, -n.y, n.x, numbers.first + face, unseen);
   }
-  // Behind the plates, so that nothing is seen between them.
+  // A solid cylinder behind the plates closes the view between them.
   const double inner = 0.9 * tags.distance * std::cos(std::numbers::pi / std::max(3, tags.faces));
   if (inner > 0.004)
     text += fmt::format("<geom type=\"cylinder\" size=\"{} {}\" pos=\"0 0 {}\" rgba=\"0.3 0.3 0.3 1\" {}/>\n",
@@ -130,7 +130,7 @@ Scene::Scene(const Team& team, const CameraOptions& options, const std::optional
     throw_invalid("MuJoCo refuses what cameras are to see: {}", error.what());
   }
   data_ = data_of(*model_);
-  // Bodies of the team and then the eyes come last in the model.
+  // The bodies of the team, then the cameras' mocap bodies, come last in the model.
   const int all = team.bodies() + static_cast<int>(options.cameras.size());
   for (int i = 0; i < team.bodies(); ++i) {
     const int id = model_->nbody - all + i;
@@ -170,7 +170,7 @@ Scene::~Scene() {
   mjv_freeScene(&scene_);
 }
 
-/// Puts the tags in place of the flat textures.
+/// Uploads the tags in place of the flat textures.
 void Scene::draw_tags(const TagFinder& tags) {
   for (const TagNumbers& numbers : number_tags(options_)) {
     for (int number = numbers.first; number < numbers.first + numbers.count; ++number) {

@@ -1,4 +1,5 @@
-/// What cameras look at: the team's bodies with their tags and hulls, and what else there is, for pictures alone.
+/// The scene of the cameras, for rendering only: the team's bodies with their tags and hulls, and
+/// the surroundings.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +15,35 @@
 
 namespace sightline::mujoco {
 
-/// Where the tags of a body begin: its first face has this number, the next ones follow.
+/// Tag numbers of a body: the first of its faces has number `first`, the next ones follow.
 struct TagNumbers {
   BodyId body{};
   int first = 0, count = 0;
 };
-/// In the order of the options. @throws std::invalid_argument for more tags than the family has
+/// Numbers in the order of the options. @throws std::invalid_argument if the family has too few
+/// tags
 std::vector<TagNumbers> number_tags(const CameraOptions& options);
 
-/// The MJCF of the scene: a body that mocap moves for each of the team and for each camera.
+/// The MJCF of the scene: one mocap body for each body of the team and for each camera.
 std::string scene_of(const Team& team, const CameraOptions& options,
                      const std::optional<ModelFile>& surroundings);
 
-/// Renders it by MuJoCo on a context of its own. One thread at a time.
+/// Renders the scene with MuJoCo on its own context. One thread at a time.
 ///
-/// A body with tags is its plates and a box within them; any other is its hull, or nothing where it has none. The observer's own body is
-/// not in its pictures, nor is a body that is not there.
+/// A body with tags is drawn as its plates and a box within them. Any other body is drawn as its
+/// hull, or not at all if it has none. Pictures exclude the observer's own body and bodies that are
+/// not present.
 class Scene {
  public:
-  /// @throws std::invalid_argument where MuJoCo refuses the surroundings, or there is no OpenGL
+  /// @throws std::invalid_argument if MuJoCo rejects the surroundings, or there is no OpenGL
   Scene(const Team& team, const CameraOptions& options, const std::optional<ModelFile>& surroundings,
         const TagFinder& tags);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  /// The picture of a camera at these poses: three bytes for a pixel, the bottom row first; empty where OpenGL failed.
+  /// The picture of a camera at these poses: three bytes per pixel, bottom row first; empty if
+  /// OpenGL failed.
   std::span<const std::uint8_t> render(const Exposure& exposure, const RigidPose& camera) noexcept;
 
  private:
@@ -58,8 +62,8 @@ class Scene {
   ModelPointer model_;
   DataPointer data_;
   std::vector<Shown> bodies_;
-  std::vector<int> eyes_;     // mocap of each camera
-  std::vector<float> alpha_;  // of each geom, as the model has it
+  std::vector<int> eyes_;     // mocap index of each camera
+  std::vector<float> alpha_;  // of each geom, from the model
   mjvScene scene_{};
   mjvOption option_{};
   mjrContext context_{};

@@ -25,8 +25,8 @@ struct TagFinder::Library {
 
 TagFinder::TagFinder() : library_(std::make_unique<Library>()) {
   apriltag_detector_add_family(library_->detector, library_->family);
-  library_->detector->quad_decimate = 1.0F;  // more costs reach
-  library_->detector->nthreads = 1;          // the same on every machine
+  library_->detector->quad_decimate = 1.0F;  // a larger factor reduces the range
+  library_->detector->nthreads = 1;          // equal results on every machine
   found_.reserve(tags_in_a_picture);
 }
 
@@ -40,14 +40,14 @@ std::vector<std::uint8_t> TagFinder::image(int id) const {
   std::vector<std::uint8_t> all;
   for (int y = 0; y < drawn->height; ++y)
     all.insert(all.end(), drawn->buf + y * drawn->stride, drawn->buf + y * drawn->stride + drawn->width);
-  std::free(drawn->buf);  // image_u8_destroy() is not exported by Debian's library
+  std::free(drawn->buf);  // Debian's library does not export image_u8_destroy()
   std::free(drawn);
   return all;
 }
 
 const std::vector<TagInPicture>& TagFinder::find(const Picture& picture) noexcept {
   found_.clear();
-  // AprilTag reads the picture alone.
+  // AprilTag only reads the picture.
   auto* const bytes = const_cast<std::uint8_t*>(picture.bytes().data());
   image_u8_t image = {
       .width = picture.width(), .height = picture.height(), .stride = picture.width(), .buf = bytes};

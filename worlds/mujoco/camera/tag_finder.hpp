@@ -1,4 +1,4 @@
-/// AprilTag: pictures of tags, and tags in pictures.
+/// AprilTag: draws tags, and finds tags in pictures.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace sightline::mujoco {
 struct TagInPicture {
   int id = 0;
   std::array<Vec2<double>, 4>
-      corners{};  ///< as of FoundTag: from the middle of the picture, to the right and down [px]
+      corners{};  ///< as of FoundTag: from the centre of the picture, to the right and down [px]
 };
 
-/// Of tag36h11. One thread; finding takes memory.
+/// Finder for tags of tag36h11. For one thread; find() allocates memory.
 class TagFinder {
  public:
-  /// How many tags there are.
+  /// Number of tags in the family.
   static constexpr int tags = 587;
-  /// Pixels of a side of image(): the black square is 8 of 10.
+  /// Side of image() in pixels; the black square takes 8 of 10.
   static constexpr int cells = 10;
 
   TagFinder();
@@ -30,9 +30,9 @@ class TagFinder {
   TagFinder(const TagFinder&) = delete;
   TagFinder& operator=(const TagFinder&) = delete;
 
-  /// A tag with its white border, `cells` x `cells` grey levels, the top row first.
+  /// A tag with its white border: `cells` x `cells` grey levels, top row first.
   std::vector<std::uint8_t> image(int id) const;
-  /// Those in the picture with at most one bit wrong, valid until the next call.
+  /// The tags in the picture with at most one wrong bit; valid until the next call.
   const std::vector<TagInPicture>& find(const Picture& picture) noexcept;
 
  private:

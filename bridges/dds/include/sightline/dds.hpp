@@ -1,4 +1,4 @@
-/// Robots over DDS, as PX4 and ROS 2 speak it. Link sightline::dds.
+/// DDS bridge for robots of PX4 and ROS 2. Link sightline::dds.
 ///
 ///   Registry registry;
 ///   add_dds(registry);                                  // sightline fly, sightline vehicles
@@ -9,8 +9,8 @@
 
 namespace sightline {
 
-/// Makes it the bridge that fleets are flown by.
-/// @throws std::invalid_argument where there is one already
+/// Registers DDS as the bridge for fleets.
+/// @throws std::invalid_argument if a bridge is registered already
 void add_dds(Registry& registry);
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// `add = "uav2"`, `add = { obstacle = "door" }`
+/// Action `add = "uav2"`, `add = { obstacle = "door" }`: a body joins.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace sightline {
 
-/// At its start; with its couplings to bodies that are present.
+/// The body joins at its start, with its couplings to bodies that are present.
 struct AddBody {
   static constexpr std::string_view key = "add", expected = "the name of a body, or a table";
   static constexpr std::array<std::string_view, 3> kinds = {"agent", "target", "obstacle"};

@@ -1,4 +1,5 @@
-/// `add = { couple = {...} }`, `add = { constrain = {...} }`: tables as of [[couple]] and [[constrain]]
+/// Actions `add = { couple = {...} }`, `add = { constrain = {...} }`, with tables as of [[couple]]
+/// and [[constrain]].
 #pragma once
 
 #include <fmt/format.h>
@@ -13,8 +14,8 @@
 namespace sightline {
 
 namespace detail {
-/// Lets a term fade in.
-/// @param add  to a team, which may refuse it
+/// Adds a term that fades in.
+/// @param add  adds the term to a trial team, which may reject it
 template <class Term, class Add>
 std::string enter(const TeamChange& change, const Term& given, std::vector<Term>& terms, Add&& add) {
   if (change.now.has_term(given.name)) {

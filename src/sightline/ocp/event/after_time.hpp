@@ -1,4 +1,4 @@
-/// `after = 2.0`
+/// Trigger `after = 2.0`: a time after the begin of a stage.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 
 namespace sightline {
 
-/// At this time after its stage began; for an event of all stages, after the run began.
+/// Occurs at this time after its stage began; for an event of all stages, after the run began.
 struct AfterTime {
   static constexpr std::array<std::string_view, 1> keys = {"after"};
   static constexpr bool may_repeat = false;

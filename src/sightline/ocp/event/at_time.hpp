@@ -1,4 +1,4 @@
-/// `at = 20.0`
+/// Trigger `at = 20.0`: a time of the run.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 
 namespace sightline {
 
-/// At this time of the run.
+/// Occurs at this time of the run.
 struct AtTime {
   static constexpr std::array<std::string_view, 1> keys = {"at"};
   static constexpr bool may_repeat = false;
@@ -24,7 +24,7 @@ struct AtTime {
     if (at_least_zero(t)) return {};
     return {fmt::format("at = {}, expected >= 0 s", t)};
   }
-  bool takes_no_time() const { return false; }  // it comes once
+  bool takes_no_time() const { return false; }  // it occurs once
   bool occurs(const EventInstant& moment) const noexcept { return moment.known.t >= t - same_time; }
   std::string describe(const Team& /*all*/) const { return fmt::format("at {} s", t); }
 

@@ -1,4 +1,5 @@
-/// `when = { distance = ["uav0", "uav1"], below = 1.0 }`, `lost = { observer = ..., target = ... }`, `seen = ...`
+/// Triggers `when = { distance = ["uav0", "uav1"], below = 1.0 }`, `lost = { observer = ..., target
+/// = ... }`, `seen = ...`.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,8 +17,8 @@
 
 namespace sightline {
 
-/// True once the measure has been beyond the threshold for `dwell`; false again once it has come back by more than
-/// `hysteresis`.
+/// Holds once the measure has been beyond the threshold for `dwell`; ends once the measure has
+/// returned by more than `hysteresis`.
 struct Condition {
   enum class Side { above, below };
   static constexpr std::array<std::string_view, 3> keys = {"when", "lost", "seen"};
@@ -78,7 +79,7 @@ inline bool Condition::occurs(const EventInstant& moment) const noexcept {
   const double beyond = side == Side::above ? value - threshold : threshold - value;
   auto& [holds, fired, since] = moment.condition;
   const bool held = holds;
-  holds = held ? beyond >= -hysteresis : beyond > 0;  // false for what is not a number
+  holds = held ? beyond >= -hysteresis : beyond > 0;  // false for NaN
   if (!holds) fired = false;
   if (holds && !held) since = moment.known.t;
   if (!holds || fired || moment.known.t - since < dwell - same_time) return false;
@@ -142,7 +143,7 @@ Condition Condition::read_when(const Text& when) {
   return std::move(*condition);
 }
 
-/// By the limit of the coupling that looks at the target, or by an angle of its own.
+/// Reads a view, by the limit of the coupling that views the target, or by an angle of its own.
 template <class Text>
 Condition Condition::read_view(const Text& view, Side side) {
   view.expect_only({"observer", "target", "alpha", "hysteresis", "dwell"});
@@ -165,7 +166,7 @@ Condition Condition::read_view(const Text& view, Side side) {
   return condition;
 }
 
-/// `above` or `below`.
+/// Reads `above` or `below`.
 template <class Text>
 void Condition::read_threshold(const Text& at, const Range& range) {
   if (at.has("above") == at.has("below")) at.throw_invalid("exactly one of above, below");
@@ -173,7 +174,8 @@ void Condition::read_threshold(const Text& at, const Range& range) {
   threshold = at.number(at.has("above") ? "above" : "below", range);
 }
 
-/// `hysteresis` and `dwell`: within them the condition can begin and end to hold.
+/// Reads `hysteresis` and `dwell`; rejects values for which the condition can never end or never
+/// occur.
 template <class Text>
 void Condition::read_settling(const Text& at, const MeasureScale& scale) {
   if (at.has("hysteresis")) hysteresis = at.number("hysteresis", not_negative(">= 0"));

@@ -1,4 +1,5 @@
-/// An observer of a choice (view_choice.hpp) turns to another target. No scenario calls it: shapes do.
+/// Action by which an observer of a choice (view_choice.hpp) turns to another target. Made by
+/// shapes only.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,11 +13,11 @@
 
 namespace sightline {
 
-/// The couplings of these names fade out, where they are, and others of the same names fade in.
+/// Couplings of these names fade out, if they are in force; others of the same names fade in.
 struct HandOver {
   AgentId observer{};
   std::vector<std::string> names{};
-  std::vector<Coupling> couplings{};  ///< empty: it looks at nobody
+  std::vector<Coupling> couplings{};  ///< empty: no target
 
   std::string apply(const TeamChange& change) const {
     TeamState before = change.now;

@@ -1,4 +1,4 @@
-/// `fault = { kind = "dropout", body = "uav1", for = 0.5 }`
+/// Action `fault = { kind = "dropout", body = "uav1", for = 0.5 }`: a measurement fault.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 
 namespace sightline {
 
-/// A fault of a body's measurements that begins now; in a simulated world.
+/// A fault of a body's measurements that begins now; for a simulated world.
 struct InjectFault {
   static constexpr std::string_view key = "fault", expected = "a table with kind, body and for";
   static constexpr bool changes_surroundings = true;
@@ -22,7 +22,7 @@ struct InjectFault {
   Surroundings::FaultKind kind;
   BodyId body;
   double lasts;           ///< [s], > 0
-  Vec3<double> offset{};  ///< of a jump [m]
+  Vec3<double> offset{};  ///< of a jump, in G [m]
 
   std::string apply(const TeamChange& change) const {
     auto& faults = change.now.around.faults;

@@ -1,4 +1,5 @@
-/// The kinds of a list, std::variant<...>, one after the other: what reads a scenario asks each what it is called.
+/// Iterates over the types of a list, std::variant<...>, for example to find the one that a key
+/// names.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 
 namespace sightline {
 
-/// Stands for a kind where there is none of it yet.
+/// Represents a type without a value of it.
 template <class K>
 struct Kind {};
 
@@ -30,7 +31,7 @@ void for_each_kind(Each&& each) {
   detail::Kinds<List>::visit(std::forward<Each>(each));
 }
 
-/// Whether a word is among those of a kind.
+/// Whether a word is in a list of words.
 template <class Words>
 bool contains(const Words& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();

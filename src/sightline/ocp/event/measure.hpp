@@ -1,11 +1,12 @@
-/// What a condition looks at, each a struct in the list `Measure`. Its functions and constants:
+/// Measures that a condition evaluates, each a struct in the list `Measure`. Its functions and
+/// constants:
 ///
-///   keys       what a scenario calls it, within `when`; without them only code does
-///   value      of it now; not a number where a body is absent
-///   scale      of a key: its threshold, and what may stand beside it
+///   keys       its keys in a scenario, within `when`; without keys only code makes it
+///   value      its present value; NaN if a body is absent
+///   scale      of a key: its threshold, and the further keys of its table
 ///   read       from the table of that key
-///   bodies     that it is about
-///   words      as a person reads it
+///   bodies     that it refers to
+///   describe   a text for the user
 #pragma once
 
 #include <fmt/format.h>
@@ -24,18 +25,18 @@
 
 namespace sightline {
 
-/// What a condition compares a measure with.
+/// Range of a measure and of the threshold that a condition compares it with.
 struct MeasureScale {
   std::optional<Range> threshold{};  ///< none: the measure is a limit, which holds below 0
   std::string_view unit{};
-  /// It lies between 0 and this; none: it has no ends.
+  /// The measure lies between 0 and this; none: unbounded.
   std::optional<double> largest{};
-  std::vector<std::string_view> beside{};  ///< keys that may stand beside it
+  std::vector<std::string_view> beside{};  ///< further keys that the table may have
 };
 
 inline constexpr double no_measure = std::numeric_limits<double>::quiet_NaN();
 
-/// Of their positions [m].
+/// Distance of the positions of two bodies [m].
 struct DistanceOf {
   static constexpr std::array<std::string_view, 1> keys = {"distance"};
 
@@ -85,7 +86,7 @@ struct ViewAngleOf {
   }
 };
 
-/// How old what is known of a body is [s].
+/// Age of the last measurement of a body [s].
 struct AgeOf {
   static constexpr std::array<std::string_view, 1> keys = {"age"};
 
@@ -107,12 +108,12 @@ struct AgeOf {
   }
 };
 
-/// How far a limit is broken, in its unit: > 0 outside.
+/// Violation of a limit, in its unit: > 0 outside.
 struct ExcessOf {
   static constexpr std::array<std::string_view, 2> keys = {"region", "formula"};
 
   Potential potential;  ///< one that states a limit
-  BodyId a, b;          ///< the same body twice for a potential of one
+  BodyId a, b;          ///< a potential of one robot has the same body twice
 
   double value(const EventInstant& now) const noexcept {
     if (!now.is_there(a) || !now.is_there(b)) return no_measure;
@@ -147,8 +148,9 @@ struct ExcessOf {
   }
 };
 
-/// How much nearer than the robot a, in its stead, the robot b is to a target [m]; infinite where a is not steered. A
-/// robot that brakes or sinks takes over nothing, and is relieved. No scenario calls it: shapes do (shape.hpp).
+/// How much nearer the robot b is to a target than the robot a, which b would replace [m]. Infinite
+/// if a is not steered, so that b replaces a robot that brakes or sinks; no measure if b is not
+/// steered. Made by shapes only (shape.hpp).
 struct NearerThan {
   BodyId a, b, target;
 
@@ -165,10 +167,11 @@ struct NearerThan {
   }
 };
 
-/// 1 in the period in which a choice turns an observer to a target, or to nobody, else 0. No scenario calls it.
+/// 1 in the period in which a choice turns an observer to this target, or to nobody; else 0. Made
+/// by shapes only.
 struct TurnedTo {
-  std::size_t choice = 0;    ///< of the script
-  std::size_t observer = 0;  ///< its place in the choice
+  std::size_t choice = 0;    ///< index in the script
+  std::size_t observer = 0;  ///< index in the choice
   int target = ViewChoice::nobody;
   BodyId body{};  ///< the observer
 

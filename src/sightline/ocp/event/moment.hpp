@@ -1,4 +1,4 @@
-/// What the trigger of an event is asked about: what is known at a time, and the event's own past.
+/// Input of an event's trigger: the state of a period, and the history of the event.
 #pragma once
 
 #include <span>
@@ -8,30 +8,30 @@
 
 namespace sightline {
 
-/// What is known at a time.
+/// State of a period.
 struct EventContext {
   double t = 0.0;                      ///< [s]
   std::span<const double> x;           ///< states of all bodies (nx)
   std::span<const double> u;           ///< inputs of all robots (nu)
-  std::span<const double> ages;        ///< of each body [s]; empty: all is new
-  std::span<const Presence> presence;  ///< of each body; conditions on one that is absent do not hold
+  std::span<const double> ages;        ///< of the last measurement of each body [s]; empty: all 0
+  std::span<const Presence> presence;  ///< of each body; conditions on an absent body do not hold
 };
 
-/// What an event remembers of its condition.
+/// History of an event's condition.
 struct ConditionState {
   bool holds = false;  ///< the condition, with its hysteresis
-  bool fired = false;  ///< since it came to hold
-  double since = 0.0;  ///< when it came to hold [s]
+  bool fired = false;  ///< since it last began to hold
+  double since = 0.0;  ///< when it began to hold [s]
 };
 
 class ViewChooser;
 
-/// What is known when an event is asked whether it happens.
+/// State of a period at which a trigger is evaluated.
 struct EventInstant {
   const Team& all;
   const EventContext& known;
-  double began;    ///< its stage [s]
-  bool signalled;  ///< a signal of it came since the moment before
+  double began;    ///< begin of its stage [s]
+  bool signalled;  ///< its signal arrived since the last evaluation
   ConditionState& condition;
   std::span<const ViewChooser> choosers{};  ///< of the script's choices
 

@@ -1,4 +1,4 @@
-/// `move = { obstacle = "box", p = [1.0, 0.0, 1.2] }`
+/// Action `move = { obstacle = "box", p = [1.0, 0.0, 1.2] }`: a target or obstacle moves.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace sightline {
 
-/// A target or an obstacle goes to a place, over the ramp, and rests there; in a simulated world.
+/// A target or an obstacle moves to a place, over the ramp, and stays there; for a simulated world.
 struct MoveBody {
   static constexpr std::string_view key = "move";
   static constexpr bool changes_surroundings = true;
@@ -20,7 +20,7 @@ struct MoveBody {
   static constexpr double usual_ramp = 1.0;
 
   BodyId body;
-  Vec3<double> p;  ///< [m]
+  Vec3<double> p;  ///< in G [m]
 
   std::string apply(const TeamChange& change) const {
     if (change.is_robot(body))

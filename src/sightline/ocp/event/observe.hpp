@@ -1,4 +1,4 @@
-/// `observe = { observer = "uav2", target = "uav0" }`
+/// Action `observe = { observer = "uav2", target = "uav0" }`: a robot observes another target.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,9 +13,10 @@
 
 namespace sightline {
 
-/// The robot observes another body from now on: its couplings with a sensor, and those that hold it to what it
-/// observed, go over. Whatever keeps the two apart (protection.hpp) stays, and the new target gets the same if it has
-/// none; of a region that does both, the limits that keep them apart stay behind.
+/// The robot observes another body from now on. Its couplings with a sensor move to the new target,
+/// and so do those that hold it to the previous target. Couplings that keep the two apart
+/// (protection.hpp) stay, and the new target gets the same if it has none. If a region does both,
+/// its limits that keep them apart stay behind.
 struct Observe {
   static constexpr std::string_view key = "observe", expected = "a table with observer and target";
   static constexpr double usual_ramp = 1.0;  ///< [s]
@@ -30,7 +31,7 @@ struct Observe {
   std::string describe(const Team& all) const {
     return fmt::format("{} observes {}", all.name(observer), all.name(target));
   }
-  /// Bodies that must be there.
+  /// Bodies that must be present.
   std::vector<BodyId> needs() const { return {target}; }
 
   template <class Text>
@@ -50,7 +51,8 @@ struct Observe {
                    const std::vector<AgentId>& felt_by) const;
 };
 
-/// Whether another of the first n couplings than the one `but` keeps the observer off this body, felt by all of these.
+/// Whether one of the first n couplings other than `but` keeps the observer off the body `whom` and
+/// acts on all agents of `felt_by`.
 inline bool Observe::is_kept_off(BodyId whom, const std::vector<Coupling>& couplings, std::size_t n,
                                  std::size_t but, const std::vector<AgentId>& felt_by) const {
   for (std::size_t j = 0; j < n; ++j) {
@@ -83,7 +85,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
   }
   for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
     if (!couplings[i].ramp.lasts() || !joins(couplings[i], observer, before)) continue;
-    // By this one it is observed itself, with the sensor of the other: that goes on.
+    // The previous target observes the observer by this coupling, with its own sensor: it stays.
     if (couplings[i].between.first == before && observes(couplings[i].term.potential)) continue;
     const bool stays = keeps_apart(couplings[i].term.potential);
     Coupling next = couplings[i];
@@ -94,7 +96,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
     } else {
       std::erase(next.felt_by, AgentId{before});
     }
-    if (next.third == target) next.felt_by.clear();  // nothing is to be seen past what is looked at
+    if (next.third == target) next.felt_by.clear();  // the potential would look past its own target
     if (stays) {
       if (next.felt_by.empty() || is_kept_off(target, couplings, n, i, next.felt_by)) continue;
       next.name.clear();
@@ -102,7 +104,7 @@ inline std::string Observe::apply(const TeamChange& change) const {
       couplings.push_back(std::move(next));
       continue;
     }
-    // What goes over leaves behind the limits in it that keep the two apart.
+    // A coupling that moves leaves behind its limits that keep the two apart.
     if (!is_kept_off(before, couplings, n, i, couplings[i].felt_by)) {
       for (Potential& limit : keep_outs(couplings[i].term.potential)) {
         Coupling apart = couplings[i];

@@ -1,4 +1,4 @@
-/// `remove = "uav2"`, `remove = { agent = "uav2", then = "hold" }`
+/// Actions `remove = "uav2"`, `remove = { agent = "uav2", then = "hold" }`: a body leaves.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,11 +12,11 @@
 
 namespace sightline {
 
-/// What an uncontrolled robot does.
+/// Behaviour of a robot that leaves the team.
 enum class Afterwards {
   vanish,  ///< it is removed
-  hold,    ///< it brakes and stays; the others still feel their couplings with it
-  land,    ///< it brakes and sinks to the ground
+  hold,    ///< it brakes and stays; its couplings still act on the other robots
+  land,    ///< it brakes and descends to the ground
 };
 
 struct RemoveBody {
@@ -25,7 +25,7 @@ struct RemoveBody {
   static constexpr std::array<std::string_view, 1> beside = {"then"};
 
   BodyId body;
-  Afterwards afterwards = Afterwards::vanish;  ///< of a robot; others vanish
+  Afterwards afterwards = Afterwards::vanish;  ///< of a robot; other bodies vanish
 
   std::string apply(const TeamChange& change) const {
     Presence& presence = change.presence(body);
@@ -46,7 +46,7 @@ struct RemoveBody {
     }
     presence = Presence::absent;
     if (change.ramp == 0) return {};
-    // What the others felt of it fades away; what stays waits for its return.
+    // Copies of its couplings fade out for the other robots; the originals stay for its return.
     auto& couplings = change.now.couplings;
     for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
       Coupling ghost = couplings[i];

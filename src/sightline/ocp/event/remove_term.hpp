@@ -1,4 +1,4 @@
-/// `remove = { couple = "sees1" }`, `remove = { constrain = "room" }`
+/// Actions `remove = { couple = "sees1" }`, `remove = { constrain = "room" }`: a term fades out.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace sightline {
 
-/// A coupling or constraint, by its name.
+/// Fades out a coupling or constraint, by its name.
 struct RemoveTerm {
   static constexpr std::string_view key = "remove";
   static constexpr std::array<std::string_view, 2> kinds = {"couple", "constrain"};

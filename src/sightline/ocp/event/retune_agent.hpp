@@ -1,4 +1,4 @@
-/// `retune = { agent = "uav1", R = [...] }`
+/// Action `retune = { agent = "uav1", R = [...] }`: new weights, u_ref or limits of a robot.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 
 namespace sightline {
 
-/// What is left out does not change.
+/// Values that are left out do not change.
 struct RetuneAgent {
   static constexpr std::string_view key = "retune";
   static constexpr std::array<std::string_view, 1> kinds = {"agent"};

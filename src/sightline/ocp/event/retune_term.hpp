@@ -1,4 +1,4 @@
-/// `retune = { couple = "sees1", weight = 0.8 }`
+/// Action `retune = { couple = "sees1", weight = 0.8 }`: a new weight or potential of a term.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 
 namespace sightline {
 
-/// Of a coupling or constraint; what is left out does not change.
+/// Of a coupling or constraint; values that are left out do not change.
 struct RetuneTerm {
   static constexpr std::string_view key = "retune";
   static constexpr std::array<std::string_view, 2> kinds = {"couple", "constrain"};

@@ -1,4 +1,4 @@
-/// `reference = { agent = "uav0", reference = {...} }`: a reference as in [agent.NAME]
+/// Action `reference = { agent = "uav0", reference = {...} }`, with a reference as in [agent.NAME].
 #pragma once
 
 #include <fmt/format.h>

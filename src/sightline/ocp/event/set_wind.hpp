@@ -1,4 +1,4 @@
-/// `wind = { acceleration = [0.3, 0.0, 0.0] }`
+/// Action `wind = { acceleration = [0.3, 0.0, 0.0] }`: another steady wind.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 namespace sightline {
 
-/// Another steady wind, which comes up over the ramp; in a simulated world.
+/// Another steady wind, which rises over the ramp; for a simulated world.
 struct SetWind {
   static constexpr std::string_view key = "wind", expected = "a table with acceleration";
   static constexpr bool changes_surroundings = true;

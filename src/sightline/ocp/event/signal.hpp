@@ -1,4 +1,4 @@
-/// `signal = "go"`
+/// Trigger `signal = "go"`: a message from outside.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace sightline {
 
-/// A message from outside, by its name; one that arrives while no event waits for it is lost.
+/// A message from outside, by its name; it is lost if no event waits for it.
 struct Signal {
   static constexpr std::array<std::string_view, 1> keys = {"signal"};
   static constexpr bool may_repeat = true;
@@ -31,7 +31,7 @@ struct Signal {
   }
 };
 
-/// One as a simulation sends it.
+/// A message that a simulation sends.
 struct TimedSignal {
   double at = 0.0;  ///< [s], >= 0
   std::string name;

@@ -1,4 +1,4 @@
-/// A team in flight, and one change of it: what an action of an event is given.
+/// State of a team in flight, and one change of it: the input of an event's action.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,34 +17,34 @@
 namespace sightline {
 
 enum class Presence : std::uint8_t {
-  absent,   ///< nowhere
+  absent,   ///< not in the world
   steered,  ///< a robot of the team
-  hold,     ///< present, but not controlled: a robot that brakes and stays, a target or an obstacle
-  land,     ///< a robot that brakes and sinks
+  hold,     ///< present, not controlled: a robot that brakes and stays, a target or an obstacle
+  land,     ///< a robot that brakes and descends
 };
 
-/// A robot whose reference is blended from the last one to the present one.
+/// A robot whose reference blends from the previous to the present one.
 struct Turn {
   AgentId agent;
   Reference from;
   Ramp ramp;
 };
 
-/// What events change. Bodies are those of `all`.
+/// State that events change. Bodies are those of `all`.
 struct TeamState {
-  Team all;                         ///< bodies alone count
-  std::vector<Agent> agents;        ///< as tuned now, in the order of `all`
+  Team all;                         ///< only its bodies are used
+  std::vector<Agent> agents;        ///< with present tuning, in the order of `all`
   std::vector<Coupling> couplings;  ///< in force or fading
   std::vector<Constraint> constraints;
   std::vector<Turn> turns;
   std::vector<Presence> presence;  ///< of each body
   Surroundings around{};
 
-  /// Of a robot, in `agents`.
+  /// Index of a robot in `agents`.
   std::size_t place(AgentId id) const {
     return static_cast<std::size_t>(&all.agent(id) - all.agents().data());
   }
-  /// What a robot follows at time t [s].
+  /// Reference of a robot from time t [s] on.
   Reference reference(AgentId id, double t) const {
     const Reference& last = agents[place(id)].x_ref;
     const auto turn =
@@ -74,31 +74,31 @@ struct TeamChange {
   Ramp fading_in() const {
     return ramp > 0 ? Ramp{.begin = t, .duration = ramp, .from = 0.0, .to = 1.0} : Ramp{};
   }
-  /// From what is in force now.
+  /// From the present value of the ramp.
   Ramp fading_out(const Ramp& before) const {
     return {.begin = t, .duration = ramp, .from = before.at(t), .to = 0.0};
   }
-  /// Lets the i-th fade out, which no event speaks of any more.
+  /// Fades out the i-th term; its name becomes free.
   template <class Term>
   void fade_out(std::vector<Term>& terms, std::size_t i) const {
     terms[i].name.clear();
     terms[i].ramp = fading_out(terms[i].ramp);
   }
-  /// Puts one that fades in beside the i-th, which fades out.
+  /// Fades out the i-th term and appends one that fades in.
   template <class Term>
   void replace(std::vector<Term>& terms, std::size_t i, Term next) const {
     next.ramp = fading_in();
     fade_out(terms, i);
     terms.push_back(std::move(next));
   }
-  /// The term of that name which lasts; the end where there is none.
+  /// The lasting term of that name; the end if there is none.
   template <class Term>
   static auto find(std::vector<Term>& terms, std::string_view name) {
     return std::find_if(terms.begin(), terms.end(),
                         [&](const Term& term) { return term.name == name && term.ramp.lasts(); });
   }
 
-  /// Tunes a robot anew. @return why a Team would not take it, a sentence; else empty
+  /// Gives a robot a new tuning. @return why a Team rejects it, a sentence; else empty
   std::string tune(AgentId id, Agent next) const {
     try {
       Team trial;
@@ -111,12 +111,12 @@ struct TeamChange {
   }
 };
 
-/// Of a term that no event can change, since it is not in force.
+/// The error for a term that is not in force, which no event can change.
 inline std::string no_such_term(std::string_view name) {
   return fmt::format("no coupling or constraint \"{}\" is in force, expected the name of one", name);
 }
 
-/// What a body or a term is called where two changes of it contradict each other.
+/// Subject of a change of a body or a term, by which contradictions are found.
 inline std::string body_subject(const Team& all, BodyId body) {
   return fmt::format("\"{}\"", all.name(body));
 }

@@ -1,7 +1,7 @@
 /// Single-shooting continuation/GMRES (Ohtsuka 2004): the unknowns are the inputs alone.
 ///
-/// States and costates are rolled out from the measured state at every update, so the dynamics hold exactly;
-/// what CMSCGMRES lets decay as defects stands here in F at once. docs/equations.md, 7.5.
+/// Each update rolls out states and costates from the measured state, so the dynamics hold exactly.
+/// The defects that CMSCGMRES lets decay enter F directly. docs/equations.md, 7.5.
 #pragma once
 
 #include "sightline/solver/continuation/continuation.hpp"

@@ -1,8 +1,9 @@
-/// The paper's solver: condensed multiple shooting continuation/GMRES (Shimizu, Ohtsuka, Diehl 2009),
-/// section 3.
+/// The solver of the paper, sec. 3: condensed multiple shooting continuation/GMRES (Shimizu,
+/// Ohtsuka, Diehl 2009).
 ///
-/// The states and costates between the stages are unknowns too, whose defects decay with F, dG/dt = -zeta G,
-/// (5); they are condensed, so GMRES sees the inputs alone. docs/equations.md, 7 has the update in full.
+/// States and costates between the stages are unknowns too; their defects decay with F, dG/dt =
+/// -zeta G, (5). Condensing eliminates them, so GMRES solves for the inputs alone. Full update:
+/// docs/equations.md, 7.
 #pragma once
 
 #include "sightline/solver/continuation/continuation.hpp"

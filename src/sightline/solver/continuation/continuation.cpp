@@ -29,7 +29,7 @@ ContinuationOptions checked(const ContinuationOptions &o) {
   return o;
 }
 
-/// Unknowns of one stage do not know those of the stage before.
+/// Rejects rate costs: the unknowns of one stage do not include the inputs of the previous stage.
 Ocp without_rate_costs(Ocp ocp) {
   for (const Agent &agent : ocp.team().agents()) {
     if (agent.R_rate.empty()) continue;
@@ -40,7 +40,7 @@ Ocp without_rate_costs(Ocp ocp) {
   return ocp;
 }
 
-/// A root is followed, of a problem that stays what it is.
+/// Rejects weights that change over time: the tracked root requires a fixed problem.
 Ocp with_steady_weights(Ocp ocp) {
   const auto moves = [](const auto &term) { return term.ramp != Ramp{}; };
   const Team &team = ocp.team();
@@ -52,7 +52,7 @@ Ocp with_steady_weights(Ocp ocp) {
   return ocp;
 }
 
-/// The largest |v|; infinity where one is not finite.
+/// Largest |v|; infinity if a value is not finite.
 double largest(std::span<const double> values) noexcept {
   double m = 0.0, not_finite = 0.0;
   for (const double v : values) {
@@ -114,8 +114,8 @@ bool Continuation::accept(std::span<const double> states) noexcept {
   return true;
 }
 
-/// The horizon is empty at the start: F = 0 is one scalar equation for each input, rising in u from limit to
-/// limit.
+/// The horizon is empty at the start: F = 0 is one scalar equation per input, monotonically
+/// increasing in u between the limits.
 void Continuation::start(double time) noexcept {
   started_at_ = last_time_ = time;
   here_.set_time(time, 0.0, x_.data());
@@ -209,7 +209,7 @@ void Continuation::product(const double *v, double *out) noexcept {
   }
 }
 
-/// The paper's product: (F(U + eps v, ...) - F(U, X, ...)) / eps, both a difference step later.
+/// The paper's product: (F(U + eps v, ...) - F(U, X, ...)) / eps, both one difference step later.
 void Continuation::difference_product(const double *v, double *out) noexcept {
   const double eps = options_.difference_step;
   for (int i = 0; i < unknowns_; ++i) U_trial_[i] = U_[i] + eps * v[i];
@@ -221,7 +221,8 @@ void Continuation::move_unknowns(double step) noexcept {
   for (int i = 0; i < unknowns_; ++i) U_[i] += step * U_dot_[i];
 }
 
-/// Whether the iterate is still near the curve: multipliers above zero, inputs not far beyond their limits.
+/// Whether the iterate is near the solution curve: multipliers positive, inputs within one range of
+/// their limits.
 bool Continuation::limits_hold() const noexcept {
   for (int i = 0; i < N_; ++i) {
     const double *const u = U_ + at(i, stride()), *const mu = u + nu_;
@@ -254,7 +255,7 @@ void Continuation::planned(double time, std::span<double> u) const noexcept {
   std::copy_n(&plan_[at(i, nu_)], nu_, u.begin());
 }
 
-/// The input that the last good plan has for this time; before there is one, zero within the limits.
+/// Returns the last good plan's input at this time, clamped to the limits; zero without a plan.
 Solution Continuation::fall_back(double time, Status status) noexcept {
   here_.set_time(std::isfinite(time) ? time : plan_time_, 0.0);
   planned(time, raw_u_);
@@ -274,7 +275,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   };
   if (!std::isfinite(time) || !accept(states)) return failed(Status::invalid_state);
 
-  // A gap longer than 1/zeta would overshoot; going back in time starts anew.
+  // A step longer than 1/zeta would overshoot; a time that goes back requires a restart.
   const double wanted = started_ && time > last_time_ ? time - last_time_ : ocp_.horizon().dt;
   const double step = std::min(wanted, 1.0 / options_.zeta);
   if (!started_ || time < last_time_) start(time);
@@ -286,7 +287,7 @@ Solution Continuation::solve(double time, std::span<const double> states) noexce
   std::copy(X_.begin(), X_.end(), x_out_.begin());
   const double residual = std::max({largest({F_, at(unknowns_, 1)}), largest(G_.x), largest(G_.lambda)});
 
-  // b, a difference step along x' = f(x, u_0).
+  // b from a difference step along x' = f(x, u_0).
   here_.flow(x_.data(), U_, rate_.data());
   for (int j = 0; j < nx_; ++j) x_soon_[at(j, 1)] = x_[at(j, 1)] + eps * rate_[at(j, 1)];
   there_.set_time(time + eps, stage_length(time + eps), x_soon_.data());

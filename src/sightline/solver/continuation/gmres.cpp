@@ -11,7 +11,7 @@ namespace {
 constexpr int packs_of_sums = dot_quantum / native_width;
 using Sums = std::array<NativeLane, packs_of_sums>;
 
-/// The partial sums, added in pairs: an order that does not depend on the width of a pack.
+/// Pairwise total of the partial sums, in an order independent of the lane width.
 double total(const Sums& sums) {
   std::array<double, dot_quantum> s;
   for (std::size_t p = 0; p < sums.size(); ++p) sums[p].store(s.data() + p * native_width);
@@ -23,7 +23,7 @@ double total(const Sums& sums) {
 
 constexpr int round_up(int n) { return (n + dot_quantum - 1) / dot_quantum * dot_quantum; }
 
-/// w -= c v, and the dot product of the new w with u: one pass over w.
+/// w -= c v, and the dot product of the new w with u, in one pass over w.
 double subtract_and_dot(double* w, double c, const double* v, const double* u, int n) noexcept {
   Sums sums;
   sums.fill(NativeLane(0.0));
@@ -66,7 +66,7 @@ Gmres::Gmres(int n, int k_max)
       y_(static_cast<std::size_t>(k_max)) {}
 
 double Gmres::orthogonalise(int k) noexcept {
-  // Modified Gram-Schmidt; each pass takes one direction away and measures the next.
+  // Modified Gram-Schmidt; each pass removes one direction and computes the next projection.
   double* const w = basis_[k + 1];
   const double before = dot(w, w, length_);
   double projection = dot(basis_[0], w, length_);
@@ -74,7 +74,7 @@ double Gmres::orthogonalise(int k) noexcept {
     hessenberg(j, k) = projection;
     projection = subtract_and_dot(w, projection, basis_[j], j < k ? basis_[j + 1] : w, length_);
   }
-  // What is left of a vector that lay in the space is rounding, not a direction.
+  // The remainder of a vector inside the space is rounding, not a direction.
   constexpr double rounding = 1e-28;  // of a squared length
   const double length = projection > rounding * before ? std::sqrt(projection) : 0.0;
   hessenberg(k + 1, k) = length;
@@ -94,7 +94,7 @@ bool Gmres::rotate(int k) noexcept {
     hessenberg(j + 1, k) = cos_[at(j)] * b - sin_[at(j)] * a;
   }
   const double diagonal = norm(hessenberg(k, k), hessenberg(k + 1, k));
-  // A singular matrix leaves a diagonal of rounding alone.
+  // A singular matrix leaves only rounding on the diagonal.
   if (!(diagonal > 1e-12 * std::sqrt(square)) || !std::isfinite(diagonal)) return false;
   cos_[at(k)] = hessenberg(k, k) / diagonal;
   sin_[at(k)] = hessenberg(k + 1, k) / diagonal;

@@ -1,4 +1,5 @@
-/// GMRES (Saad and Schultz 1986) for a small real-time budget: memory taken once, no restart, guarded ends.
+/// GMRES (Saad and Schultz 1986) for a small real-time budget: preallocated memory, no restart,
+/// guarded termination.
 #pragma once
 
 #include <span>
@@ -8,7 +9,7 @@
 
 namespace sightline {
 
-/// Numbers that are summed side by side in a fixed order, whatever the width of the machine.
+/// Numbers that are summed in parallel in a fixed order, independent of the machine's lane width.
 inline constexpr int dot_quantum = 32;
 
 /// sum a_i b_i over n numbers, n a multiple of `dot_quantum`.
@@ -16,20 +17,20 @@ double dot(const double* a, const double* b, int n) noexcept;
 
 class Gmres {
  public:
-  /// @param n  unknowns; vectors handed to `solve` have `length()` >= n numbers, zero beyond n
+  /// @param n  unknowns; vectors passed to `solve` have `length()` >= n numbers, zero beyond n
   Gmres(int n, int k_max);
 
   int length() const { return length_; }
 
   struct Outcome {
     int iterations = 0;
-    double residual = 0.0;  ///< ||b - A x||, by the rotations
+    double residual = 0.0;  ///< ||b - A x||, from the rotations
   };
 
-  /// Improves x so that A x = b, from the x given.
+  /// Improves x towards A x = b, starting from the given x.
   /// @param product    called as product(v, out): out = A v; both of length(), out zero beyond n
   /// @param tolerance  stops when ||b - A x|| <= tolerance
-  /// @param late       called as late() after each iteration: whether it is to be the last
+  /// @param late       called as late() after each iteration; true ends the iterations
   template <class Product, class Late>
   Outcome solve(Product&& product, const double* b, double* x, double tolerance, Late&& late) noexcept;
   template <class Product>
@@ -42,10 +43,11 @@ class Gmres {
     return h_[static_cast<std::size_t>(j) * static_cast<std::size_t>(k_max_ + 1) +
               static_cast<std::size_t>(i)];
   }
-  /// Makes v_{k+1} orthogonal to the basis before it. @return its length before it was made a unit vector
+  /// Orthogonalises v_{k+1} against the basis and normalises it. @return its length before
+  /// normalisation
   double orthogonalise(int k) noexcept;
-  /// Applies the rotations to column k and adds one that removes its last entry. @return false where it is
-  /// singular
+  /// Applies the rotations to column k and adds one that eliminates its last entry. @return false
+  /// if singular
   bool rotate(int k) noexcept;
   /// x += V y, y from the triangular system of k columns.
   void advance(int k, double* x) noexcept;
@@ -62,7 +64,7 @@ Gmres::Outcome Gmres::solve(Product&& product, const double* b, double* x, doubl
   product(static_cast<const double*>(x), v0);
   for (int i = 0; i < length_; ++i) v0[i] = b[i] - v0[i];
   const double beta = sqrt(dot(v0, v0, length_));
-  // A zero residual leaves nothing to divide by; one that is not finite nothing to gain.
+  // A zero residual leaves nothing to divide by; a non-finite one cannot be reduced.
   if (!(beta > tolerance) || !(beta < 1e300)) return {0, beta};
   for (int i = 0; i < length_; ++i) v0[i] /= beta;
   g_[0] = beta;
@@ -75,7 +77,7 @@ Gmres::Outcome Gmres::solve(Product&& product, const double* b, double* x, doubl
     residual = g_[static_cast<std::size_t>(k) + 1] < 0 ? -g_[static_cast<std::size_t>(k) + 1]
                                                        : g_[static_cast<std::size_t>(k) + 1];
     ++k;
-    if (length == 0) break;  // happy breakdown: x is exact in the space that is there
+    if (length == 0) break;  // happy breakdown: x is exact in the Krylov space
     if (late()) break;
   }
   advance(k, x);

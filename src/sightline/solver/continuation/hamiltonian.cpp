@@ -52,7 +52,7 @@ Hamiltonian::Hamiltonian(const Ocp& ocp)
 
 void Hamiltonian::bind() {
   const Team& team = ocp_.team();
-  // Inputs of a formula are consecutive rows of a few blocks.
+  // The inputs of a formula are consecutive rows of a few blocks.
   const auto take = [](Evaluation& run, int& next, const Rows& rows, int from, int n) {
     for (int i = 0; i < n; ++i) run.input(next++, rows[from + i]);
   };
@@ -288,8 +288,7 @@ void Hamiltonian::lay_out_tangents() {
   const auto source = [](const AgentTangent& agent, int z) {
     return z < agent.nx ? agent.dx_at + z : agent.du_at + z - agent.nx;
   };
-  // A nonzero of the Hessian stands in the costate's or in the input's equation of the agent that owns its
-  // row.
+  // A Hessian nonzero belongs to the costate or input equation of the agent that owns its row.
   const auto add_curvature = [&](AgentTangent& owner, int z, int from, const double* values) {
     if (z < owner.nx) {
       owner.backward.add(from, z, values, true);

@@ -1,5 +1,5 @@
-/// The solver of one part of a team, whose others plan elsewhere: each update takes what they sent last, and sends where its own
-/// robots will be. docs/partition.md
+/// Solver of one part of a team whose other parts run elsewhere: each update uses the latest
+/// received predictions and sends the predictions of its own robots. docs/partition.md
 #pragma once
 
 #include <memory>
@@ -11,22 +11,24 @@
 
 namespace sightline {
 
-/// What carries predictions between parts. By the thread that flies: nothing throws, allocates, locks or prints.
+/// Transport of predictions between parts. Runs on the flight thread: never throws, allocates,
+/// locks or prints.
 class PartExchange : public Connectivity {
  public:
-  /// Gives what came of others by t [s] to their receiver, and ends what is too old.
+  /// Passes the messages of other parts received by t [s] to `receiver`, and removes predictions
+  /// that are too old.
   virtual void receive(double t, Subteam& receiver) noexcept = 0;
-  /// Sends where the own robots will be from t [s] on.
+  /// Sends the predictions of the own robots from t [s] on.
   virtual void send(double t, std::span<const Prediction> predictions) noexcept = 0;
 
  protected:
   ~PartExchange() = default;
 };
 
-/// Of a team whose robots it all plans, and whose other bodies may be robots of other parts.
+/// Solver of a team in which it plans all robots; other bodies may be robots of other parts.
 class PartSolver final : public Solver {
  public:
-  /// @param exchange  outlives this
+  /// @param exchange  must outlive the object
   /// @throws std::invalid_argument as Subteam does
   PartSolver(const Team& team, const MakeSolver& make, PartExchange& exchange);
 

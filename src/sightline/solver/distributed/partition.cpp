@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Processor time of this thread [s]: on a computer of its own a part would not wait for others.
+/// Processor time of this thread [s]: excludes waiting, as with one computer per part.
 double processor_time() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -44,7 +44,7 @@ std::vector<std::string_view> split(std::string_view s, char separator) {
   return pieces;
 }
 
-/// Every robot in exactly one subteam, named where not.
+/// Checks that every robot is in exactly one subteam.
 void check(const Partition& partition, const Team& team) {
   if (partition.empty()) throw_invalid("the partition has no part, expected at least one");
   std::vector<int> taken(at(team.bodies()), 0);
@@ -65,7 +65,7 @@ void check(const Partition& partition, const Team& team) {
   }
 }
 
-/// The worse of two outcomes of subteams: later in the list of Status.
+/// The worse of two statuses: the later one in the list of Status.
 Status worse(Status a, Status b) { return std::max(a, b); }
 
 }  // namespace
@@ -187,7 +187,8 @@ void PartitionedSolver::send_all(double time, std::span<const double> states) no
   for (const Member& member : members_) send(member);
 }
 
-/// Before the first update the parts have talked for a while: they know each other's clocks, and where all stand.
+/// Simulates the message exchange before the first update: each part then knows clock offsets and
+/// poses.
 void PartitionedSolver::talk_before(double time, std::span<const double> states) noexcept {
   const double dt = ocp().horizon().dt;
   for (const Member& member : members_) member.subteam->predict(time, states);
@@ -199,7 +200,7 @@ void PartitionedSolver::talk_before(double time, std::span<const double> states)
   }
 }
 
-/// What has come by now of the others; what is too old is not used any more.
+/// Delivers the messages received by now; removes predictions that are too old.
 void PartitionedSolver::receive(int to, double time) noexcept {
   messages_->receive(to, time);
   Subteam& subteam = *members_[at(to)].subteam;
@@ -234,13 +235,13 @@ void PartitionedSolver::for_each(Of&& of) noexcept {
 
 template <class Of>
 void PartitionedSolver::timed(int subteam, Of&& of) noexcept {
-  const FlushSubnormals guard;  // of each thread
+  const FlushSubnormals guard;  // per thread
   const double begin = processor_time();
   of(subteam);
   members_[at(subteam)].elapsed += processor_time() - begin;
 }
 
-/// Every subteam once.
+/// Solves every subteam once and sends the predictions.
 void PartitionedSolver::exchange(double time, std::span<const double> states) noexcept {
   const auto solve = [&](int i) { members_[at(i)].solution = members_[at(i)].subteam->solve(time, states); };
   if (options_.order == ExchangeOrder::gauss_seidel) {
@@ -275,7 +276,7 @@ void PartitionedSolver::scatter(const Subteam& subteam, std::span<const double> 
   }
 }
 
-/// The robots' states as their subteams plan them; of what is not controlled, the velocity it has.
+/// States of robots as their subteams plan them; uncontrolled bodies keep their velocity.
 void PartitionedSolver::write_states(std::span<const double> states) noexcept {
   const Team& team = ocp().team();
   const int N = ocp().horizon().N;
@@ -349,7 +350,6 @@ double PartitionedSolver::kkt(double time, std::span<const double> states) noexc
 void PartitionedSolver::planned(double time, std::span<double> u) const noexcept {
   if (u.size() != u_.size()) return;
   for (const Member& member : members_) {
-    // Each subteam writes the inputs of its own robots, where they stand in the whole.
     member.subteam->planned(time, member.u);
     scatter(*member.subteam, member.u, u);
   }

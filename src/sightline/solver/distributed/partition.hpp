@@ -1,9 +1,11 @@
-/// A team whose subteams plan by themselves and send each other where they will be: one solver outside, several within.
+/// Solver of a team in subteams that plan separately and exchange predictions: one solver outside,
+/// several inside.
 ///
-/// An update is one exchange or more. In each, every subteam solves once, given the trajectories it received last, and sends
-/// its own: in Jacobi order when all have solved, so that they could work at one time; in Gauss-Seidel order at once,
-/// so that those after it know. Trajectories of the last update are carried on to the present one. Or each sends once, and the
-/// message comes as the network lets it. docs/partition.md
+/// An update consists of one or more exchanges. In each, every subteam solves once with the latest
+/// received trajectories, and sends its own. Jacobi order: all send after all have solved, so they
+/// can run in parallel. Gauss-Seidel order: each sends immediately, so later subteams use it.
+/// Trajectories of the last update are extrapolated to the present. With simulated messages each
+/// subteam sends once per update, and the network delays or drops the message. docs/partition.md
 #pragma once
 
 #include <cstdint>
@@ -23,51 +25,55 @@ namespace sightline {
 enum class ExchangeOrder : std::uint8_t { jacobi, gauss_seidel };
 
 std::string_view to_string(ExchangeOrder order);
-/// @throws std::invalid_argument for a word that is none
+/// @throws std::invalid_argument for an unknown word
 ExchangeOrder exchange_order(std::string_view word);
 
-/// Every robot of a team in exactly one subteam.
+/// Partition: every robot of a team in exactly one subteam.
 using Partition = std::vector<std::vector<AgentId>>;
 
-/// A subteam as a text names it.
+/// A subteam in text form.
 struct PartInWords {
-  std::string name;  ///< empty: none is given
+  std::string name;  ///< empty: no name
   std::vector<std::string> robots;
 };
-/// Takes "front: a,b | c,d" apart; whether there are such robots nobody asks.
-/// @throws std::invalid_argument for a name that two have
+/// Splits "front: a,b | c,d"; does not check that the robots exist.
+/// @throws std::invalid_argument for a repeated name
 std::vector<PartInWords> parts_in_words(std::string_view text);
 
-/// Reads "a,b | c,d": robots by name, subteams in the order in which they solve; a subteam may have a name, "front: a,b".
-/// @throws std::invalid_argument with a sentence for a name that is no robot, a robot named twice or in no subteam, and a
-/// subteam without robots
+/// Reads "a,b | c,d": robots by name, subteams in solving order; a subteam may have a name, "front:
+/// a,b".
+/// @throws std::invalid_argument naming an unknown robot, a robot named twice or in no subteam, or
+///   a subteam without robots
 Partition read_partition(std::string_view text, const Team& team);
 
 struct PartitionOptions {
   ExchangeOrder order = ExchangeOrder::gauss_seidel;
-  int exchanges = 1;  ///< an update, 1..1000
-  /// Messages that take time and get lost, as between computers: then one exchange an update, in Jacobi order. None: what is sent
-  /// is there at once.
+  int exchanges = 1;  ///< per update, 1..1000
+  /// Messages with delay and loss, as between computers; then one exchange per update, in Jacobi
+  /// order. None: predictions arrive immediately.
   std::optional<ExchangeOptions> messages{};
-  /// That solve subteams at the same time in Jacobi order, 1..ThreadPool::most; the plan is the same whatever their number.
+  /// Threads that solve subteams in parallel in Jacobi order, 1..ThreadPool::most; the plan is
+  /// independent of their number.
   int threads = 1;
 };
 
-/// @throws std::invalid_argument for an option out of its range, or options that do not go together
+/// @throws std::invalid_argument for an option out of its range, or an invalid combination of
+///   options
 void check_options(const PartitionOptions& options);
 
 class PartitionedSolver : public Solver, public TeamPlanner, public Connectivity {
  public:
-  /// @param make  the solver of each subteam, and that of the whole team, which judges the plan of all
-  /// @throws std::invalid_argument for an option out of its range, where a robot is not in exactly one subteam, or where
-  /// what is made is no TeamPlanner; and what making a solver throws
+  /// @param make  makes the solver of each subteam, and that of the whole team, which evaluates the
+  ///   whole plan
+  /// @throws std::invalid_argument for an option out of its range, if a robot is not in exactly one
+  ///   subteam, or if a solver is no TeamPlanner; and what making a solver throws
   PartitionedSolver(const Team& team, const Partition& partition, const MakeSolver& make,
                     const PartitionOptions& options = {});
 
   std::string_view name() const override { return "partitioned"; }
   const Ocp& ocp() const override { return whole_->ocp(); }
-  /// The residual is that of the whole team's conditions at the new plan; it is found after the subteams have ended, and
-  /// not in `elapsed`, which is all of them in turn.
+  /// The residual is that of the whole team's conditions at the new plan. It is computed after the
+  /// subteams have finished; `elapsed`, the wall time of all subteams, excludes it.
   Solution solve(double time, std::span<const double> states) noexcept override;
   void set_applied(const AppliedInputs& applied) noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
@@ -78,20 +84,21 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Connectivity
   bool keeps_apart() const noexcept override { return whole_->keeps_apart(); }
 
   void plan(int k, std::span<double> u) const noexcept override;
-  /// What subteams received stays until others send again.
+  /// Predictions that subteams received stay in force until the next ones arrive.
   void set_plan(int k, std::span<const double> u) noexcept override;
   void set_prediction(const Prediction& prediction) noexcept override;
   double tolerance() const noexcept override { return whole_planner_->tolerance(); }
-  /// Lets every subteam send where its plan leads from these states.
+  /// Makes every subteam send the prediction of its plan from these states.
   void send_all(double time, std::span<const double> states) noexcept;
 
   bool receives_from(BodyId robot, BodyId other) const noexcept override;
   bool is_received(BodyId body) const noexcept override;
 
   int subteams() const { return static_cast<int>(members_.size()); }
-  /// Processor time of the last update's slowest subteam, all its exchanges [s]: what subteams on machines of their own would take.
+  /// Processor time of the slowest subteam in the last update, all exchanges [s]: the update time
+  /// with one computer per subteam.
   double slowest() const noexcept;
-  /// Of one subteam [s].
+  /// Processor time of one subteam [s].
   double elapsed(int subteam) const noexcept { return members_[static_cast<std::size_t>(subteam)].elapsed; }
 
  private:
@@ -104,17 +111,17 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Connectivity
     Solution solution = {};             // of the last exchange
   };
 
-  /// Part of a robot; -1: of none.
+  /// Index of a robot's part; -1: none.
   int part_of(BodyId body) const noexcept { return part_of_[static_cast<std::size_t>(body.index)]; }
   void talk_before(double time, std::span<const double> states) noexcept;
   void receive(int to, double time) noexcept;
   bool accepts(double time, std::span<const double> states) noexcept;
   void exchange(double time, std::span<const double> states) noexcept;
   void send(const Member& sender) noexcept;
-  /// Does something for each subteam, at the same time on all threads.
+  /// Calls of(subteam) for each subteam, in parallel on the thread pool.
   template <class Of>
   void for_each(Of&& of) noexcept;
-  /// Does something for a subteam, and counts the time.
+  /// Calls of(subteam) and measures its processor time.
   template <class Of>
   void timed(int subteam, Of&& of) noexcept;
   void gather(const Subteam& subteam, std::span<const double> of_whole,
@@ -123,13 +130,13 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Connectivity
                std::span<double> of_whole) const noexcept;
   void write_states(std::span<const double> states) noexcept;
 
-  std::unique_ptr<Solver> whole_;  // holds the plan of all, to judge it
-  TeamPlanner* whole_planner_;     // of it
+  std::unique_ptr<Solver> whole_;  // evaluates the whole plan
+  TeamPlanner* whole_planner_;     // planner of whole_
   bool has_plan_ = false;
   PartitionOptions options_;
   std::vector<Member> members_;
-  std::vector<int> part_of_;                   // of each body
-  std::optional<SimulatedMessages> messages_;  // none: what is sent is there at once
+  std::vector<int> part_of_;                   // per body
+  std::optional<SimulatedMessages> messages_;  // none: predictions arrive immediately
   std::vector<double> x_now_, u_, raw_u_, u_stage_, x_;
   ThreadPool pool_;
 };

@@ -1,4 +1,5 @@
-/// How far a partitioned plan is from the optimum of the whole team, exchange by exchange, while time stands.
+/// Distance of a partitioned plan from the optimum of the whole team, per exchange, at constant
+/// time.
 #pragma once
 
 #include <memory>
@@ -8,26 +9,27 @@
 
 namespace sightline {
 
-/// What is left after one exchange of all subteams.
+/// Distance from the optimum after one exchange of all subteams.
 struct FromOptimum {
-  double input = 0.0;  ///< greatest |u - u*| of any input along the horizon [-]
-  double cost = 0.0;   ///< (J(u) - J(u*)) / J(u*); below 0 where masked robots bear costs of others
+  double input = 0.0;  ///< largest |u - u*| of all inputs along the horizon [-]
+  double cost = 0.0;   ///< (J(u) - J(u*)) / J(u*); negative if masked robots bear costs of others
   double kkt = 0.0;    ///< of the whole team [1/s]
 };
 
-/// J of a plan over the horizon from these states: h sum of l(x_k, u_k) + phi(x_N), every weight of the team,
-/// masked or not. Bodies that are not controlled keep their velocity.
+/// J of a plan over the horizon from these states: h sum of l(x_k, u_k) + phi(x_N), with every
+/// weight of the team, masked or not. Uncontrolled bodies keep their velocity.
 /// @param u  [stage][input], N x nu
-/// @throws std::invalid_argument where states and plan are not of the problem
+/// @throws std::invalid_argument if states or plan do not match the problem
 double horizon_cost(const Ocp& ocp, double time, std::span<const double> states, std::span<const double> u);
 
-/// A solver of the whole team that goes to a stationary point, whatever it takes; to compare with.
+/// Makes a whole-team solver that iterates to a stationary point regardless of time; a reference.
 std::unique_ptr<Solver> make_reference_solver(const Ocp& ocp);
 
-/// Exchange after exchange at these states. The solver begins from its plan, which all have sent, and is left with the
-/// plan of the last exchange. u* is the stationary point that the `reference`, of the same team, finds from the same plan.
-/// @return one entry a exchange; none where that finds no stationary point
-/// @throws std::invalid_argument for a reference that is no TeamPlanner
+/// Runs exchanges at these states. The solver starts from its plan, which all subteams have sent,
+/// and ends with the plan of the last exchange. u* is the stationary point that `reference`, a
+/// solver of the same team, finds from the same plan.
+/// @return one entry per exchange; empty if `reference` finds no stationary point
+/// @throws std::invalid_argument if `reference` is no TeamPlanner
 std::vector<FromOptimum> partition_convergence(PartitionedSolver& solver, Solver& reference, double time,
                                                std::span<const double> states, int exchanges);
 

@@ -10,13 +10,14 @@ namespace sightline {
 void ClockOffsetByEcho::receive(ClockTime now, ClockTime stamp, const Echo& echo) noexcept {
   if (echo.stamp == 0) return;
   const ClockTime round_trip = (now - echo.stamp) - echo.held;
-  if (round_trip < 0 || round_trip > kept) return;  // a clock that was set anew
-  // Theirs: t_2 = stamp - held, when ours came, and t_3 = stamp. Right to half the round trip, whatever the two ways take.
+  if (round_trip < 0 || round_trip > kept) return;  // a clock was reset
+  // Other clock: t_2 = stamp - held, arrival of our message, and t_3 = stamp. Exact to half the
+  // round trip, for any asymmetry of the two paths.
   const ClockTime offset = ((stamp - echo.held - echo.stamp) + (stamp - now)) / 2;
   const bool agree = std::all_of(best_.begin(), best_.end(), [&](const Best& best) {
     return best.since == 0 || std::abs(best.offset - offset) <= (best.round_trip + round_trip) / 2 + drift;
   });
-  if (!agree) forget();  // a clock was set anew: what it was before says nothing
+  if (!agree) forget();  // a clock was reset: earlier offsets are invalid
   if (now - best_[newest_].since > span || best_[newest_].since == 0) {
     newest_ = (newest_ + 1) % best_.size();
     best_[newest_] = {.since = now};
@@ -70,7 +71,7 @@ PeerState Peers::state(int part, ClockTime now) const noexcept {
   const std::optional<ClockTime> offset = peer.clock.offset();
   if (peer.counts.received == 0 || !offset) return PeerState::silent;
   if (std::abs(*offset) > offset_max) return PeerState::other_time;
-  // From later than now it is where a clock was set anew, until the next answer.
+  // A stamp in the future means that a clock was reset; stale until the next echo.
   if (const ClockTime age = now - (peer.stamp - *offset); age > stale_after_ || age < -offset_max)
     return PeerState::stale;
   const bool begun = peer.begins != 0 && now >= peer.begins - *offset;

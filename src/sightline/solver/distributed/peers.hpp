@@ -1,12 +1,14 @@
-/// What a part knows of the others by their messages: who is heard, how much is lost, and how far their clocks are from its own.
+/// State of the other parts from their messages: connectivity, losses, and clock offsets.
 ///
-/// Each message says when it was sent, by its sender's clock, and which message of each other part came last and how long ago. So the
-/// receiver of an answer knows a round trip, and with it the offset of the clocks (as NTP does, RFC 5905, section 8):
+/// Each message holds its send time by the sender's clock, and per other part the latest received
+/// message and its age. From an answer the receiver computes a round trip, and the clock offset (as
+/// NTP, RFC 5905, section 8):
 ///
 ///   offset = ((t_2 - t_1) + (t_3 - t_4)) / 2,   round trip = (t_4 - t_1) - (t_3 - t_2)
 ///
-/// with t_1, t_4 by its own clock and t_2, t_3 by the other's. The offset of the least round trip of the last 10 s counts. Each is right
-/// to half its round trip; two that cannot both be tell that a clock was set anew, and the later one counts alone.
+/// with t_1, t_4 by the own clock and t_2, t_3 by the other clock. The offset with the smallest
+/// round trip of the last 10 s is used. Each offset is exact to half its round trip; two
+/// inconsistent offsets imply that a clock was reset, and only the later one is kept.
 #pragma once
 
 #include <array>
@@ -19,56 +21,58 @@
 
 namespace sightline {
 
-/// Which robots hear where others will be, in a team that plans in parts. Of the thread that flies; of the last update. Robots of one part hear each other always.
+/// Which robots receive predictions of others, in a team that plans in parts. Reports the last
+/// update, on the flight thread. Robots of one part always receive each other.
 class Connectivity {
  public:
-  /// Whether what a robot plans with knows where the other will be, from a message that is young enough, and the other keeps its
-  /// distance to this one as well.
+  /// Whether the plan of `robot` uses a recent prediction of `other`, and `other` also keeps its
+  /// distance to `robot`.
   virtual bool receives_from(BodyId robot, BodyId other) const noexcept = 0;
-  /// Whether every robot hears this one; so it is of a body that sends nothing.
+  /// Whether every robot receives this body's predictions; true for a body that sends none.
   virtual bool is_received(BodyId body) const noexcept = 0;
 
  protected:
   ~Connectivity() = default;
 };
 
-/// By a clock of a computer [ns].
+/// Time of a computer's clock [ns].
 using ClockTime = std::int64_t;
 
-/// Of one part, what another one's messages said last.
+/// Acknowledgement of the last message of another part.
 struct Echo {
-  ClockTime stamp = 0;  ///< by the clock of the one that is answered; 0: nothing came from it
-  ClockTime held = 0;   ///< how long ago it came
+  ClockTime stamp = 0;  ///< stamp of that message, by its sender's clock; 0: none received
+  ClockTime held = 0;   ///< time since its arrival [ns]
 };
 
-/// What a part sends each period.
+/// Message of a part, once per period.
 struct PartMessage {
-  int part = -1;               ///< its place in the partition
-  std::uint64_t session = 0;   ///< of the program that plans it: another one has another
-  std::uint64_t sequence = 0;  ///< rises by one from message to message
-  ClockTime stamp = 0;         ///< of the first sight of each prediction, by the sender's clock
-  bool steers = false;         ///< its robots fly as they predict, and keep their distances
-  std::uint8_t phase = 0;      ///< of its flight; of no meaning here
-  ClockTime begins = 0;        ///< from when on it steers them, by the sender's clock; 0: not said
-  ClockTime arrived = 0;       ///< by another clock of the receiver's, where it keeps one; of no meaning here
-  std::vector<Prediction> predictions{};  ///< of its robots, `who` of the whole team
-  std::vector<Echo> echoes{};             ///< of each part
+  int part = -1;               ///< index in the partition
+  std::uint64_t session = 0;   ///< id of the planning program; a restarted program has another
+  std::uint64_t sequence = 0;  ///< increases by one per message
+  ClockTime stamp = 0;         ///< time of the first Sight of each prediction, by the sender's clock
+  bool steers = false;         ///< its robots follow their predictions and keep their distances
+  std::uint8_t phase = 0;      ///< of its flight; not used here
+  ClockTime begins = 0;        ///< start of its control of the robots, by the sender's clock; 0: unknown
+  ClockTime arrived = 0;       ///< by another clock of the receiver, if any; not used here
+  std::vector<Prediction> predictions{};  ///< of its robots; `who` refers to the whole team
+  std::vector<Echo> echoes{};             ///< per part
 };
 
-/// The offset of another clock from one's own.
+/// Estimate of another clock's offset from the own clock.
 class ClockOffsetByEcho {
  public:
-  static constexpr ClockTime kept = 10'000'000'000;  // [ns]
-  static constexpr ClockTime drift = 2'000'000;      // of two clocks in this time at most, 200 ppm [ns]
+  static constexpr ClockTime kept = 10'000'000'000;  // window of the offsets [ns]
+  static constexpr ClockTime drift = 2'000'000;  // largest drift of two clocks in this window, 200 ppm [ns]
 
-  /// A message came at `now` that was sent at `stamp` by the other clock, and answers ours.
+  /// Processes a message received at `now` (own clock), sent at `stamp` (other clock), that echoes
+  /// a message of ours.
   void receive(ClockTime now, ClockTime stamp, const Echo& echo) noexcept;
-  /// Theirs minus ours; none before the first answer.
+  /// Other clock minus own clock [ns]; none before the first echo.
   std::optional<ClockTime> offset() const noexcept;
   void forget() noexcept { *this = {}; }
 
  private:
-  // The best of each of some spans of time, so that old ones can be dropped.
+  // Best offset per time span, so that old ones can be discarded.
   struct Best {
     ClockTime since = 0, round_trip = std::numeric_limits<ClockTime>::max(), offset = 0;
   };
@@ -77,41 +81,42 @@ class ClockOffsetByEcho {
   std::size_t newest_ = 0;
 };
 
-/// How another part is heard.
+/// Connection state of another part.
 enum class PeerState : std::uint8_t {
-  silent,      ///< nothing came yet, or nothing that was answered
-  received,    ///< its newest message is young
-  stale,       ///< it is older than stale_after
-  other_time,  ///< its clock is too far from ours
-  idle,  ///< it is heard, and does not steer its robots: it neither says so nor said that by now it would
+  silent,      ///< no message yet, or none with an echo
+  received,    ///< its newest message is recent
+  stale,       ///< its newest message is older than stale_after
+  other_time,  ///< its clock offset is too large
+  idle,        ///< messages arrive, but it does not steer its robots and its announced start is not reached
 };
 
-/// Of one part. Nothing allocates after construction.
+/// Message state of all parts. Allocates only in the constructor.
 class Peers {
  public:
-  static constexpr ClockTime offset_max = 20'000'000;  ///< clocks that are farther apart are refused [ns]
+  static constexpr ClockTime offset_max = 20'000'000;  ///< largest accepted clock offset [ns]
 
-  /// @param stale_after  age from which a message does not count any more [ns]
+  /// @param stale_after  age beyond which a message is ignored [ns]
   Peers(int parts, int own, ClockTime stale_after);
 
-  /// A message came at `now` by our clock. @return whether it is the newest of its part; an older one is counted and dropped
+  /// Processes a message received at `now` [ns, own clock]. @return whether it is the newest of its
+  /// part; an older one is counted as late and dropped, one of an invalid part is dropped
   bool receive(const PartMessage& message, ClockTime now) noexcept;
-  /// One that could not be read, or is of no part.
+  /// Connection state of a part at `now` [ns, own clock].
   PeerState state(int part, ClockTime now) const noexcept;
   bool receives_from(int part, ClockTime now) const noexcept {
     return state(part, now) == PeerState::received;
   }
-  /// Theirs minus ours; none where it is not known.
+  /// Other clock minus own clock [ns]; none if unknown.
   std::optional<ClockTime> offset(int part) const noexcept;
   std::uint8_t phase(int part) const noexcept { return peers_[static_cast<std::size_t>(part)].phase; }
-  /// When its task begins, by its clock; 0: not said.
+  /// Start of its control, by its clock [ns]; 0: unknown.
   ClockTime begins(int part) const noexcept { return peers_[static_cast<std::size_t>(part)].begins; }
-  /// What goes into the next message.
+  /// Writes the echoes for the next message.
   void answer(ClockTime now, std::vector<Echo>& echoes) const noexcept;
 
   struct Counts {
-    std::int64_t received = 0, lost = 0, late = 0;  ///< late: an earlier one than the newest
-    std::int64_t sessions = 0;                      ///< programs that planned it
+    std::int64_t received = 0, lost = 0, late = 0;  ///< late: older than the newest message
+    std::int64_t sessions = 0;                      ///< number of programs that planned the part
   };
   const Counts& counts(int part) const noexcept { return peers_[static_cast<std::size_t>(part)].counts; }
   void forget() noexcept;
@@ -125,7 +130,7 @@ class Peers {
     ClockOffsetByEcho clock{};
     Counts counts{};
   };
-  std::vector<Peer> peers_;  // of each part, one's own included
+  std::vector<Peer> peers_;  // per part, including the own one
   int own_;
   ClockTime stale_after_;
 };

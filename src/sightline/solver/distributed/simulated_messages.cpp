@@ -10,8 +10,8 @@
 namespace sightline {
 namespace {
 
-constexpr double nanoseconds = 1e9;                       // in a second
-constexpr ClockTime begin_of_clocks = 1'000'000'000'000;  // no stamp is 0
+constexpr double nanoseconds = 1e9;                       // per second
+constexpr ClockTime begin_of_clocks = 1'000'000'000'000;  // keeps stamps nonzero
 constexpr double same_instant = 1e-6;                     // [s]
 
 }  // namespace

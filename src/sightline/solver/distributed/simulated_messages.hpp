@@ -1,6 +1,7 @@
-/// The messages of a team that plans in parts, as a network would bring them: late, in another order, or not at all.
+/// Simulated network between the parts of a team: messages arrive late, reordered, or not at all.
 ///
-/// Everything is drawn from the seed, the two parts and the number of the message, so that a flight is the same each time.
+/// Delay and loss are drawn from the seed, the two parts and the message number, so that a flight
+/// is reproducible.
 #pragma once
 
 #include <array>
@@ -17,22 +18,22 @@
 
 namespace sightline {
 
-/// What brings the messages of a flight whose parts plan in programs of their own.
+/// Transport of messages in a flight whose parts run in separate programs.
 enum class MessagesBy : std::uint8_t {
   network,
-  simulation,  ///< the network, and then late and lost as they would be in simulation: to try it
+  simulation,  ///< the network plus the simulated delay and loss, for tests
 };
 
-/// How parts exchange what they predict.
+/// Options of the exchange of predictions between parts.
 struct ExchangeOptions {
   static constexpr std::string_view name = "exchange";
 
   double stale_after = 0.2;
   double speed_max = 1.5;
-  // Of the simulated network.
+  // Simulated network.
   double delay = 0.01, jitter = 0.0, loss = 0.0, offset = 0.0;
   MessagesBy flown_by = MessagesBy::network;
-  std::uint64_t seed = 1;  ///< of what is lost, and of the jitter
+  std::uint64_t seed = 1;  ///< of loss and jitter
 
   static constexpr auto parameters() {
     using E = ExchangeOptions;
@@ -52,41 +53,43 @@ struct ExchangeOptions {
   }
 };
 
-/// What a part received since its last update.
+/// Message that a part received since its last update.
 struct ReceivedMessage {
-  const PartMessage* message = nullptr;  ///< the newest, if it is to be used; none: nothing came
-  double time = 0.0;                     ///< of its first sights, by the receiver [s]
-  bool ended = false;                    ///< what came before is too old now
+  const PartMessage* message = nullptr;  ///< the newest usable one; null: none arrived
+  double time = 0.0;                     ///< time of its first Sights, by the receiver's clock [s]
+  bool ended = false;                    ///< the earlier prediction is now too old
 };
 
-/// In [0, 1), the same for the same: what happens to a message from one part to another.
+/// Uniform random number in [0, 1), a function of its arguments: decides a message from one part to
+/// another.
 enum class MessageChance : std::uint8_t { loss = 1, jitter };
 double chance_of(MessageChance what, std::uint64_t seed, int to, int from, std::uint64_t sequence) noexcept;
 
-/// Of all parts. Nothing allocates after construction. Parts may receive at the same time, and send at the same time.
+/// Messages of all parts. Allocates only in the constructor. Different parts may receive in
+/// parallel, and send in parallel.
 class SimulatedMessages {
  public:
-  /// @param said  the predictions of each part, sized
+  /// @param said  predictions of each part, in their final sizes
   SimulatedMessages(const ExchangeOptions& options, const Horizon& horizon,
                     std::span<const std::vector<Prediction>> said);
 
-  /// Each part sends what it predicts from t on.
+  /// Sends a part's predictions from t [s] on.
   void send(int part, double t, std::span<const Prediction> predictions) noexcept;
-  /// A part takes what has come by t.
+  /// Delivers to a part the messages that have arrived by t [s].
   void receive(int to, double t) noexcept;
-  /// Of its last receive().
+  /// Result of the last receive().
   ReceivedMessage news(int to, int from) const noexcept { return links_[place(to, from)].news; }
   bool receives_from(int to, int from) const noexcept { return links_[place(to, from)].received; }
 
-  /// Whether anything was sent.
+  /// Whether any message was sent.
   bool begun() const noexcept { return numbers_.front() > 0; }
-  /// After which two parts know each other's clock, unless nothing comes.
+  /// Periods after which two parts know each other's clock offset, unless no message arrives.
   int talk_periods() const noexcept { return talk_periods_; }
   void restart() noexcept;
 
  private:
   struct Link {
-    std::uint64_t seen = 0;  // number of the newest message that came
+    std::uint64_t seen = 0;  // number of the newest received message
     bool received = false, used = false;
     ReceivedMessage news{};
   };
@@ -99,9 +102,9 @@ class SimulatedMessages {
   double dt_;
   std::size_t parts_, kept_;
   int talk_periods_;
-  std::vector<std::vector<PartMessage>> sent_;  // the last of each part, by number
-  std::vector<std::vector<double>> sent_at_;    // when [s]
-  std::vector<std::uint64_t> numbers_;          // of messages, of each part
+  std::vector<std::vector<PartMessage>> sent_;  // latest messages of each part, by number
+  std::vector<std::vector<double>> sent_at_;    // send times [s]
+  std::vector<std::uint64_t> numbers_;          // messages sent, per part
   std::vector<Peers> peers_;
   std::vector<Link> links_;
 };

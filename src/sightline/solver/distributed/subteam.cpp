@@ -15,7 +15,7 @@ bool is_among(std::span<const AgentId> agents, BodyId body) {
   return std::find(agents.begin(), agents.end(), body) != agents.end();
 }
 
-/// Who of the subteam feels it.
+/// Agents of the subteam on which the coupling acts.
 std::vector<AgentId> felt_within(const Coupling& coupling, std::span<const AgentId> own) {
   std::vector<AgentId> feel;
   for (const AgentId agent : coupling.felt_by) {
@@ -108,7 +108,7 @@ Subteam::Subteam(const Team& whole, std::span<const AgentId> own, const MakeSolv
   received_.sights.reserve(stages);
 }
 
-/// What the subteam knows of the states; of a robot outside, where it is and how it moves.
+/// Copies the states of the subteam's bodies; of a robot outside, position and velocity only.
 void Subteam::gather(std::span<const double> states) noexcept {
   const Team& team = ocp().team();
   for (int i = 0; i < team.bodies(); ++i) {
@@ -124,7 +124,8 @@ void Subteam::gather(std::span<const double> states) noexcept {
   }
 }
 
-/// x_{k+1} = x_k + h f(x_k, u_k) of the own robots; the others as they are now. What is not finite is not prediction.
+/// Rolls out x_{k+1} = x_k + h f(x_k, u_k) of the own robots; other bodies stay at their present
+/// state. Predictions that are not finite are cleared.
 void Subteam::roll_out(double time) noexcept {
   const Team& team = ocp().team();
   const int N = ocp().horizon().N;
@@ -180,7 +181,8 @@ double Subteam::kkt(double time, std::span<const double> states) noexcept {
   return solver_->kkt(time, x_);
 }
 
-/// Of a body of the whole team that others plan, its number here; -1: nobody here is coupled with it.
+/// Local id of a body of the whole team that is planned elsewhere; -1: not coupled with this
+/// subteam, or planned here.
 int Subteam::place_of(BodyId who) const noexcept {
   const bool known = who.index >= 0 && who.index < whole_.bodies();
   const int here = known ? in_subteam_[at(who.index)] : -1;

@@ -10,9 +10,9 @@
 namespace sightline {
 namespace {
 
-constexpr double any_h = 0.05;  // it is a parameter
+constexpr double any_h = 0.05;  // h is a parameter, so its value has no effect
 
-/// Prints a function as a member of the struct that the lines before it have opened.
+/// Prints a function as a member of the struct opened before it.
 std::string member(const BlockProgram& p, std::string_view name) {
   return emit(p.program, name, p.inputs, p.outputs);
 }
@@ -21,7 +21,7 @@ std::string in_braces(const ProgramSize& n) {
   return fmt::format("{{{}, {}, {}, {}}}", n.inputs, n.outputs, n.constants, n.instructions);
 }
 
-/// A constant, so that it is there before any table is registered.
+/// Prints a constant array: initialised before any table is registered.
 std::string list(std::string_view type, std::string_view name, const std::string& rows) {
   return fmt::format("constexpr std::array<{}, {}> {} = {{{{\n{}}}}};\n", type,
                      std::count(rows.begin(), rows.end(), '\n'), name, rows);
@@ -33,7 +33,7 @@ std::string head() {
          "namespace sightline {\n";
 }
 
-/// Of the function that puts a part in front of the others.
+/// Declaration of the function that prepends a part to the chain of tables.
 std::string declaration(std::string_view part) {
   return fmt::format("const KernelTable& {}_kernels(const KernelTable* next)", part);
 }

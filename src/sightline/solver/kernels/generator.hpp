@@ -1,4 +1,4 @@
-/// Collects models and potentials and prints their compiled functions as a C++ file, for `KernelTable`.
+/// Generator of a C++ file with the compiled functions of models and potentials, for `KernelTable`.
 #pragma once
 
 #include <cstdint>
@@ -16,37 +16,38 @@ namespace sightline {
 
 class Generator {
  public:
-  /// Functions that join the library's before main.
+  /// Generates user functions, which register with the library's before main.
   Generator() = default;
-  /// A part of the library's own functions, which `index` names.
+  /// Generates one part of the library's own functions, to be listed by `index`.
   explicit Generator(std::string part) : part_(std::move(part)) {}
 
-  /// The file that makes one table of the library's parts, built_in_kernels().
+  /// Text of the file that chains the library's parts to one table, built_in_kernels().
   static std::string index(std::span<const Generator> parts);
 
-  /// The stage programs of a model with these barriers, in this order; with a cost of its inputs' rates, whatever its numbers.
+  /// Adds the stage programs of a model with these barriers, in this order, and with a cost of
+  /// input rates; independent of their numbers.
   void add(const Model& model, Seen seen, const std::vector<RelaxedBarrier>& barriers = {},
            const RateCost& rates = {});
-  /// The sum of potentials between two bodies, or of one robot, whatever their numbers and their order; felt by
-  /// both ends, by either, and where the second is not controlled.
+  /// Adds the sum of potentials between two bodies, or of one robot, independent of their numbers
+  /// and order: acting on both bodies, on either, and with an uncontrolled second body.
   void add(const std::vector<Weighted>& terms);
-  /// A swarm's potential, whatever its numbers.
+  /// Adds the potential of a swarm, independent of its numbers.
   void add_swarm(const Weighted& term);
 
-  /// The file.
+  /// Text of the generated file.
   std::string text() const;
   const std::string& part() const { return part_; }
 
  private:
   void add(const Program& program, std::string_view potential_name);
 
-  std::string part_;  // none: a user's
+  std::string part_;  // empty: user functions
   std::set<std::uint64_t> known_;
   std::string functions_, stage_rows_, formula_rows_;
 };
 
-/// Writes a file unless it holds this text already, so that nothing is built again for it.
-/// @return whether it holds it now
+/// Writes a file unless it already holds this text, so that no rebuild is triggered.
+/// @return whether the file holds the text
 [[nodiscard]] bool write_text(const std::string& path, std::string_view text);
 
 }  // namespace sightline

@@ -1,7 +1,7 @@
-/// The five functions of a model that a group of agents calls, from either of two sources: printed at build
-/// time, or interpreted. Both give the same bits.
+/// The five stage functions of a model, either printed at build time or interpreted. Both give the
+/// same bits.
 ///
-/// Blocks are arrays of packs, [entry][lane]; what they hold is said at StagePrograms.
+/// Blocks are arrays of packs, [entry][lane]; StagePrograms documents their contents.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace sightline {
 
-/// What a sweep carries from stage to stage. Each pack is set by itself, so that the compiler may keep it in a
-/// register.
+/// Values that a sweep carries from stage to stage. Each pack is set separately, so that the
+/// compiler can keep it in a register.
 template <int W, int n>
 class PacksInRegisters {
  public:
@@ -78,7 +78,7 @@ class CompiledStage {
   void precondition_back(const double* p, const double* r, const double* gain, double* p_out, double* k) {
     F::template precondition_back<Lane<W>>(constants(programs_.precondition_back), p, r, gain, p_out, k);
   }
-  /// k may stand where du goes.
+  /// k and du may share memory.
   void precondition_forward(const double* y, const double* gain, const double* k, double* du, double* y_out,
                             double* ds) {
     PacksInRegisters<W, F::sizes.nu> its(k);
@@ -92,7 +92,7 @@ class CompiledStage {
   const StagePrograms& programs_;
 };
 
-/// A block program, interpreted.
+/// Interpreter of a block program.
 template <int W>
 class InterpretedBlocks : public Threaded<W> {
  public:

@@ -1,5 +1,5 @@
-/// The functions that were printed and compiled, found by the structure of the programs they come from, a hash, and
-/// by their size: two programs of one hash do not take each other's function.
+/// Table of compiled functions, looked up by the structure hash and the size of their programs: the
+/// size guards against hash collisions.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sightline {
 
-/// A model's programs, for groups of one width.
+/// Stage functions of one model, for groups of one width.
 struct StageKernel {
   std::uint64_t structure;
   int width;
@@ -18,7 +18,7 @@ struct StageKernel {
   std::unique_ptr<Group> (*make)(std::shared_ptr<const StagePrograms>, int stages);
 };
 
-/// A potential's program, over packs of one width: inputs [pack][input][lane] to outputs
+/// Function of one potential, over packs of one width: inputs [pack][input][lane] to outputs
 /// [pack][output][lane].
 struct FormulaKernel {
   std::uint64_t structure;
@@ -33,24 +33,24 @@ struct KernelTable {
   const KernelTable* next = nullptr;
 };
 
-/// Those of the library's own models and potentials.
+/// Functions of the library's own models and potentials.
 const KernelTable& built_in_kernels();
-/// Adds functions to those that are looked for, a user's; before main. @return true
+/// Adds a user's functions to the lookup; before main. @return true
 bool register_kernels(KernelTable& table);
 
-/// Whether compiled functions are looked for. Interpreted ones give the same bits, several times slower.
+/// Whether compiled functions are used. Interpreted ones give the same bits, several times slower.
 enum class KernelChoice {
   compiled_if_there,
   interpreted,
 };
 
-/// A group of that width, compiled where the structure is known.
+/// Makes a group of this width, compiled if the table has its functions.
 std::unique_ptr<Group> make_group(std::shared_ptr<const StagePrograms> programs, int stages, int width,
                                   KernelChoice choice);
 
-/// The compiled functions of a model for groups of that width, or none.
+/// Compiled functions of a model for groups of this width, or null.
 const StageKernel* find_stage(const StagePrograms& programs, int width);
-/// The compiled function of a program, or none.
+/// Compiled function of a program, or null.
 const FormulaKernel* find_formula(const Program& program, int width);
 
 template <int W, class F>
@@ -58,7 +58,7 @@ std::unique_ptr<Group> make_compiled(std::shared_ptr<const StagePrograms> progra
   return std::make_unique<StageGroup<W, CompiledStage<W, F>>>(std::move(programs), stages);
 }
 
-/// F::evaluate over each pack.
+/// Calls F::evaluate for each pack.
 template <int W, class F>
 [[gnu::flatten]] void run_compiled(const double* constants, const double* in, double* out, int packs) {
   for (int p = 0; p < packs; ++p, in += F::inputs * W, out += F::outputs * W) {

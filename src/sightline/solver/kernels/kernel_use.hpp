@@ -1,5 +1,5 @@
-/// Which formulas of a solver are compiled, for messages: one that is not found among the compiled functions is
-/// interpreted, several times slower, to the same bits, and nothing else would tell.
+/// Report of which formulas of a solver are compiled, for messages. Formulas without a compiled
+/// function are interpreted: same bits, several times slower, with no other indication.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@ struct KernelUse {
     std::string name;  ///< "robot multirotor", "sensor_cone + keep_out"
     bool compiled;
   };
-  std::vector<Formula> formulas{};  ///< each name once, in the order they were met
+  std::vector<Formula> formulas{};  ///< unique names, in order of first use
 
-  /// Of one name it is compiled if all are.
+  /// Adds a formula. A name counts as compiled only if all its formulas are.
   void add(const std::string& name, bool compiled);
-  /// "2 of 5 formulas are interpreted, ...: robot rover, region", empty where all are compiled.
+  /// "2 of 5 formulas are interpreted, ...: robot rover, region"; empty if all are compiled.
   std::string sentence() const;
 };
 

@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-/// The weighted sum over given variables, those not given being zero.
+/// Records the weighted sum over the given variables; all other variables are zero.
 Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std::span<const int> variables,
             Numbers numbers) {
   std::vector<Symbol> z(at(PosePotential::variable_count), Symbol(graph, graph.constant(0.0)));
@@ -32,7 +32,7 @@ Term record(Graph& graph, std::span<const Weighted* const> terms, double h, std:
   return l;
 }
 
-/// One order for all teams, so that one program serves them.
+/// Sorts by name: a canonical order, so that one program serves all teams.
 std::vector<const Weighted*> sorted(std::span<const Weighted* const> terms) {
   std::vector<const Weighted*> list(terms.begin(), terms.end());
   std::stable_sort(list.begin(), list.end(), [](const Weighted* a, const Weighted* b) {
@@ -53,7 +53,7 @@ std::vector<int> range(int n) {
   return list;
 }
 
-/// The inputs that the outputs depend on.
+/// Inputs that the output depends on.
 std::vector<int> occurring(const Graph& graph, Term out, int n) {
   std::vector<bool> live(at(graph.size()), false);
   live[at(out.node)] = true;
@@ -75,7 +75,8 @@ std::vector<int> occurring(const Graph& graph, Term out, int n) {
   return list;
 }
 
-/// l(p_a - p_b, d_a): the gradient with respect to p_b is literally the negative of that to p_a.
+/// Whether l has the form l(p_a - p_b, d_a): the gradient by p_b is symbolically the negative of
+/// that by p_a.
 bool is_relative(Graph& graph, Term l, const std::vector<int>& variables) {
   const bool pose_of_a_and_position_of_b = std::all_of(variables.begin(), variables.end(), [](int v) {
     return v < 5 || (v >= sight_size && v < sight_size + 3);
@@ -168,10 +169,10 @@ namespace {
 
 using Terms = std::vector<const Weighted*>;
 
-/// The program of the most terms that was compiled, if any; takes them away.
+/// Takes the compiled program with the most terms, if any, and removes its terms.
 std::optional<PosePotential> take_compiled(Terms& terms, double h, const Ends& ends,
                                            const IsCompiled& is_compiled) {
-  constexpr std::size_t few = 6;  // beyond it: all of them, or one
+  constexpr std::size_t few = 6;  // with more terms only all or single ones are tried
   const std::size_t n = terms.size();
   for (std::size_t size = n; size > 0; --size) {
     if (n > few && size > 1 && size < n) continue;
@@ -189,7 +190,7 @@ std::optional<PosePotential> take_compiled(Terms& terms, double h, const Ends& e
   return std::nullopt;
 }
 
-/// The terms of one pair, or one robot, as one potential if they are relative, else as several.
+/// Traces the terms of one pair or one robot: one potential if relative, else several.
 std::vector<PosePotential> trace_terms(const Terms& terms, double h, const Ends& ends,
                                        const IsCompiled& is_compiled) {
   Terms left = terms;

@@ -1,5 +1,6 @@
-/// The Riccati stage: dense loops over any scalar. On numbers it is the textbook's; on the recording scalar zeros and
-/// constants fold away, and what is left is the sparse code of one model; docs/equations.md, 11.
+/// Riccati stage as dense loops over any scalar. With numbers it is the textbook recursion; with
+/// the recording scalar zeros and constants fold to the sparse code of one model;
+/// docs/equations.md, 11.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +11,7 @@
 
 namespace sightline {
 
-/// A dense matrix, zero at first; its entries row by row.
+/// Dense matrix, initially zero, row-major.
 template <class S>
 class Matrix {
  public:
@@ -24,7 +25,7 @@ class Matrix {
   std::vector<S> entries_;
 };
 
-/// Linear-quadratic stage, and what its elimination gives.
+/// Linear-quadratic stage and the results of its elimination.
 template <class S>
 struct RiccatiStage {
   int nx, nu;
@@ -35,9 +36,9 @@ struct RiccatiStage {
   std::vector<S> inverse_D = r, k = r, y = r, z = r;
   Matrix<S> PA{nx, nx};
 
-  /// Eliminates du for the cost-to-go P and the costate increment e of the next stage:
-  /// R + B'PB = L D L', K = L^-T D^-1 L^-1 (G + B'PA), k likewise; pivots are at least `floor`. An input with
-  /// an infinite R does not move: the inverse of its pivot is zero, and with it all of its row.
+  /// Eliminates du for the cost-to-go P and the costate increment e of the next stage: R + B'PB = L
+  /// D L', K = L^-T D^-1 L^-1 (G + B'PA), k likewise; pivots are at least `floor`. An input with
+  /// infinite R does not move: the inverse of its pivot and its row are zero.
   void eliminate(const Matrix<S>& P, const std::vector<S>& e, const std::vector<S>& floor, S& pivot_shift) {
     Matrix<S> PB(nx, nu);
     for (int i = 0; i < nx; ++i) {
@@ -84,14 +85,14 @@ struct RiccatiStage {
     }
   }
 
-  /// Entry (i, j) of the cost-to-go of this stage.
+  /// Entry (i, j) of this stage's cost-to-go.
   S cost_to_go(int i, int j) const {
     S s = Q(i, j);
     for (int q = 0; q < nx; ++q) s += A(q, i) * PA(q, j);
     for (int a = 0; a < nu; ++a) s -= Y(a, i) * Z(a, j);
     return s;
   }
-  /// Entry j of the costate increment of this stage.
+  /// Entry j of this stage's costate increment.
   S costate_increment(int j, const std::vector<S>& e) const {
     S s = 0.0;
     for (int q = 0; q < nx; ++q) s += A(q, j) * e[at(q)];

@@ -42,10 +42,10 @@ class Tracer {
   std::vector<Term> outputs_;
 };
 
-/// A number that comes from outside: no value of it changes the operations.
+/// A runtime number: its value does not change the operations.
 Symbol parameter(Graph& graph, double value) { return Symbol(graph, graph.parameter(value)); }
 
-/// F = x + h f and s of a model, recorded. Its numbers but for zeros are parameters, and so is h.
+/// Recorded F = x + h f and s of a model. Nonzero numbers of the model and h are parameters.
 struct Flow {
   std::vector<Symbol> F, s;
   Sight<Symbol> sight;
@@ -60,7 +60,7 @@ Flow record(Graph& graph, const Model& model, const Symbol& h, Seen seen, std::s
   flow.sight = model.sight(x.first(own), u);
   graph.keep_values();
   for (std::size_t i = 0; i < own; ++i) flow.F[i] = x[i] + h * flow.F[i];
-  for (std::size_t i = own; i < x.size(); ++i) flow.F[i] = u[i - own];  // what was before, next time
+  for (std::size_t i = own; i < x.size(); ++i) flow.F[i] = u[i - own];  // previous inputs of the next stage
   write_sight(flow.sight, flow.s);
   flow.s.resize(at(seen_size(seen)));
   return flow;
@@ -73,14 +73,15 @@ Symbol sum_of(std::span<const RelaxedBarrier> barriers, const Model& model, std:
   return sum;
 }
 
-/// The derivatives of F and s by x and u, each distinct entry that changes in one place of `stored`.
+/// Derivatives of F and s by x and u; each distinct non-constant entry is stored once, in `stored`.
 struct Linearisation {
   Matrix<Symbol> A, B, J_x, J_u;
   std::vector<Term> stored;
 };
 
-/// Measures each step of an input, du = unit dv: where an input moves one state alone, by a constant, in what it
-/// moves, so that its column of B is a column of the identity; elsewhere in itself. @return the units
+/// Scales the steps of inputs, du = unit dv. An input that moves one state only, by a constant, is
+/// measured in that state, so that its column of B is a unit vector; other inputs keep unit 1.
+/// @return the units
 std::vector<Symbol> measure(Graph& graph, Linearisation& l, const StageSizes& n) {
   std::vector<Symbol> units(at(n.nu), Symbol(1.0));
   for (int a = 0; a < n.nu; ++a) {
@@ -136,7 +137,7 @@ Linearisation linearise(Graph& graph, const Flow& flow, std::span<const Symbol> 
   return l;
 }
 
-/// @param before  of the states, inputs of the stage before
+/// @param before  number of trailing states that hold the inputs of the previous stage
 BlockProgram step_of(const Model& model, double h, Seen seen, int before) {
   Tracer t;
   const auto x = t.inputs("x", model.nx() + before), u = t.inputs("u", model.nu());
@@ -188,7 +189,7 @@ class StageTracer {
     const auto lambda = part(carry, 1, nx), P_upper = part(carry, 1 + 2 * nx, nx * (nx + 1) / 2);
     const std::vector<Symbol> e(carry.begin() + 1 + nx, carry.begin() + 1 + 2 * nx);
 
-    // Phi and its derivatives: those of the cost, and along the flow A, B, J once more.
+    // Phi and its derivatives: those of the cost, and of the flow in A, B, J.
     const Symbol h = parameter(graph, h_);
     const Flow flow = record(graph, model_, h, seen_, x, u);
     Linearisation l = linearise(graph, flow, x, u);
@@ -264,7 +265,7 @@ class StageTracer {
     return t.finish();
   }
 
-  /// The sum of the barriers, each with parameters of its own.
+  /// Sum of the barriers, each with its own parameters.
   Symbol cost_of_limits(Graph& graph, const Sight<Symbol>& sight, std::span<const Symbol> x,
                         std::span<const Symbol> u) const {
     Symbol sum = 0.0;
@@ -277,11 +278,11 @@ class StageTracer {
     return sum;
   }
 
-  /// Adds J' H J, H the Hessian of the potentials with respect to s.
+  /// Adds J' H J, with H the Hessian of the potentials by s.
   void add_couplings(RiccatiStage<Symbol>& stage, const Linearisation& l, std::span<const Symbol> H) const {
     const int nx = sizes_.nx, nu = sizes_.nu, ns = sizes_.ns;
     const auto J = [&](int i, int z) { return z < nx ? l.J_x(i, z) : l.J_u(i, z - nx); };
-    // Of v and the lean, where they do not meet.
+    // Entries between v and the tilt are zero for Seen::leaning.
     const auto is_zero = [&](int i, int q) {
       return seen_ == Seen::leaning && std::max(i, q) >= seen_size(Seen::pose_and_motion) &&
              std::min(i, q) >= seen_size(Seen::pose) && std::min(i, q) < seen_size(Seen::pose_and_motion);
@@ -308,7 +309,7 @@ class StageTracer {
     }
   }
 
-  /// The gain block as a sweep reads it.
+  /// The gain block as inputs of a sweep.
   struct Gain {
     std::vector<Symbol> inverse_D, units;
     Matrix<Symbol> L, K, A, B, J_x, J_u;
@@ -337,7 +338,8 @@ class StageTracer {
     for (const Symbol& unit : units_) g.units.push_back(there(unit));
     return g;
   }
-  /// An entry of the linearisation in another graph, out of the stored ones and the parameters met so far.
+  /// Maps an entry of the linearisation to another graph, through the stored entries and known
+  /// parameters.
   Symbol reread(Graph& graph, const Symbol& entry, const std::vector<Symbol>& stored,
                 std::map<int, Symbol>& parameters) const {
     Graph& plain = const_cast<Graph&>(plain_.graph);
@@ -395,7 +397,7 @@ class StageTracer {
     std::vector<Symbol> dv;
     t.block("du");
     for (int a = 0; a < nu; ++a) {
-      std::array<Symbol, 3> s = {k[at(a)], 0.0, 0.0};  // three sums side by side
+      std::array<Symbol, 3> s = {k[at(a)], 0.0, 0.0};  // three parallel sums
       for (int j = 0; j < nx; ++j) s[at(j % 3)] += g.K(a, j) * y[at(j)];
       dv.push_back(-((s[0] + s[1]) + s[2]));
       t.output(g.units[at(a)] * dv.back());

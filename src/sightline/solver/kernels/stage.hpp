@@ -1,9 +1,10 @@
-/// One stage of the Newton step, traced once from a model: five short programs that know nothing of matrices.
+/// One stage of the Newton step, traced once from a model: five short scalar programs without
+/// matrices.
 ///
-/// The Riccati stage (riccati.hpp) is written once, as dense loops over any scalar. Run on the recording scalar, zeros
-/// of A, B, J fold away, and what is left is the sparse code one would have written by hand. The model's numbers and
-/// h are parameters: but for a parameter that is zero, no value of them changes the programs.
-/// Derivation: docs/equations.md, 11.
+/// The Riccati stage (riccati.hpp) is written once, as dense loops over any scalar. On the
+/// recording scalar, zeros of A, B, J fold; the result is the sparse code of one model. The model's
+/// numbers and h are parameters: except for zeros, no value changes the programs. Derivation:
+/// docs/equations.md, 11.
 #pragma once
 
 #include <array>
@@ -17,31 +18,32 @@
 
 namespace sightline {
 
-/// What the couplings see of a robot, and so the space in which they are formed.
+/// Components of a robot's Sight that the couplings depend on: the space of their derivatives.
 enum class Seen {
   pose,             ///< p, d: 5 numbers
   pose_and_motion,  ///< p, d, v: 8 numbers; v depends on u
-  leaning,  ///< p, d, v and the lean, which may depend on u: 10 numbers; no potential multiplies v by the lean
-  all,      ///< the same, whatever the potentials are
+  /// p, d, v and the tilt, which may depend on u: 10 numbers; no potential multiplies v by the tilt
+  leaning,
+  all,  ///< as `leaning`, for arbitrary potentials
 };
 
 constexpr int seen_size(Seen seen) {
   return seen == Seen::pose ? 5 : seen == Seen::pose_and_motion ? 8 : sight_size;
 }
 
-/// A program whose inputs and outputs stand in blocks, one after the other.
+/// Program whose inputs and outputs form consecutive blocks.
 struct BlockProgram {
   Program program;
   std::vector<Block> inputs, outputs;
 };
 
-/// Numbers in the blocks of a model's programs; s is what is seen, a symmetric n x n matrix has n (n + 1)
-/// / 2.
+/// Sizes of the blocks of a model's programs. s is the coupled part of the Sight; a symmetric n x n
+/// matrix has n (n + 1) / 2 numbers.
 struct StageSizes {
   int nx = 0, nu = 0, ns = 0;
-  int stored = 0;  ///< distinct entries of A, B, J that change
+  int stored = 0;  ///< distinct non-constant entries of A, B, J
   int before =
-      0;  ///< of the states, inputs of the stage before: the last ones, where their rate costs; else none
+      0;  ///< trailing states that hold the inputs of the previous stage, if their rate has a cost; else 0
 
   constexpr int weights() const { return nx + 2 * nu + 1; }  ///< 2 h Q, 2 h R, u*, rho
   constexpr int coupling() const {
@@ -53,19 +55,19 @@ struct StageSizes {
   bool operator==(const StageSizes&) const = default;
 };
 
-/// The programs of one model at one stage length h. Each stage's Hamiltonian, times h, is
-/// Phi = h l(x, u) + lambda' (x + h f) + c' s(x, u), with c the gradient of all potentials; l holds the robot's
-/// tracking cost and its barriers.
+/// Programs of one model at one stage length h. The Hamiltonian of a stage, times h, is Phi = h
+/// l(x, u) + lambda' (x + h f) + c' s(x, u), with c the gradient of all potentials; l holds the
+/// robot's tracking cost and its barriers.
 ///
 ///   step        x, u -> x + h f, s
-///   back        x, u, x*, held, weights, coupling, carry -> H_u, gain, k, carry of the stage before
+///   back        x, u, x*, held, weights, coupling, carry -> H_u, gain, k, previous stage's carry
 ///   back_first  the same at stage 0: the carry is `pivot_shift` alone
-///   precondition_back      p, r, gain -> p of the stage before, k       right side r in s
+///   precondition_back      p, r, gain -> p of the previous stage, k       right side r in s
 ///   precondition_forward   y, gain, k -> du, y of the next stage, change of s
 ///
-/// H_u is Phi_u (times h, that is). `held` is an input's extra weight: infinity where its limit is active, 0
-/// where it is free; `pivot_shift` > 0 says that a pivot was below its floor at some stage so far. du = -(k + K y), each
-/// entry in a unit of its own.
+/// H_u is Phi_u, hence includes the factor h. `held` is an additional weight of an input: infinity
+/// if its limit is active, 0 if it is free. `pivot_shift` > 0: a pivot was below its floor at one
+/// of the stages so far. du = -(k + K y), each entry in its own unit.
 struct StagePrograms {
   StageSizes sizes;
   BlockProgram step, back, back_first, precondition_back, precondition_forward;
@@ -75,30 +77,31 @@ struct StagePrograms {
   }
 };
 
-/// A pivot of the Riccati factorisation below this, per h and with the input in its scale, is not trusted.
+/// Minimum accepted pivot of the Riccati factorisation, per h and with the input in its scale.
 inline constexpr double pivot_floor = 1e-3;
 
-/// A cost of the rate of inputs, du/dt' diag(R) du/dt. The inputs of the stage before are states then, the last ones, which
-/// become u in a step; Phi has R (u - before)^2 / h besides, or / first at stage 0, whose input was in force `first` before.
+/// Cost of the input rates, du/dt' diag(R) du/dt. The trailing states then hold the inputs of the
+/// previous stage; a step sets them to u. Phi gains R (u - before)^2 / h; at stage 0 the divisor is
+/// `first`, the time for which the previous input was in force.
 struct RateCost {
   std::span<const double> R{};  ///< nu, parameters; empty: none
-  double first = 0.0;           ///< [s]
+  double first = 0.0;           ///< time since the previous input at stage 0 [s]
 };
 
-/// The first of the programs alone: equal ones belong to equal models.
+/// The step program alone; equal programs belong to equal models.
 BlockProgram trace_step(const Model& model, double h, Seen seen);
 
-/// The sum of barriers alone, over (x, u): equal ones belong to equal limits.
+/// The sum of barriers alone, over (x, u); equal programs belong to equal limits.
 Program trace_barriers(const Model& model, std::span<const RelaxedBarrier> barriers);
 
-/// @param scales  of the inputs, in which rho and the least pivot are meant (nu), parameters too; empty: 1
+/// @param scales  of the inputs, units of rho and of the pivot floor (nu), parameters too; empty: 1
 StagePrograms trace_stage(const Model& model, double h, Seen seen,
                           std::span<const RelaxedBarrier> barriers = {}, std::span<const double> scales = {},
                           const RateCost& rates = {});
 
-/// The same for models that differ in the values of their parameters alone.
+/// Structure hash: equal for models that differ only in parameter values.
 std::uint64_t structure(const StagePrograms& programs);
-/// The sum of all five.
+/// Sum of the sizes of all five programs.
 ProgramSize size_of(const StagePrograms& programs);
 
 }  // namespace sightline

@@ -31,30 +31,31 @@ template <class L>
   return fma(H[upper(i, 4)], v[4], fma(H[upper(i, 3)], v[3], row_of_three(H, i, v)));
 }
 
-/// Pairs of relative potentials whose agents stand in two groups, each lane used once: their numbers side by side in the lanes of a.
+/// Pairs of relative potentials between two groups, each lane used once; numbers are stored in the
+/// lanes of a.
 template <int W>
 struct Slot {
   typename Lane<W>::Bits b_of_a{}, a_of_b{};  // lane of the partner
   Lane<W> a_mask = 0.0, b_mask = 0.0;         // lanes in use
   int group_a = 0, group_b = 0;
   bool a_feels = true, b_feels = true;
-  const PosePotential* potential = nullptr;                  // of all pairs, if one
+  const PosePotential* potential = nullptr;                  // of all pairs, if equal
   Ramp ramp{};                                               // of all pairs
-  double part = 1.0;                                         // of the weights in force
-  bool in_place = false;                                     // evaluated over lanes of agents
-  std::vector<PackFormula<W>> formulas;                      // the potential's derivatives, to be added up
-  std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // relative batch, place in it
+  double part = 1.0;                                         // active fraction of the weights
+  bool in_place = false;                                     // evaluated over the lanes of agents
+  std::vector<PackFormula<W>> formulas;                      // derivatives of the potential, to be summed
+  std::vector<std::pair<std::size_t, std::size_t>> pairs{};  // relative batch, index in it
   double* out = nullptr;  // [stage][gradient and Hessian][lane], zero in lanes not in use
 };
 
-/// A potential is evaluated in the first of these ways that fits:
+/// Each potential is evaluated by the first applicable method:
 ///
-///   lone pair   the team's only potential, relative, in one group of two lanes   lanes are stages; nothing to add up
-///   in place    half of its slots' lanes in use, of agents alone                 lanes are agents, as in their groups
-///   gathered    anything else                                                    lanes are points of a batch
+///   lone pair   the only potential, relative, one group of two lanes  lanes are stages, no sums
+///   in place    half of its slots' lanes in use, agents only          lanes are agents
+///   gathered    otherwise                                             lanes are points of a batch
 ///
-/// and the pairs of a swarm as Neighbourhood does. Batches that are gathered, and then the slots of each group, are evaluated
-/// independently of each other; then each group takes what it feels.
+/// and pairs of a swarm by Neighbourhood. Gathered batches, then the slots of each group, are
+/// evaluated independently; then each group takes the derivatives that act on it.
 template <int W>
 class LaneCouplings final : public Couplings {
   using L = Lane<W>;
@@ -69,7 +70,7 @@ class LaneCouplings final : public Couplings {
         parameters_{Rows(sight_size * bodies, layout.stages), Rows(1, layout.stages),
                     Rows(bodies, layout.stages)} {
     for (const BodyPotential& pair : pairs) add(pair, choice);
-    // Against the order of a chain, so that each slot but one finds its second group written.
+    // Reverse chain order: each slot but one finds its second group already written.
     std::sort(slots_.begin(), slots_.end(),
               [](const Slot<W>& a, const Slot<W>& b) { return a.group_a > b.group_a; });
     outputs_ = Rows(static_cast<int>(slots_.size()), layout.stages * relative_outputs * W);
@@ -190,7 +191,7 @@ class LaneCouplings final : public Couplings {
   }
 
  private:
-  /// One formula for all pairs; relative ones are told apart by their slots too.
+  /// Batch with the pair's formula; relative pairs also differ by their slots.
   PairBatch& batch_of(std::vector<PairBatch>& batches, const BodyPotential& pair, KernelChoice choice) {
     for (PairBatch& b : batches) {
       if (b.suits(pair)) return b;
@@ -241,7 +242,7 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  /// Lanes of agents pay where half of them are in use; pairs of one formula are evaluated one way.
+  /// Lanes of agents pay if half of them are in use; all pairs of one formula use the same method.
   void settle(Slot<W>& slot, KernelChoice choice) {
     slot.out = outputs_[static_cast<int>(&slot - slots_.data())];
     const Program& derivatives = slot.potential->derivatives;
@@ -367,7 +368,7 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  // One pair alone in one group of two lanes: nothing to add up, both directions in one product.
+  // One pair in one group of two lanes: no sums, and one product covers both directions.
   void derive_lone_pair(const double* s) noexcept {
     constexpr int M = native_width;
     const BodyPotential& pair = *relative_[0].pairs[0];
@@ -424,7 +425,7 @@ class LaneCouplings final : public Couplings {
       const double* const of_k = out + k / M * relative_outputs * M + k % M;
       std::array<L, 15> H;
       for (int i = 0; i < 15; ++i) H[at(i)] = L(of_k[i * M]);
-      std::array<L, relative> v;  // the partner's; b's heading is not seen
+      std::array<L, relative> v;  // of the partner; the heading of b does not occur
       for (int i = 0; i < relative; ++i) v[at(i)] = permuted(L::load(z_k + i * W), other);
       for (int i = 3; i < relative; ++i) v[at(i)] *= slot.b_mask;
       for (int i = 0; i < 3; ++i) (both * row_of_five(H.data(), i, v.data())).store(y_k + i * W);
@@ -432,7 +433,8 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  /// What is felt in one group: slots, by their a or by their b. The first need not add where it writes all there is.
+  /// Slots that act on one group, by their a or b. The first one assigns instead of adding if it
+  /// covers all rows.
   struct FeltRows {
     std::vector<std::pair<int, bool>> felt{};
     bool assigns = false;
@@ -456,7 +458,7 @@ class LaneCouplings final : public Couplings {
   StageParameters parameters_;
   std::vector<PairBatch> general_, relative_;
   std::vector<std::vector<int>> slots_of_;        // [relative batch][pair]
-  std::vector<std::vector<int>> slots_of_group_;  // whose a stand in it
+  std::vector<std::vector<int>> slots_of_group_;  // slots with their a in the group
   std::vector<char> in_place_;                    // [relative batch]
   std::vector<Slot<W>> slots_;
   Rows outputs_;  // of slots

@@ -1,8 +1,9 @@
-/// All potentials of a team along the horizon: their gradients and Hessians for each agent, and the product
+/// All potentials of a team along the horizon: gradients and Hessians per agent, and the product
 /// with the blocks that couple two agents.
 ///
-/// Everything is in the space of what is seen (s): the arrays of `Layout`. A mask is a missing row: an agent
-/// that does not feel a potential has none of its gradient, Hessian or coupling block, (9), (10).
+/// All arrays are in the space of the coupled Sight components (s), in the order of `Layout`. A
+/// mask is a missing row: an agent on which a potential does not act has no gradient, Hessian or
+/// coupling block of it, (9), (10).
 #pragma once
 
 #include <memory>
@@ -23,43 +24,48 @@ class Couplings {
  public:
   virtual ~Couplings() = default;
 
-  /// Time [s], and the Sight of a body that is not controlled, at stage k.
+  /// Sets the time [s] of stage k.
   virtual void set_time(int k, double t) noexcept = 0;
-  /// Time of the update [s]: the weights have the part of it all along the horizon.
+  /// Sets the time of the update [s]: it fixes the blending of the weights for the whole horizon.
   virtual void set_weights(double t) noexcept = 0;
-  /// Sight::doubt of a body at stage k [m]; 0 before it is told.
+  /// Sight::uncertainty of a body at stage k [m]; initially 0. set_body() sets the Sight of an
+  /// uncontrolled body.
   virtual void set_uncertainty(int body, int k, double sigma) noexcept = 0;
   virtual void set_body(int body, int k, const Sight<double>& sight) noexcept = 0;
 
-  /// Takes the pairs of swarms that come near each other along s for those that count from now on.
+  /// Selects the pairs of swarms that approach each other along s as the active pairs.
   virtual void find_neighbours(const double* s) noexcept = 0;
-  /// Pairs that count, and pairs that should but found no room.
+  /// Number of active pairs, and of pairs beyond the capacity.
   virtual Neighbours neighbours() const noexcept = 0;
 
-  /// Evaluates all potentials at s. With swarms c, of the whole team, holds what these give, else it is not touched.
+  /// Evaluates all potentials at s. With swarms, c (whole team) receives their contribution;
+  /// without swarms, c is unchanged.
   void derive(const double* s, double* c, ThreadPool& pool) noexcept;
-  /// The same in two parts: first what is evaluated at once for all groups, if anything is, ...
+  /// derive() in two parts: gather() first evaluates what all groups share, if gathers(), ...
   virtual bool gathers() const noexcept = 0;
   virtual void gather(const double* s, double* c, ThreadPool& pool) noexcept = 0;
-  /// ... then group by group, from what is seen of it and of its neighbours.
+  /// ... then each group from its own s and that of its neighbours.
   virtual void derive(int group, const double* s) noexcept = 0;
-  /// Pairs of groups that potentials couple, but for those of swarms; some more than once, a group with itself too.
+  /// Pairs of groups coupled by potentials, except swarms; may repeat, and may pair a group with
+  /// itself.
   virtual std::vector<std::pair<int, int>> coupled_groups() const = 0;
-  /// Gradients and Hessians of what one group feels, times h, of the last `derive`. Without swarms c, the group's own numbers, is
-  /// overwritten; with them, it is the group's part of what `derive` was given.
+  /// Gradients and Hessians, times h, that act on one group, from the last `derive`. Without swarms
+  /// c, the group's own numbers, is overwritten; with swarms c is the group's part of the array
+  /// passed to `derive`.
   virtual void take(int group, double* c) const noexcept = 0;
-  /// Both, for all groups.
+  /// derive() and take() for all groups.
   void evaluate(const double* s, double* c, ThreadPool& pool) noexcept;
   void evaluate(const double* s, double* c) noexcept;
-  /// Each potential's sum along the horizon, times h, at s; one number for each entry of the list it was made of.
-  /// @param wanted  of each entry whether its number is looked for, the others stay; empty: all are
+  /// Sum of each potential along the horizon, times h, at s; one number per entry of the list
+  /// passed to make_couplings().
+  /// @param wanted  per entry: whether its sum is evaluated, else it is unchanged; empty: all
   virtual void values(const double* s, std::span<double> sums,
                       std::span<const char> wanted = {}) noexcept = 0;
-  /// of_agents += what the pairs of each agent's swarms cost along the horizon, times h, at s.
+  /// of_agents += cost of each agent's swarm pairs along the horizon, times h, at s.
   virtual void swarm_values(const double* s, std::span<double> of_agents) noexcept = 0;
   /// y = C z, with the Hessian blocks of the last `derive`.
   void product(const double* z, double* y) const noexcept;
-  /// The rows of one group alone; `add_swarms` adds what swarms give, in all rows at once.
+  /// The rows of one group alone; `add_swarms` adds the swarms' contribution to all rows.
   virtual void product(int group, const double* z, double* y) const noexcept = 0;
   virtual void add_swarms(const double* z, double* y) const noexcept = 0;
   virtual bool has_swarms() const noexcept = 0;

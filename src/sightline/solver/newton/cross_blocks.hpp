@@ -1,4 +1,5 @@
-/// What potentials that are not relative give, over lanes: gradients and Hessians of each agent, and the blocks that couple two.
+/// Contributions of non-relative potentials, over lanes: gradients and Hessians per agent, and the
+/// blocks that couple two agents.
 #pragma once
 
 #include <algorithm>
@@ -13,19 +14,19 @@
 
 namespace sightline {
 
-/// x where the mask is 1, else 0, whatever x is there.
+/// x where the mask is 1, else 0, even if x is not finite.
 template <int W>
 Lane<W> masked(Lane<W> mask, Lane<W> x) {
   return Lane<W>(mask.v > 0.5 ? x.v : typename Lane<W>::Vector{});
 }
 
-/// Pairs whose agents stand in two groups, each lane used once, are one slot: its numbers are side by side in the lanes of a, or of b
-/// where a is not controlled. Of a slot with one pair that is gathered they stay where its points are. Arrays s, c, z, y are those of
-/// the layout.
+/// A slot collects pairs between the same two groups, each lane used once. Its numbers are stored
+/// in the lanes of a, or of b if a is not controlled. A slot with one gathered pair reads its
+/// numbers directly from the points. Arrays s, c, z, y follow the layout.
 template <int W>
 class CrossBlocks {
  public:
-  /// @param batches, layout  outlive it; their pairs do not change
+  /// @param batches, layout  must outlive the object; their pairs do not change
   CrossBlocks(const std::vector<PairBatch>& batches, const Layout& layout, KernelChoice choice)
       : batches_(batches),
         layout_(layout),
@@ -47,7 +48,8 @@ class CrossBlocks {
     }
   }
 
-  /// Whether the pairs of a batch are evaluated in the lanes of their agents; the others are gathered.
+  /// Whether the pairs of a batch are evaluated in the lanes of their agents; other batches are
+  /// gathered.
   bool in_place(std::size_t batch) const { return in_place_[batch] != 0; }
   bool all_in_place() const { return std::all_of(in_place_.begin(), in_place_.end(), std::identity()); }
   std::vector<std::pair<int, int>> coupled_groups() const {
@@ -58,11 +60,11 @@ class CrossBlocks {
     return list;
   }
 
-  /// Evaluates the slots in place whose numbers stand in the lanes of a group, at s.
+  /// Evaluates at s the in-place slots stored in the lanes of a group.
   void derive(int group, const StageParameters& parameters, const double* s) noexcept {
     for (const int slot : in_place_of_[at(group)]) derive(slots_[at(slot)], parameters, s);
   }
-  /// Takes over what a batch that is gathered came to in its last `derive`.
+  /// Copies the results of the last `derive` of a gathered batch.
   void take(std::size_t batch) noexcept {
     const std::vector<int>& slots = slots_of_[batch];
     const int N = layout_.stages;
@@ -78,7 +80,7 @@ class CrossBlocks {
     }
   }
 
-  /// c += gradients and own Hessians of the agents of one group, which begin at c.
+  /// c += gradients and own Hessians of one group's agents; c points to the group's part.
   void add(int group, double* c) const noexcept {
     const int stage = layout_.groups[at(group)].nc() * W;
     for (const Felt& felt : into_[at(group)]) {
@@ -112,7 +114,7 @@ class CrossBlocks {
   using L = Lane<W>;
 
   struct Slot {
-    typename L::Bits b_of_a{}, lead_of_b{};  // lane of the partner; of b's numbers
+    typename L::Bits b_of_a{}, lead_of_b{};  // lane of the partner; lane of a for b
     L mask = 0.0, b_mask = 0.0;              // lanes in use
     int group_a = -1, group_b = -1;          // -1: not controlled
     std::size_t batch = 0;
@@ -126,14 +128,14 @@ class CrossBlocks {
     int entry, output;
     double sign;
   };
-  /// A slot that is felt in a group, by its a or its b.
+  /// Contribution of a slot to a group, through its a or its b.
   struct Felt {
     int slot;
     bool of_b;
     int lane;  // of its only pair
     std::vector<Own> own;
   };
-  /// One row of C, over what is seen of the partner: `factor` counts the partner's numbers, then the same negated.
+  /// One row of C: `factor` indexes the partner's numbers, then the same negated.
   struct Line {
     struct Term {
       int output, factor;
@@ -169,7 +171,8 @@ class CrossBlocks {
     }
   }
 
-  /// use(k, number) at each stage, where number(o) is the slot's output o over the lanes of a; of a lone pair over all lanes.
+  /// use(k, number) at each stage; number(o) is output o over the lanes of a; for a lone pair over
+  /// all lanes.
   template <class Use>
   void each_stage(const Slot& slot, Use&& use) const noexcept {
     for (int k = 0; k < layout_.stages; ++k) {
@@ -187,7 +190,7 @@ class CrossBlocks {
     return batches_[slot.batch].pairs[0]->potential;
   }
 
-  /// Half of the lanes in use pay; and nothing of bodies that are not controlled is seen.
+  /// In place pays if half of the lanes are in use; requires that no uncontrolled body occurs.
   static bool fills_lanes(const PairBatch& batch, std::size_t slots) {
     const BodyPotential& first = *batch.pairs[0];
     const bool agents_alone =
@@ -198,7 +201,7 @@ class CrossBlocks {
     return W >= 4 && agents_alone && 2 * batch.pairs.size() >= static_cast<std::size_t>(W) * slots;
   }
 
-  /// @return its slot
+  /// @return index of the slot
   int add(const BodyPotential& pair, std::size_t batch, KernelChoice choice) {
     const Layout::Place none{-1, 0};
     const Layout::Place a = pair.a >= 0 ? layout_.place(pair.a) : none,

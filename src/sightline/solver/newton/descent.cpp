@@ -9,7 +9,7 @@ namespace {
 
 constexpr int doublings = 6;
 constexpr double rounding = 1e-12;  // of costs, relative
-constexpr int deepest = 4;          // beyond it a cascade is searched along at once
+constexpr int deepest = 4;          // a deeper cascade is searched in parallel
 
 }  // namespace
 
@@ -54,13 +54,13 @@ void Descent::move(const Unit& unit, double alpha, const double* start, const do
       for (int i = 0; i < layout_.part(a).nu; ++i) {
         const std::ptrdiff_t at = view(k, i);
         u[at] =
-            alpha > 0.0 ? clamp(start[at] + alpha * d[at], low[at], high[at]) : start[at];  // d may be none
+            alpha > 0.0 ? clamp(start[at] + alpha * d[at], low[at], high[at]) : start[at];  // d may be null
       }
     }
   }
 }
 
-/// Of the units of a level that are not settled: they alone have moved, and are looked at.
+/// Evaluates the costs of a level's unsettled units: only these have moved.
 void Descent::evaluate_costs(int level, Groups& groups, Couplings& couplings, const double* u, double* s,
                              ThreadPool& pool) noexcept {
   std::fill(wanted_.begin(), wanted_.end(), 0);
@@ -118,7 +118,7 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
       unit.before = unit.best = unit.cost;
       unit.alpha = 0.0;
     });
-    // Whoever rises while the others move is seldom helped by less than a thirtieth.
+    // If a cost rises while other units move, steps below a thirtieth rarely help.
     const int halvings = sure_ ? 12 : 6;
     bool pending = true;
     double alpha = 1.0;
@@ -133,7 +133,8 @@ double Descent::search(Groups& groups, Couplings& couplings, const double* start
         if (unit.settled) unit.alpha = alpha, unit.best = unit.cost;
       });
       if (i > 0 || !pending || sure_) continue;
-      // The others have moved meanwhile: what counts is what its own way does to a cost.
+      // Other units have moved: the reference cost must include their motion, so that only the
+      // unit's own step is compared.
       try_at(0.0);
       each([](Unit& unit) {
         if (!unit.settled) unit.before = unit.best = unit.cost;

@@ -1,10 +1,11 @@
-// The guess from which an update begins: the plan before, carried on as it changed last.
+// Initial guess of an update: the previous plan, extrapolated in time.
 //
-// While references and measurements go on smoothly, the optimum u*(t) is a smooth path between changes of the active set.
-// With the secant of the last two plans the guess is off by O(dt^2) in place of O(dt), and the Newton step by O(dt^4)
-// in place of O(dt^2): the predictor and corrector of path following. Multipliers are carried on as well, so that the
-// active set is mostly right at once. Where measurements jump, from noise, the plan before is the better guess: inputs vote,
-// by how far the step corrects what was foreseen of them.
+// If references and measurements are smooth, the optimum u*(t) is smooth between changes of the
+// active set. The secant of the last two plans reduces the error of the guess from O(dt) to
+// O(dt^2). The error of the Newton step falls from O(dt^2) to O(dt^4): a predictor-corrector
+// method. Multipliers are extrapolated too, so the active set is mostly correct. With noisy
+// measurements the previous plan is the better guess: the inputs vote, by the correction of their
+// extrapolation.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -19,7 +20,8 @@ namespace {
 using L = NativeLane;
 
 bool may_extrapolate(Workspace& w) noexcept {
-  constexpr double steady = 0.5;  // of a correction, that the next one is at least, unless steps converge
+  // minimum ratio of successive corrections; a smaller ratio means that the steps converge
+  constexpr double steady = 0.5;
   constexpr int longest_pause = 64;
   if (w.extrapolated) {
     if (w.votes >= 0) {
@@ -39,7 +41,7 @@ void extrapolate(Workspace& w) noexcept {
   const double passed = w.time - w.plan_time, before = w.plan_time - w.plan_before_time;
   if (!(passed > 0)) return detach_plan(w);
   std::swap(w.H_u, w.H_before);
-  constexpr double farthest = 2.0;  // of the period before
+  constexpr double farthest = 2.0;  // in previous periods
   w.extrapolated = w.taken >= 2 && passed <= farthest * before && may_extrapolate(w);
   if (!w.extrapolated) return detach_plan(w);
   w.extrapolation = {w.u, passed / before};

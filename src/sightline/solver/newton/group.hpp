@@ -1,7 +1,7 @@
-/// Agents of one model side by side in lanes: their roll-out, their Riccati factorisation and what it solves.
+/// Agents of one model side by side in lanes: roll-out, Riccati factorisation and solves with it.
 ///
-/// Trajectories are [stage][entry][lane]. What is seen (s) and what the couplings give (c) is one array of
-/// the team, in which each group has its part.
+/// Trajectories are [stage][entry][lane]. The coupled Sight components (s) and the coupling
+/// derivatives (c) are one array of the team; each group owns a part.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class Group {
 
   const StageSizes& sizes() const { return sizes_; }
 
-  /// Where its numbers are: `room()` doubles, as Rows are aligned, which live longer. Before anything else.
+  /// Assigns memory: `room()` doubles, aligned as Rows; must outlive the object. Call first.
   void settle(double* memory) noexcept {
     each_row([&](Rows& rows, int n, int packs) {
       rows = Rows(n, packs * width_, memory);
@@ -41,30 +41,32 @@ class Group {
   double x(int k, int i, int lane) const { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x(int k, int i, int lane) { return *(x_[0] + at(k, sizes_.nx, i, lane)); }
   double& x_ref(int k, int i, int lane) { return *(x_ref_[0] + at(k, sizes_.nx, i, lane)); }
-  /// Whether the references of all its agents are those of stage 0 at all stages; the others are not read then.
+  /// Whether all its agents use the reference of stage 0 at all stages; the others are then not
+  /// read.
   void hold_reference(bool holds) { ref_stage_ = holds ? 0 : sizes_.nx * width_; }
   double& weight(int i, int lane) { return *(weights_[0] + at(0, 0, i, lane)); }
   double& Q_f(int i, int lane) { return *(Q_f_[0] + at(0, 0, i, lane)); }
   double& rho(int lane) { return weight(sizes_.nx + 2 * sizes_.nu, lane); }
 
-  /// States of all stages of the agents in lanes 0 .. n - 1, each stage by stage.
+  /// Copies the states of all stages of the agents in lanes 0 .. n - 1, each stage by stage.
   virtual void copy_states(double* const* to, std::ptrdiff_t stage, int n) const noexcept = 0;
 
-  /// Of each lane: the agent's own cost along the trajectory, times h; the part of x_0 is constant.
+  /// Tracking cost of each lane's agent along the trajectory, times h; the x_0 part is constant.
   virtual void tracking_costs(const double* u, double* of_lanes) const noexcept = 0;
 
   /// x of all stages from x of stage 0 under u; s of all stages but the last.
   virtual void roll_out(const double* u, double* s) noexcept = 0;
-  /// The backward sweep at the trajectory of the last roll-out, with the couplings' gradients and Hessians c.
+  /// Backward sweep at the trajectory of the last roll-out, with the couplings' gradients and
+  /// Hessians c.
   /// @param H_u  h times the gradient of the Hamiltonian of all stages
-  /// @param k    of the step du = -(k + K y), which forward() takes
-  /// @return whether all pivots were sound; `doubtful` names the lanes where one was not
+  /// @param k    of the step du = -(k + K y), input of forward()
+  /// @return whether all pivots reached their floor; pivots_shifted() identifies the other lanes
   virtual bool backward(const double* u, const double* held, const double* c, double* H_u,
                         double* k) noexcept = 0;
   bool pivots_shifted(int lane) const { return !(pivot_shift_[0][lane] <= 0.0); }
-  /// du, where k of the backward sweep was, and the change of s along the horizon.
+  /// Writes du over k of the backward sweep, and the change of s along the horizon.
   virtual void forward(double* du, double* ds) noexcept = 0;
-  /// The same for the right side r in s.
+  /// Solves with the last factorisation for the right side r in s.
   virtual void precondition(const double* r, double* du, double* ds) noexcept = 0;
 
  protected:
@@ -75,11 +77,11 @@ class Group {
   std::shared_ptr<const StagePrograms> programs_;
   StageSizes sizes_;
   int stages_, width_;
-  std::ptrdiff_t ref_stage_ = sizes_.nx * width_;  // from the reference of a stage to that of the next
+  std::ptrdiff_t ref_stage_ = sizes_.nx * width_;  // stride of the reference between stages
   Rows x_, x_ref_, weights_, Q_f_, gain_, carry_, pivot_shift_;
 
  private:
-  /// f(rows, how many, packs in each)
+  /// f(rows, number of rows, packs per row)
   template <class F>
   void each_row(F&& f) {
     f(x_, 1, (stages_ + 1) * sizes_.nx);
@@ -92,7 +94,7 @@ class Group {
   }
 };
 
-/// A group over the functions of a kernel.
+/// Group that calls the functions of a kernel.
 template <int W, class Kernel>
 class StageGroup final : public Group {
  public:
@@ -116,7 +118,7 @@ class StageGroup final : public Group {
     const int nx = kernel_.sizes().nx, own = nx - kernel_.sizes().before;
     const double* from = x_[0];
     for (int k = 0; k <= stages_; ++k, from += nx * W) {
-      if constexpr (W < 8) {  // too few to be worth a transposition
+      if constexpr (W < 8) {  // too few lanes for a transposition
         for (int lane = 0; lane < n; ++lane)
           for (int i = 0; i < own; ++i) to[lane][k * stage + i] = from[i * W + lane];
       } else {
@@ -195,7 +197,7 @@ class StageGroup final : public Group {
   }
 
  private:
-  /// Behind the last stage: lambda = 2 Q_f (x - x*), e = 0, P = 2 Q_f.
+  /// Terminal values: lambda = 2 Q_f (x - x*), e = 0, P = 2 Q_f.
   void start_carry(double* carry) noexcept {
     const StageSizes n = kernel_.sizes();
     using L = Lane<W>;

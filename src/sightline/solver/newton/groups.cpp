@@ -10,9 +10,9 @@
 namespace sightline {
 namespace {
 
-constexpr int turn_size = 8;  // whatever the machine's lanes: all machines fly the same bits
+constexpr int turn_size = 8;  // independent of the lane width: all machines compute the same bits
 
-/// Agents of one model with equal barriers and input scales that are seen alike.
+/// Agents of one model with equal barriers, input scales and Sight components.
 struct Kind {
   std::string_view robot;
   Seen seen;
@@ -23,7 +23,8 @@ struct Kind {
   std::vector<int> agents;
 };
 
-/// What the potentials see of each agent. Where they see one lean, its like are taken to lean too: they share its lanes.
+/// Sight components of each agent that the potentials depend on. If a potential depends on one
+/// agent's tilt, equal agents include it too, because they share lanes.
 std::vector<Seen> seen_of_agents(const Ocp& ocp, std::span<const BodyPotential> potentials) {
   const double h = ocp.horizon().h();
   std::vector<Seen> seen(ocp.agent_bodies().size(), Seen::pose);
@@ -82,7 +83,8 @@ std::vector<Kind> sort_into_kinds(const Ocp& ocp, std::span<const BodyPotential>
   return kinds;
 }
 
-/// The narrowest packs that hold all robots of each kind at once, else the machine's.
+/// Lane width: the narrowest packs that hold all robots of each kind at once, else the native
+/// width.
 int width_for(const std::vector<Kind>& kinds) {
   std::size_t most = 0;
   for (const Kind& kind : kinds) most = std::max(most, kind.agents.size());
@@ -114,7 +116,7 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
   layout_.stages = ocp.horizon().N;
   layout_.width = width_for(kinds);
   layout_.agents.resize(ocp.agent_bodies().size());
-  std::vector<std::pair<int, int>> turns;  // place of the first agent, first group
+  std::vector<std::pair<int, int>> turns;  // position of the first agent, first group
   for (Kind& kind : kinds) {
     std::sort(kind.agents.begin(), kind.agents.end(),
               [&](int a, int b) { return place[at(a)] < place[at(b)]; });
@@ -147,7 +149,7 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
     part.turn = static_cast<int>(its - turns.begin());
   }
   settle_groups();
-  // A lane without an agent rests: no weights but those of its inputs, which so stay zero.
+  // A lane without an agent has only input weights, so its inputs stay zero.
   for (const auto& group : groups_) {
     for (int lane = 0; lane < layout_.width; ++lane) {
       for (int i = 0; i < group->sizes().nu; ++i) group->weight(group->sizes().nx + i, lane) = 1.0;
@@ -165,7 +167,7 @@ Groups::Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, Kernel
   }
 }
 
-/// One after the other in one piece of memory, which is large where the team is.
+/// Places all groups in one block of memory, which may be large.
 void Groups::settle_groups() {
   std::ptrdiff_t room = 0;
   for (const auto& group : groups_) room += group->room();
@@ -212,7 +214,7 @@ void Groups::own_costs(int g, const double* u, double* of_lanes) noexcept {
   for (const int a : members_[at(g)]) add_limits(group, u, a, of_lanes[layout_.place(a).lane]);
 }
 
-/// Adds what an agent's barriers and its inputs' rates cost along the last roll-out, times h.
+/// Adds the cost of an agent's barriers and input rates along the last roll-out, times h.
 void Groups::add_limits(const Group& group, const double* u, int agent, double& cost) noexcept {
   const int lane = layout_.place(agent).lane;
   Limited& robot = limited_[at(agent)];
@@ -237,8 +239,8 @@ void Groups::add_limits(const Group& group, const double* u, int agent, double& 
 
 bool Groups::solve(int g, const double* u, const double* active, const double* c, double* H_u, double* du,
                    double* ds, Damping begins) noexcept {
-  constexpr int attempts = 10;    // the damping has grown a thousand million times by then
-  constexpr double first = 0.02;  // of 2 R h where R = 1 in an input's scale: no more than it takes
+  constexpr int attempts = 10;    // the damping has then grown by a factor of 1e9
+  constexpr double first = 0.02;  // of 2 R h with R = 1 in an input's scale: small initial damping
   const Layout::Part& part = layout_.groups[at(g)];
   Group& group = *groups_[at(g)];
   bool damped = false;

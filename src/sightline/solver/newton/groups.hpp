@@ -1,4 +1,4 @@
-/// All agents of a team in groups of equal models, each group in lanes.
+/// All agents of a team, grouped by equal models, each group in lanes.
 #pragma once
 
 #include <memory>
@@ -15,41 +15,42 @@
 
 namespace sightline {
 
-/// What the damping of a group's lanes begins with.
+/// Initial damping of a group's lanes.
 enum class Damping {
   none,
-  last,  ///< what the factorisation before took: of a problem that is much the same
+  last,  ///< the previous factorisation's, for a similar problem
 };
 
-/// Arrays are those of the layout. Equal agents are dealt out to turns of at most eight robots: agent a of n turns is in turn
-/// a mod n, so that neighbours of a chain stand in neighbouring turns, at the same lane of their groups. A turn is one group, or as
-/// many as it takes where there are fewer lanes.
+/// Arrays follow the layout. Equal agents are distributed over turns of at most eight robots: with
+/// n turns, agent a is in turn a mod n. Neighbours of a chain are thus in adjacent turns, at the
+/// same lane. A turn is one group, or several if there are fewer lanes.
 class Groups {
  public:
-  /// @param order  of the agents, in which they are dealt out; empty: that of the team
+  /// @param order  of the agents, for the distribution; empty: that of the team
   Groups(const Ocp& ocp, std::span<const BodyPotential> potentials, KernelChoice choice,
          std::span<const int> order = {});
 
   const Layout& layout() const { return layout_; }
-  /// Of the robots.
+  /// Kernel use of the robot models.
   const KernelUse& kernels() const { return kernels_; }
   Group& group_of(int agent) { return *groups_[static_cast<std::size_t>(layout_.place(agent).group)]; }
   const Group& group_of(int agent) const {
     return *groups_[static_cast<std::size_t>(layout_.place(agent).group)];
   }
 
-  /// What an agent leans in each roll-out from now on, beside what its model says; it does not depend on the state.
+  /// Tilt [-] added to the model's tilt in all later roll-outs; independent of the state.
   void set_lean(int agent, const Vec2<double>& lean) noexcept {
     lean_[static_cast<std::size_t>(agent)] = lean;
   }
-  /// An agent's u* from now on (nu).
+  /// Sets an agent's u* (nu) for all later updates.
   void set_u_ref(int agent, const double* u_ref) noexcept;
   /// As Group::hold_reference().
   void hold_reference(int group, bool holds) noexcept {
     groups_[static_cast<std::size_t>(group)]->hold_reference(holds);
   }
-  /// Lanes without an agent begin where one of their like does, a state that exists.
-  /// @param x_at  where each agent's states are in x
+  /// Initialises lanes without an agent with the state of an agent of the same model, which is a
+  /// valid state.
+  /// @param x_at  offset of each agent's states in x
   void rest_at(const double* x, std::span<const int> x_at) noexcept;
   void roll_out(int group, const double* u, double* s) noexcept;
   void roll_out(const double* u, double* s, ThreadPool& pool) noexcept {
@@ -58,21 +59,23 @@ class Groups {
   void roll_out(const double* u, double* s) noexcept {
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) roll_out(g, u, s);
   }
-  /// A group's states of the last roll-out, agent a of stage k at x + k stage + x_at[a].
+  /// Copies a group's states of the last roll-out: agent a of stage k to x + k stage + x_at[a].
   void copy_states(int group, double* x, std::ptrdiff_t stage, std::span<const int> x_at) const noexcept;
-  /// Tracking cost, barriers and the inputs' rates of a group's agents along the last roll-out, times h, lane by lane.
+  /// Tracking cost, barriers and input-rate cost of a group's agents along the last roll-out, times
+  /// h, per lane.
   void own_costs(int group, const double* u, double* of_lanes) noexcept;
-  /// The step of each agent of a group by itself: factorises at the last roll-out, and goes forward while the gains are near.
-  /// Where a pivot is not sound, the lane is damped (Levenberg) until all are.
-  /// @param c  of the group alone
+  /// Uncoupled step of each agent of a group: factorises at the last roll-out, then runs forward
+  /// while the gains are cached. A lane with a pivot below its floor is damped (Levenberg) until
+  /// all pivots are valid.
+  /// @param c  the group's part
   /// @return whether a lane is damped
   bool solve(int group, const double* u, const double* active, const double* c, double* H_u, double* du,
              double* ds, Damping begins = Damping::none) noexcept;
-  /// The same of all, c of the layout.
+  /// solve() for all groups, c of the layout.
   void solve(const double* u, const double* active, const double* c, double* H_u, double* du,
              double* ds) noexcept;
   /// One backward sweep of a group, for H_u alone.
-  /// @param spare  rows of u, which are overwritten
+  /// @param spare  rows of the size of u, overwritten
   void differentiate(int group, const double* u, const double* active, const double* c, double* H_u,
                      double* spare) noexcept {
     const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
@@ -86,7 +89,7 @@ class Groups {
   void precondition(const double* r, double* du, double* ds) noexcept {
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) precondition(g, r, du, ds);
   }
-  /// work(group, thread) for each, shared out.
+  /// work(group, thread) for each group, on the thread pool.
   template <class Work>
   void each(ThreadPool& pool, Work&& work) const noexcept {
     pool.share(static_cast<int>(groups_.size()), work);
@@ -97,7 +100,7 @@ class Groups {
  private:
   void settle_groups();
   void add_limits(const Group& group, const double* u, int agent, double& cost) noexcept;
-  /// What the barriers of an agent are evaluated with, and the cost of its inputs' rates.
+  /// Model and barriers of an agent with buffers, and the cost of its input rates.
   struct Limited {
     Model model;
     std::vector<RelaxedBarrier> barriers;
@@ -111,7 +114,7 @@ class Groups {
   std::vector<std::unique_ptr<Group>> groups_;
   Rows memory_;                            // of the groups
   std::vector<std::vector<int>> members_;  // [group][lane]: agent
-  std::vector<int> rests_as_;              // [group]: the agent that lanes without one begin as
+  std::vector<int> rests_as_;              // [group]: agent whose state initialises lanes without an agent
   std::vector<Limited> limited_;           // [agent]
   std::vector<Vec2<double>> lean_;         // [agent]
 };

@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-using Arrows = std::vector<std::pair<int, int>>;  // from the seen to the one that feels
+using Arrows = std::vector<std::pair<int, int>>;  // from the observed to the dependent agent
 
 std::vector<int> order_of(const std::vector<std::vector<int>>& feelers) {
   std::vector<int> felt(feelers.size(), 0), order;
@@ -30,7 +30,7 @@ std::vector<int> order_of(const std::vector<std::vector<int>>& feelers) {
   return order;
 }
 
-/// Arrows of the longest path to each agent; empty where there is a cycle.
+/// Edges of the longest path to each agent; empty if there is a cycle.
 std::vector<int> depths(const std::vector<std::vector<int>>& feelers, const std::vector<int>& order) {
   std::vector<int> depth(feelers.size(), 0), place(feelers.size(), 0);
   for (std::size_t i = 0; i < order.size(); ++i) place[at(order[i])] = static_cast<int>(i);

@@ -1,4 +1,5 @@
-/// Who influences whom: an arrow leads from a robot that is seen to the one that feels it.
+/// Influence graph of a team: an edge leads from an observed robot to the robot on which the
+/// coupling acts.
 #pragma once
 
 #include <span>
@@ -11,18 +12,19 @@ namespace sightline {
 /// Kinds of influence graphs.
 enum class Influence {
   none,     ///< no two agents are coupled
-  mutual,   ///< every coupling is felt by both: the optimum of one function
+  mutual,   ///< every coupling acts on both robots: the optimum of one function
   cascade,  ///< one-sided and without a cycle
   cyclic,   ///< anything else
 };
 
 struct InfluenceGraph {
   Influence kind = Influence::none;
-  int depth = 0;                            ///< arrows of the longest path of a cascade
-  std::vector<int> depth_of{};              ///< of each agent of a cascade: arrows of the longest path to it
-  std::vector<std::vector<int>> feelers{};  ///< of each agent: those that feel it, in order
-  /// All agents, in the order of the team where all couplings are felt by both. In a cascade whoever is seen stands before
-  /// those that feel it; where there are cycles, next is the one that feels the fewest of those that are left.
+  int depth = 0;                            ///< edges of the longest path of a cascade
+  std::vector<int> depth_of{};              ///< per agent of a cascade: edges of the longest path to it
+  std::vector<std::vector<int>> feelers{};  ///< per agent: agents on which couplings with it act, in order
+  /// All agents, in team order if all couplings are mutual. In a cascade an observed agent precedes
+  /// the agents that depend on it; with cycles, the agent with the fewest unresolved dependencies
+  /// is next.
   std::vector<int> order{};
 };
 

@@ -19,7 +19,7 @@ double sum(L a) {
   return s;
 }
 
-/// f(place) for each pack of a group's rows.
+/// f(position) for each pack of a group's rows.
 template <class F>
 void each_pack(const Layout::Span& rows, F&& f) {
   for (std::ptrdiff_t i = rows.first; i < rows.end(); i += L::width) f(i);
@@ -40,11 +40,12 @@ double in_order(std::span<const double> summands) {
   return std::accumulate(summands.begin(), summands.end(), 0.0);
 }
 
-constexpr int iteration_budget_factor = 4;  // a team that is not mutual is worth more iterations
-// A sweep leaves an error of the size of the next; an iteration of conjugate gradients leaves a far smaller one.
+constexpr int iteration_budget_factor = 4;  // a non-mutual team receives more iterations
+// The error of a substitution pass is as large as its next correction; conjugate gradients leave a
+// far smaller one.
 constexpr double refinement_tolerance = 0.005;
-constexpr double max_regularisation =
-    10.0;  // energy of what is off a guess, over that of a correction as long
+constexpr double guess_energy_ratio =
+    10.0;  // energy per squared length of the deviation from a guess, relative to a correction
 
 }  // namespace
 
@@ -83,7 +84,7 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, const Coupling
     for (const int feeler : graph.feelers[a]) {
       const int woken = layout.groups[at(layout.place(feeler).group)].turn;
       turns_[at(woken)].feels = true;
-      if (feels[a] == 0) continue;  // its own step stands
+      if (feels[a] == 0) continue;  // its own step is final
       turn.is_felt = goes_on_ = true;
       if (std::find(wakes.begin(), wakes.end(), woken) == wakes.end()) wakes.push_back(woken);
     }
@@ -108,7 +109,7 @@ Krylov::Completion Krylov::complete(Groups& groups, const Couplings& couplings, 
 }
 
 void Krylov::begin_direction(int g, Groups& groups, const Couplings& couplings, const double* ds) noexcept {
-  couplings.product(g, ds, s_vectors_[0]);  // for the negative of the correction
+  couplings.product(g, ds, s_vectors_[0]);  // right side for the negative correction
   direct(g, groups, s_vectors_[0], u_vectors_[0], s_vectors_[2]);
 }
 
@@ -137,7 +138,7 @@ void Krylov::bend(int g, const double* w, const double* Cp, const double* z) noe
   curvature_[at(g)] = sum(even + odd);
 }
 
-/// A pass over the groups goes as far as each can by itself: sums over all end it.
+/// Each pass over the groups ends at a sum over all groups.
 Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
   Groups& groups = work.groups;
   const Couplings& couplings = work.couplings;
@@ -145,7 +146,7 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
   double* const Cp = s_vectors_[4];
   double *z_u = u_vectors_[0], *p_u = u_vectors_[1];
   const bool swarms = couplings.has_swarms();
-  if (swarms) couplings.product(work.ds, r);  // for the negative of the correction
+  if (swarms) couplings.product(work.ds, r);  // right side for the negative correction
   if (!work.begun) {
     groups.each(work.pool, [&](int g, int) noexcept {
       if (!swarms) couplings.product(g, work.ds, r);
@@ -156,11 +157,11 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
   int k = 0;
   while (k < max_iterations_) {
     const double next_rho = in_order(of_groups_);
-    if (!(next_rho > 1e-28)) break;  // solved already, or not a number
+    if (!(next_rho > 1e-28)) break;  // already solved, or not a number
     const L beta = k > 0 ? next_rho / rho : 0.0;
     rho = next_rho;
-    // The direction is z + beta p; w stands for P times it, up to what the dynamics' rows take: P is never
-    // multiplied.
+    // The direction is z + beta p; w represents P times it, up to the range of the dynamics' rows:
+    // P is never multiplied.
     const auto conjugate = [&](int g) {
       each_pack(layout_.s_of(g), [&](std::ptrdiff_t i) {
         fma(beta, L::load(p + i), L::load(z + i)).store(z + i);
@@ -186,12 +187,12 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
           work.pool, [&](int g, int) noexcept { conjugate(g); }, [&](int g, int) noexcept { image(g); });
     }
     const double curvature = in_order(curvature_);
-    if (!(curvature > 1e-14 * rho)) break;  // along this direction the team's cost has no minimum
+    if (!(curvature > 1e-14 * rho)) break;  // the team's cost has no minimum along this direction
     const double step = -rho / curvature;
     ++k;
     if (k == max_iterations_ || std::sqrt(rho) < stop_ || work.deadline.passed()) return {k, z_u, step};
     const L alpha = step;
-    double* const next_r = k == 1 ? s_vectors_[1] : r;  // r lives on as w
+    double* const next_r = k == 1 ? s_vectors_[1] : r;  // the old r stays in use as w
     groups.each(work.pool, [&](int g, int) noexcept {
       each_pack(layout_.u_of(g), [&](std::ptrdiff_t i) {
         fma(alpha, L::load(z_u + i), L::load(work.du + i)).store(work.du + i);
@@ -208,8 +209,8 @@ Krylov::Completion Krylov::conjugate_gradients(const Work& work) noexcept {
   return {.iterations = k};
 }
 
-/// Keeps robots' own steps. What they see of those whose turn has not come yet is the own step and a share of what the couplings
-/// added to the one before.
+/// Stores the robots' own steps. Initial guess for pending neighbours: the block-diagonal step plus
+/// a fraction of the last coupling correction.
 void Krylov::guess(const Work& work) noexcept {
   if (work.warm_start == WarmStart::none) share_ = 0.0;
   if (work.warm_start == WarmStart::of_attempts) share_ = has_added_ ? 1.0 : 0.0;
@@ -227,7 +228,8 @@ void Krylov::guess(const Work& work) noexcept {
   });
 }
 
-/// As much as came back this time is expected the next: where noise moves the steps, nothing does.
+/// The fraction of the correction that recurred is the forecast for the next step: with noisy steps
+/// it is zero.
 void Krylov::remember(const Work& work) noexcept {
   const double* const ds_alone = s_vectors_[4];
   work.groups.each(work.pool, [&](int g, int) noexcept {
@@ -248,8 +250,9 @@ void Krylov::remember(const Work& work) noexcept {
   has_added_ = true;
 }
 
-/// Each turn sees what those before it came to. Who changed by little wakes nobody, so a cascade is exact to that, and the
-/// parts of a team with cycles go on alone.
+/// Each turn uses the results of the previous turns. Blocks whose change is below the tolerance do
+/// not re-queue their neighbours: a cascade is exact to it, and parts of a cyclic team iterate
+/// separately.
 int Krylov::substitute(const Work& work) noexcept {
   const int most = iteration_budget_factor * max_iterations_;
   const bool may_fail = kind_ == Influence::cyclic;
@@ -270,7 +273,7 @@ int Krylov::substitute(const Work& work) noexcept {
       due_[t] = 0;
       last = std::max(last, take_turn(static_cast<int>(t), work));
     }
-    if (pass < 2) first = std::max(first, last);  // beside a guess the first pass may change little
+    if (pass < 2) first = std::max(first, last);  // with a guess the first pass may change little
     late = work.deadline.passed();
   }
   if (!may_fail || ((!is_due() || last <= first) && first < 1e300)) {
@@ -283,7 +286,7 @@ int Krylov::substitute(const Work& work) noexcept {
   return late ? pass : pass + general(work);
 }
 
-/// @return the greatest change of a robot's own cost
+/// @return the largest change of a robot's own cost
 double Krylov::take_turn(int turn, const Work& work) noexcept {
   const Turn& its = turns_[at(turn)];
   const double stop = square(refinement_tolerance * stop_);
@@ -293,7 +296,7 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
   const bool first_visit = visited_[at(turn)] == 0, guessed = first_visit && share_ > 0.0;
   const double* const from = first_visit ? s_vectors_[4] : work.ds;
   visited_[at(turn)] = 1;
-  // Groups of one turn see each other as they were before it.
+  // Groups of one turn use each other's state before the turn.
   work.pool.share(groups, [&](int i, int) noexcept {
     const int g = its.groups[at(i)];
     work.couplings.product(g, work.ds, r);
@@ -310,7 +313,8 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
     each_pack(layout_.s_of(g),
               [&](std::ptrdiff_t k) { energy = fma(L::load(r + k), L::load(z + k), energy); });
     if (guessed) {
-      // Others have seen the guess: what counts is how far from it the step is, by as much energy as the correction has.
+      // Other groups have used the guess: the relevant change is the deviation from it, with the
+      // energy per length of the correction.
       each_pack(layout_.s_of(g), [&](std::ptrdiff_t k) {
         const L correction = L::load(z + k), off = L::load(from + k) - correction - L::load(work.ds + k);
         length = fma(correction, correction, length);
@@ -321,7 +325,7 @@ double Krylov::take_turn(int turn, const Work& work) noexcept {
       double of_robot = 0.0, long_2 = 0.0, moved_2 = 0.0;
       for (int k = lane; k < L::width; k += layout_.width)
         of_robot += energy[k], long_2 += length[k], moved_2 += moved[k];
-      if (guessed) of_robot = long_2 > 0.0 ? max_regularisation * of_robot * (moved_2 / long_2) : moved_2;
+      if (guessed) of_robot = long_2 > 0.0 ? guess_energy_ratio * of_robot * (moved_2 / long_2) : moved_2;
       changes_[at(g * layout_.width + lane)] = of_robot;
     }
   });

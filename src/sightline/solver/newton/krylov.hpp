@@ -1,10 +1,10 @@
-/// From steps of single agents to a step of the team: (P + C) y = b, where P is solved exactly agent by agent
-/// and C couples them.
+/// Combines the steps of single agents to a step of the team: (P + C) y = b, with P solved exactly
+/// per agent and C the coupling.
 ///
-///   felt by both sides      conjugate gradients in the null space of the dynamics, preconditioned by P
-///   felt one-sided, no cycle   substitution: whoever is seen before those that feel it
-///   anything else            the same, again and again (block Gauss-Seidel); where that does not settle, and with swarms,
-///                            GMRES on (1 + P^-1 C) y = P^-1 b
+///   mutual             conjugate gradients in the null space of the dynamics, preconditioned by P
+///   one-sided, acyclic substitution: observed agents before the agents that depend on them
+///   otherwise          repeated substitution (block Gauss-Seidel); if it diverges, or with swarms,
+///                      GMRES on (1 + P^-1 C) y = P^-1 b
 ///
 /// All iterate in the poses (s); the inputs follow. docs/equations.md, 11.
 #pragma once
@@ -19,53 +19,55 @@
 
 namespace sightline {
 
-/// Where there is no time left, iterations end early: one that began is done, none begins past it.
+/// Deadline of iterations: an iteration in progress is completed, none starts after the deadline.
 struct Deadline {
   std::chrono::steady_clock::time_point at{};
   bool holds = false;
   bool passed() const noexcept { return holds && std::chrono::steady_clock::now() >= at; }
 };
 
-/// What a step has in common with the one before it.
+/// Relation of a step to the previous one.
 enum class WarmStart {
   none,
-  of_updates,   ///< what the couplings add changes from update to update, as far as it did last time
-  of_attempts,  ///< the same step, with other limits active
+  of_updates,   ///< the coupling correction changes from update to update as much as it did before
+  of_attempts,  ///< the same step with another active set
 };
 
 class Krylov {
  public:
-  /// @param couplings  those it will be given; with swarms, a team that is not mutual is left to GMRES
-  /// @param threads  of the crew it will be given
+  /// @param couplings  those passed to complete(); with swarms, a non-mutual team uses GMRES
+  /// @param threads    of the thread pool passed to complete()
   Krylov(const Layout& layout, const InfluenceGraph& graph, const Couplings& couplings, int threads,
          int max_iterations, double stop);
 
-  /// What a step came to: the team's inputs change by du + by along, which whoever goes over them next adds.
+  /// Result of a step: the inputs change by du + by along; the next pass over du adds the second
+  /// term.
   struct Completion {
     int iterations = 0;
-    const double* along = nullptr;  ///< none: du is all
+    const double* along = nullptr;  ///< null: du is complete
     double by = 0.0;
   };
-  /// Completes a step of all agents by themselves, du and ds, to the team's.
-  /// @param likeness  substitution begins with what the couplings added to a step that was like this one
-  /// @param begun  all groups have begun their first iteration for this step
+  /// Completes the uncoupled steps du and ds of all agents to the step of the team.
+  /// @param warm_start  substitution starts with the coupling correction of a similar step
+  /// @param begun       all groups have begun their first iteration for this step
   Completion complete(Groups& groups, const Couplings& couplings, double* du, double* ds, ThreadPool& pool,
                       WarmStart warm_start = WarmStart::none, const Deadline& deadline = {},
                       bool begun = false) noexcept;
 
-  /// Whether a team's first iteration can be taken group by group before complete() is called: first the direction, once the group
-  /// and its neighbours have their own steps; then its image, once they have their directions.
+  /// Whether the first iteration can run group by group before complete(): first the direction,
+  /// once the group and its neighbours have their own steps; then its image, once they have their
+  /// directions.
   bool can_begin(const Couplings& couplings) const noexcept {
     return kind_ == Influence::mutual && !couplings.has_swarms() && max_iterations_ > 0;
   }
   void begin_direction(int group, Groups& groups, const Couplings& couplings, const double* ds) noexcept;
   void begin_image(int group, const Couplings& couplings) noexcept;
 
-  /// No step was before: the next is completed as the first was.
+  /// Discards the previous correction: the next step is completed without a warm start.
   void forget() noexcept { share_ = 0.0, has_added_ = false; }
 
  private:
-  /// What a step is made of and by whom.
+  /// Arguments of one complete().
   struct Work {
     Groups& groups;
     const Couplings& couplings;
@@ -85,24 +87,24 @@ class Krylov {
   void guess(const Work& work) noexcept;
   void remember(const Work& work) noexcept;
 
-  /// Groups whose robots take their turn together.
+  /// Groups whose robots are updated together.
   struct Turn {
     std::vector<int> groups{};
-    bool feels = false;                                  // any of its robots another
-    bool is_felt = false;                                // any that feels another, by any other
-    std::vector<std::vector<std::vector<int>>> wakes{};  // [group][lane]: turns of those that feel that robot
+    bool feels = false;                                  // any of its robots depends on another
+    bool is_felt = false;                                // any robot depends on one of its dependent robots
+    std::vector<std::vector<std::vector<int>>> wakes{};  // [group][lane]: turns that depend on that robot
   };
 
   Layout layout_;
   Influence kind_;
-  PhaseSchedule schedule_;  // a direction, and its image
+  PhaseSchedule schedule_;  // phases: a direction, and its image
   std::vector<Turn> turns_;
-  bool goes_on_ = false;  // what a robot feels is felt by others: else one visit to each turn is all
+  bool goes_on_ = false;  // a dependent robot has dependents; otherwise each turn is visited once
   std::vector<char> due_, visited_;
-  Rows added_;          // by the couplings to ds in the last substitution; grows old where there was none
-  double share_ = 0.0;  // of it that came back in the one after
+  Rows added_;          // coupling correction to ds of the last substitution; unchanged if there was none
+  double share_ = 0.0;  // fraction of it that recurred in the next substitution
   bool has_added_ = false;
-  std::vector<double> of_groups_, curvature_;  // summands, which are added in order
+  std::vector<double> of_groups_, curvature_;  // summands, added in fixed order
   std::vector<double> changes_;                // of each robot's own cost, [group][lane]
   int max_iterations_;
   double stop_;

@@ -1,5 +1,5 @@
-/// Where each agent's numbers stand in the arrays of a team: groups one after the other, [stage][entry][lane]
-/// within.
+/// Offsets of each agent's numbers in the arrays of a team: groups in sequence, each
+/// [stage][entry][lane].
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace sightline {
 
 struct Layout {
   struct Part {
-    int nu = 0, ns = 0;                  ///< entries a stage of u and of s
+    int nu = 0, ns = 0;                  ///< entries per stage of u and of s
     std::ptrdiff_t u = 0, s = 0, c = 0;  ///< first number in the arrays of u, of s and of the couplings' c
     int turn = 0;                        ///< groups of one turn are visited together
     int nc() const { return ns + ns * (ns + 1) / 2; }
@@ -19,13 +19,13 @@ struct Layout {
   struct Place {
     int group = 0, lane = 0;
   };
-  /// One group's numbers in an array, whole packs.
+  /// A group's numbers in an array, whole packs.
   struct Span {
     std::ptrdiff_t first;
     int length;
     std::ptrdiff_t end() const { return first + length; }
   };
-  /// One agent's numbers: the entry i of stage k is at first + k stage + i width.
+  /// Strided view of one agent: entry i of stage k is at first + k stage + i width.
   struct View {
     std::ptrdiff_t first = 0, stage = 0;
     int width = 0;

@@ -1,4 +1,4 @@
-// Steps that cannot be trusted: line searches on the cost and on the residual, and projected Newton.
+// Unreliable steps: line searches on the cost and on the residual, and projected Newton.
 #include <algorithm>
 #include <cmath>
 
@@ -9,13 +9,13 @@
 namespace sightline::newton {
 namespace {
 
-/// From u_start along du, the team's way of it. @return the shortest way of a robot, in steps
+/// Line search from u_start along du. @return the smallest step length of a unit
 double line_search(Workspace& w, Searching who = Searching::all) noexcept {
   return w.descent.search(w.groups, *w.couplings, w.u_start, w.du, w.low, w.high, w.u, w.s, *w.pool, who,
                           deadline(w));
 }
 
-/// By how much u misses the conditions of optimality: the sum of squares of what `residual` is the largest of.
+/// Optimality violation of u: the sum of squares of the terms whose maximum is `residual`.
 double optimality_gap(const Workspace& w) noexcept {
   const double per_h = 1.0 / w.ocp.horizon().h();
   double sum = 0.0;
@@ -26,8 +26,8 @@ double optimality_gap(const Workspace& w) noexcept {
   return sum;
 }
 
-/// From u_start along du as far as the conditions of optimality, all robots' together, are missed by less.
-/// @return whether they are anywhere; if not, u is u_start
+/// Line search from u_start along du on the optimality violation of all robots.
+/// @return whether a step decreases it; if not, u is u_start
 bool line_search_residual(Workspace& w) noexcept {
   constexpr double shortest = 0.05, enough = 0.2;
   const int n = w.groups.layout().u_length;
@@ -49,7 +49,7 @@ bool line_search_residual(Workspace& w) noexcept {
 }  // namespace
 
 Step projected_step(Workspace& w) noexcept {
-  constexpr double min_decrease = 0.9;  // of the residual before, that costs alone have not led on
+  constexpr double min_decrease = 0.9;  // ratio of residuals above which the cost search has stalled
   const int n = w.groups.layout().u_length;
   std::copy_n(w.u, n, w.u_start);
   w.groups.roll_out(w.u, w.s, *w.pool);
@@ -84,7 +84,7 @@ Step projected_step(Workspace& w) noexcept {
 }
 
 void descend(Workspace& w, bool settled, Step& step) noexcept {
-  constexpr double far_enough = 0.25;  // of the step
+  constexpr double far_enough = 0.25;  // of the full step
   for (int i = 0; i < w.groups.layout().u_length; ++i) w.du[i] = w.u[i] + w.du[i] - w.u_start[i];
   const double alpha = line_search(w);
   if ((alpha < far_enough || !settled || (w.descent.sure() && !w.descent.fell())) && !late(w))

@@ -1,4 +1,4 @@
-// Linearises the problem along the roll-out and solves each group by itself.
+// Linearisation along the roll-out, and the uncoupled solution of each group.
 #include <algorithm>
 #include <cmath>
 

@@ -16,7 +16,7 @@ using L = NativeLane;
 
 constexpr int entries_of(int n) { return n * (n + 1) / 2; }
 
-/// Packs of a symmetric matrix of n x n times packs of a vector.
+/// Symmetric n x n matrix times vector, in packs.
 template <int n>
 std::array<L, n> multiplied(const std::array<L, entries_of(n)>& H, const std::array<L, n>& v) {
   std::array<L, n> out;
@@ -79,7 +79,7 @@ Neighbourhood::Neighbourhood(const SwarmPotential& swarm, const Layout& layout, 
   H_ = Rows(entries_of(n_) * static_cast<int>(stretches_.capacity()), stretch);
 }
 
-/// Each agent's numbers of s in rows along the horizon; behind its end the last go on.
+/// Copies each agent's numbers of s to rows along the horizon; the last value pads the row.
 void Neighbourhood::collect(const double* s, Rows& rows) const noexcept {
   const int N = layout_.stages;
   for (int i = 0; i < agents(); ++i) {
@@ -105,7 +105,7 @@ double Neighbourhood::least_distance_2(int a, int b, int begin, int end) const n
   return least(nearest);
 }
 
-/// Takes a pair in; where there is no room, instead of the farthest that is farther.
+/// Adds a pair; without free capacity it replaces the farthest pair, if that is farther.
 void Neighbourhood::offer(const Pair& pair) noexcept {
   const auto nearer = [](const Pair& p, const Pair& q) {
     return std::tie(p.distance_2, p.a, p.b) < std::tie(q.distance_2, q.a, q.b);
@@ -123,7 +123,7 @@ void Neighbourhood::offer(const Pair& pair) noexcept {
 
 void Neighbourhood::find(const double* s) noexcept {
   collect(s, poses_);
-  // A plan lies in a ball around the middle of its box.
+  // The ball around the centre of a plan's bounding box contains the plan.
   double widest = 0.0;
   for (int i = 0; i < agents(); ++i) {
     std::array<double, 3> middle, half;
@@ -168,7 +168,7 @@ void Neighbourhood::find_stretches() noexcept {
   }
 }
 
-/// f(first, count) of the stretches of each pair, with its differences of poses in in_.
+/// f(first, count) for the stretches of each pair, with the pair's pose differences in in_.
 template <class F>
 void Neighbourhood::each_pair_of_stretches(F&& f) noexcept {
   for (std::size_t first = 0, next = 0; first < stretches_.size(); first = next) {

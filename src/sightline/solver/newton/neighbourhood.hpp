@@ -1,9 +1,9 @@
-/// The pairs of a swarm that come near each other, and their potential along the horizon.
+/// Pairs of a swarm that approach each other, and their potential along the horizon.
 ///
-/// A pair counts where the present plan brings it nearer than the radius at any stage, not only where it is so now:
-/// the potential is negligible at the radius, so a pair that appears or disappears causes no jump. Of a pair those
-/// stretches of eight stages count in which it comes nearer than the radius. Numbers of an agent stand in rows along the
-/// horizon, so lanes are stages and nothing is gathered pair by pair.
+/// A pair is active if the present plan brings it within the radius at any stage, not only now. The
+/// potential is negligible at the radius, so an appearing or disappearing pair causes no jump. Only
+/// the stretches of eight stages within the radius are evaluated. An agent's numbers form rows
+/// along the horizon, so lanes are stages and no pair needs a gather.
 #pragma once
 
 #include <span>
@@ -16,29 +16,29 @@
 
 namespace sightline {
 
-/// Arrays s, c, z, y are those of the layout. Memory is taken when it is made, none afterwards.
+/// Arrays s, c, z, y follow the layout. The constructor allocates all memory.
 class Neighbourhood {
  public:
   struct Pair {
-    int a, b;           ///< places in the swarm's list of agents
-    double distance_2;  ///< least along the horizon, squared [m^2]
+    int a, b;           ///< indices in the swarm's list of agents
+    double distance_2;  ///< squared minimum distance along the horizon [m^2]
   };
 
-  /// @param swarm, layout  outlive it
+  /// @param swarm, layout  must outlive the object
   Neighbourhood(const SwarmPotential& swarm, const Layout& layout, KernelChoice choice);
 
-  /// The pairs that are near along s; if there are more than fit, the nearest.
+  /// Finds the pairs within the radius along s; beyond the capacity, keeps the nearest.
   void find(const double* s) noexcept;
-  /// Those pairs, in the order of (a, b), a < b.
+  /// Pairs of the last `find`, by (a, b), a < b.
   std::span<const Pair> pairs() const { return pairs_; }
-  /// Pairs of the last `find` for which there was no room.
+  /// Pairs of the last `find` beyond the capacity.
   int left_out() const { return left_out_; }
 
   /// c += gradients and own Hessians of all pairs, times h.
   void evaluate(const double* s, double* c) noexcept;
   /// y += C z, with the Hessian blocks of the last `evaluate`.
   void product(const double* z, double* y) const noexcept;
-  /// of_agents += what the pairs of each agent cost along the horizon, times h.
+  /// of_agents += cost of each agent's pairs along the horizon, times h.
   void values(const double* s, std::span<double> of_agents) noexcept;
 
  private:
@@ -46,7 +46,7 @@ class Neighbourhood {
   static constexpr int W = L::width;
   static constexpr int inputs = PosePotential::relative_size, outputs = inputs + inputs * (inputs + 1) / 2;
 
-  static constexpr int stretch = row_quantum;  // stages, whatever the width of a lane
+  static constexpr int stretch = row_quantum;  // stages, independent of the lane width
 
   /// Eight stages of a pair.
   struct Stretch {
@@ -64,21 +64,21 @@ class Neighbourhood {
   const SwarmPotential& swarm_;
   const Layout& layout_;
   PackFormula<W> value_, derivatives_;
-  int n_;     // numbers of a pose that are seen: 3 or 5
+  int n_;     // numbers of a pose in use: 3 or 5
   int rows_;  // stages, whole packs
 
   Grid grid_;
   std::vector<Vec3<double>> centres_;
   std::vector<double> extents_;
   std::vector<Pair> pairs_;
-  std::vector<Stretch> stretches_;  // of one pair after the other
+  std::vector<Stretch> stretches_;  // grouped by pair
   int left_out_ = 0;
 
   Rows poses_;            // (n x agents)  [stage]
   mutable Rows z_, y_;    // (n x agents)  [stage], of the product
   Rows sums_;             // (n + n (n + 1) / 2 x agents)  [stage]
   Rows H_;                // [stretch][entry][stage]
-  Rows in_, out_, cost_;  // of one pair, [pack][entry][lane]
+  Rows in_, out_, cost_;  // buffers of one pair, [pack][entry][lane]
 };
 
 }  // namespace sightline

@@ -1,10 +1,10 @@
-/// The default solver: one exact Newton step per update on the coupled optimality conditions, a Riccati
-/// factorisation for each robot, Krylov iterations for the couplings.
+/// The default solver: one exact Newton step per update on the coupled optimality conditions, with
+/// a Riccati factorisation per robot and Krylov iterations for the couplings.
 ///
-/// Single shooting: the trajectory is rolled out from the measured state, so the dynamics hold exactly and
-/// the unknowns are the inputs. An update begins with the plan before, carried on as it changed last. Limits are exact,
-/// by an active set that is relinearised when it changes. Where a step cannot be trusted it is damped, shortened or, at
-/// worst, not taken. docs/equations.md, 11.
+/// Single shooting: the trajectory is rolled out from the measured state, so the dynamics hold
+/// exactly and the unknowns are the inputs. Each update warm-starts from the previous plan,
+/// extrapolated in time. Limits are exact, by an active set that is relinearised when it changes.
+/// An unreliable step is damped, shortened or, at worst, rejected. docs/equations.md, 11.
 #pragma once
 
 #include <memory>
@@ -17,17 +17,17 @@ class ThreadPool;
 enum class KernelChoice;
 
 struct NewtonRiccatiOptions {
-  int max_newton_steps = 1;  ///< an update, >= 1; the first after a start may take `start_steps`
-  double tolerance = 1e-6;   ///< status is `converged` up to this residual [1/s], > 0
-  int max_krylov = 4;        ///< Krylov iterations, or iterations of a cascade, per step, >= 0
-  double krylov_stop =
-      1e-3;  ///< they stop once the correction is this small in the norm of the Hessian, >= 0
+  int max_newton_steps = 1;   ///< per update, >= 1; the first update after a start may take `start_steps`
+  double tolerance = 1e-6;    ///< status is `converged` up to this residual [1/s], > 0
+  int max_krylov = 4;         ///< Krylov iterations, or substitution passes, per step, >= 0
+  double krylov_stop = 1e-3;  ///< stop when the correction is this small in the norm of the Hessian, >= 0
   double step_cap =
-      0.5;  ///< a larger step of an input in its scale, or a larger residual, is globalised by a line search, > 0
-  double deadline = 0.0;   ///< an update ends then [s], but for the step it is at, at least one; 0: none
+      0.5;  ///< a larger step of an input in its scale, or a larger residual, triggers a line search, > 0
+  double deadline = 0.0;   ///< an update ends then [s], after the step in progress, at least one; 0: none
   int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
-  KernelChoice kernels{};  ///< compiled where they are there; kernels/kernel_table.hpp
-  /// Threads that teams of at least `shared_from` robots are shared over; none: that of the caller alone. The result is the same.
+  KernelChoice kernels{};  ///< compiled if available; kernels/kernel_table.hpp
+  /// Thread pool for teams of at least `shared_from` robots; null: the calling thread alone. The
+  /// result is the same.
   std::shared_ptr<ThreadPool> pool{};
   static constexpr int shared_from = 128;
 };

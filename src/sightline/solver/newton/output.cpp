@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "sightline/base/index.hpp"
-#include "sightline/solver/newton/update.hpp"
 #include "sightline/solver/newton/stages.hpp"
+#include "sightline/solver/newton/update.hpp"
 
 namespace sightline::newton {
 
 Deadline deadline(const Workspace& w) noexcept {
-  constexpr double longest = 1e6;  // [s], as good as none
+  constexpr double longest = 1e6;  // [s], effectively no deadline
   const std::chrono::duration<double> given(std::min(w.options.deadline, longest));
   return {w.begin + std::chrono::duration_cast<Clock::duration>(given), w.options.deadline > 0};
 }

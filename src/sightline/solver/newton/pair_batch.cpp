@@ -43,7 +43,7 @@ void PairBatch::sum_values(const Layout& layout, const StageParameters& paramete
   });
 }
 
-/// Of one pair, from a point on.
+/// Writes the inputs of one pair, starting at a point.
 void PairBatch::gather(const BodyPotential& pair, int point, const Layout& layout,
                        const StageParameters& parameters, const double* s) noexcept {
   const int N = layout.stages;

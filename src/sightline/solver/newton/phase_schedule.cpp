@@ -11,7 +11,7 @@ namespace {
 using Task = PhaseSchedule::Task;
 using Near = std::vector<std::set<int>>;  // each group and its neighbours
 
-constexpr int few = 8;  // groups that stay in the cache from phase to phase
+constexpr int few = 8;  // groups whose data stay in the cache between phases
 
 Near near_of(int groups, std::span<const std::pair<int, int>> neighbours) {
   Near near(at(groups));
@@ -20,7 +20,7 @@ Near near_of(int groups, std::span<const std::pair<int, int>> neighbours) {
   return near;
 }
 
-/// The order of one thread.
+/// Order of the tasks on one thread.
 std::vector<Task> order_of(const Near& near, int phases) {
   const int groups = static_cast<int>(near.size());
   std::vector<Task> order;
@@ -30,7 +30,8 @@ std::vector<Task> order_of(const Near& near, int phases) {
     }
     return order;
   }
-  std::vector<std::vector<int>> waits(at(phases));  // [phase][group]: for how many, in the phase before
+  // [phase][group]: unfinished dependencies in the previous phase
+  std::vector<std::vector<int>> waits(at(phases));
   for (std::vector<int>& of_groups : waits) {
     for (const std::set<int>& its : near) of_groups.push_back(static_cast<int>(its.size()));
   }
@@ -55,11 +56,11 @@ std::vector<Task> order_of(const Near& near, int phases) {
 
 PhaseSchedule::PhaseSchedule(int groups, std::span<const std::pair<int, int>> neighbours, int phases,
                              int threads) {
-  constexpr int for_each = 4;  // parts for a thread: who is late leaves some to others
+  constexpr int for_each = 4;  // parts per thread: other threads take over parts of a delayed one
   const Near near = near_of(groups, neighbours);
   std::vector<Task> left = order_of(near, phases);
   const int parts = threads == 1 ? 1 : std::clamp(groups / few, 1, for_each * threads);
-  // Of each phase and group the round, and the part of it, in which it is done.
+  // Round and part in which each phase of each group is done.
   struct Place {
     int round = -1, part = -1;
   };

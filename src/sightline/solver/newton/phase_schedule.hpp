@@ -1,4 +1,4 @@
-/// An order of the phases of all groups in which what one phase has computed is still near in the cache for the next.
+/// Order of the phases of all groups that keeps the results of one phase cached for the next.
 #pragma once
 
 #include <span>
@@ -9,15 +9,16 @@
 
 namespace sightline {
 
-/// Each phase of a group goes on from what the phase before came to in the group and in its neighbours. So a group's next phase is taken as
-/// soon as these have theirs behind them. Several threads take stretches of groups as far as each goes by itself; then, in the next
-/// round, stretches across the ends of those, until all is done.
+/// A phase of a group depends on the previous phase of the group and of its neighbours; it runs as
+/// soon as these are done. Each thread first advances a contiguous range of groups as far as
+/// dependencies allow; the next round covers the range boundaries, until all phases are done.
 class PhaseSchedule {
  public:
-  /// @param neighbours  groups next to each other; a pair may be there more than once, or be a group with itself
+  /// @param neighbours  pairs of adjacent groups; may repeat, and may pair a group with itself
   PhaseSchedule(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads);
 
-  /// phase(group, thread) for each group, of as many phases as it was made for; the result does not depend on the threads.
+  /// Calls phase(group, thread) for each group, once per phase of the constructor; the result is
+  /// independent of the threads.
   template <class... Phase>
   void run(ThreadPool& pool, Phase&&... phases) const noexcept {
     for (const Round& round : rounds_) {
@@ -30,11 +31,11 @@ class PhaseSchedule {
     }
   }
 
-  /// One group's part of a phase.
+  /// One phase of one group.
   struct Task {
     int phase, group;
   };
-  /// Of each part the tasks, one after the other; a part needs nothing of the others of its round.
+  /// Tasks per part, in order; the parts of one round are independent.
   using Round = std::vector<std::vector<Task>>;
   std::span<const Round> rounds() const { return rounds_; }
 

@@ -1,4 +1,4 @@
-// The plan and the settings of a Newton update, as others read and set them.
+// Access to the plan and the settings of a Newton update.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-/// One potential at many points, one for each stage of each coupling, in packs: [pack][variable][lane].
+/// One potential at many points, one per stage of each coupling, in packs: [pack][variable][lane].
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 
 namespace sightline {
 
-/// A formula over packs of W points, compiled where the table of kernels has it, else interpreted.
+/// Formula over packs of W points, compiled if the kernel table has it, else interpreted.
 template <int W>
 class PackFormula {
  public:
-  /// @param program  outlives it
+  /// @param program  must outlive the object
   PackFormula(const Program& program, KernelChoice choice)
       : program_(&program),
         compiled_(choice == KernelChoice::compiled_if_there ? find_formula(program, W) : nullptr) {
@@ -60,7 +60,7 @@ class Points {
   double& in(int point, int variable) { return *(in_[0] + place(point, variable, inputs())); }
   const double* out(int point, int output) const { return out_[0] + place(point, output, outputs()); }
 
-  /// use(k, number) for the `count` points from `first` on: of an input, to be written, or of an output.
+  /// use(k, number) for `count` points from `first` on: a writable input, or an output.
   template <class Use>
   void each_in(int first, int count, int variable, Use&& use) noexcept {
     each(in_[0] + place(first, variable, inputs()), first, count, inputs(), use);
@@ -82,11 +82,11 @@ class Points {
       (Lane<W>(part_) * Lane<W>::load(&out_.all()[i])).store(&out_.all()[i]);
   }
 
-  /// The first so many.
+  /// Evaluates the first `points` points.
   void evaluate(int points) noexcept { value_.run(in_[0], values_[0], (points + W - 1) / W); }
   double value(int point) const { return part_ * values_[0][point]; }
 
-  /// The part of the weights that is in force.
+  /// Sets the active fraction of the weights.
   void set_part(double part) noexcept { part_ = part; }
   double part() const noexcept { return part_; }
 
@@ -108,7 +108,7 @@ class Points {
 
   const PosePotential& potential_;
   PackFormula<W> value_, derivatives_;
-  std::vector<PackFormula<W>> others_;  // whose derivatives are added
+  std::vector<PackFormula<W>> others_;  // their derivatives are added
   Rows in_, out_, more_, values_;
   int packs_ = 0;
   double part_ = 1.0;

@@ -1,4 +1,4 @@
-// Prepares an update: the measured states, and references, limits and other bodies along the horizon.
+// Preparation of an update: measured states; references, limits and other bodies along the horizon.
 #include <cmath>
 
 #include "sightline/base/index.hpp"
@@ -109,7 +109,8 @@ void set_time(Workspace& w, double time) noexcept {
   }
   if (!w.limits_move || !w.started) return;
   detach_plan(w);
-  // A limit that moved takes its inputs along, or lets them go.
+  // Inputs at a limit that moved are clamped and stay active; inputs away from their limits become
+  // free.
   for (int i = 0; i < w.groups.layout().u_length; ++i) {
     w.u[i] = clamp(w.u[i], w.low[i], w.high[i]);
     w.active[i] = w.u[i] == w.low[i] || w.u[i] == w.high[i] ? w.active[i] : 0.0;

@@ -1,4 +1,5 @@
-// The Newton update on one page: extrapolate, linearise, backward pass per group, couple, project, line search, accept.
+// The Newton update on one page: extrapolate, linearise, backward pass per group, couple, project,
+// line search, accept.
 #include "sightline/solver/newton/update.hpp"
 
 #include <algorithm>
@@ -12,15 +13,15 @@
 namespace sightline::newton {
 namespace {
 
-constexpr double trusted_from = 0.02;  // residual from which on steps need no line search
+constexpr double trusted_from = 0.02;  // residual below which steps need no line search
 
-/// The direction of the team's step.
+/// Search direction of the team.
 struct Direction {
   Proposal proposal;
-  int iterations = 0;      // of the Krylov method
+  int iterations = 0;      // Krylov iterations
   bool damped = false;     // a robot's factorisation was damped (Levenberg)
-  bool settled = false;    // the step has the active set that it was computed with
-  bool has_start = false;  // u_start is where it begins
+  bool settled = false;    // the active set is that of the computed step
+  bool has_start = false;  // u_start holds the start of the step
 };
 
 void keep_start(Workspace& w, Direction& d) noexcept {
@@ -28,7 +29,7 @@ void keep_start(Workspace& w, Direction& d) noexcept {
   d.has_start = true;
 }
 
-/// From steps of single robots to a step of the team.
+/// Combines the steps of single robots to a step of the team.
 Krylov::Completion couple(Workspace& w, bool again, bool damped, bool begun) noexcept {
   const WarmStart warm_start = again    ? WarmStart::of_attempts
                                : damped ? WarmStart::none
@@ -36,7 +37,7 @@ Krylov::Completion couple(Workspace& w, bool again, bool damped, bool begun) noe
   return w.krylov.complete(w.groups, *w.couplings, w.du, w.ds, *w.pool, warm_start, deadline(w), begun);
 }
 
-/// Until the active set stays, three times at most.
+/// Repeats until the active set is unchanged, at most three times.
 Direction find_direction(Workspace& w) noexcept {
   constexpr int attempts = 3;
   Direction d;
@@ -57,7 +58,7 @@ Direction find_direction(Workspace& w) noexcept {
   return d;
 }
 
-/// The step as it is.
+/// Takes the full step.
 Step whole_step(Workspace& w, const Direction& d) noexcept {
   std::swap(w.u, w.u_next);
   w.watched = infinity;
@@ -65,7 +66,7 @@ Step whole_step(Workspace& w, const Direction& d) noexcept {
   return {.correction = d.proposal.largest, .whole = d.settled, .taken = true};
 }
 
-/// The step as far as costs fall along it.
+/// Takes the step as far as costs decrease.
 Step searched_step(Workspace& w, Direction& d) noexcept {
   keep_start(w, d);
   Step step;
@@ -76,7 +77,8 @@ Step searched_step(Workspace& w, Direction& d) noexcept {
   return step;
 }
 
-/// After a step that could not be taken whole: projected Newton with a line search, until steps are trusted again.
+/// Step after one that was not full: projected Newton with a line search, until full steps are
+/// reliable again.
 Step globalised_step(Workspace& w) noexcept {
   Step step = projected_step(w);
   if (!step.finite) return step;
@@ -92,7 +94,7 @@ Step newton_step(Workspace& w) noexcept {
   const Proposal& p = d.proposal;
   if (!p.finite) {
     if (!slope_is_finite(w)) return {.residual = infinity, .iterations = d.iterations, .finite = false};
-    std::fill_n(w.du, w.groups.layout().u_length, 0.0);  // the gradient is left
+    std::fill_n(w.du, w.groups.layout().u_length, 0.0);  // the gradient remains as direction
   }
   w.globalising = !p.finite || d.damped || std::max(p.largest, p.residual) > w.options.step_cap;
   Step step = w.globalising ? searched_step(w, d) : whole_step(w, d);
@@ -148,13 +150,13 @@ double kkt(Workspace& w, double time, std::span<const double> states) noexcept {
   if (!std::isfinite(time) || !accept(w, states)) return infinity;
   set_time(w, time);
   if (!w.started) {
-    const bool planned = w.has_plan;  // for the next update too
+    const bool planned = w.has_plan;  // keeps it for the next update
     start(w);
     w.has_plan = planned;
   }
   w.groups.roll_out(w.u, w.s, *w.pool);
   w.couplings->find_neighbours(w.s);
-  std::swap(w.H_u, w.u_start);  // the next update goes on from the one of the last
+  std::swap(w.H_u, w.u_start);  // keeps H_u of the last update for the next extrapolation
   differentiate(w);
   const double residual = evaluate_step(w).residual;
   const bool finite = slope_is_finite(w);

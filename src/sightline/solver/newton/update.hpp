@@ -1,4 +1,5 @@
-/// The Newton update: one page over a plain workspace. The functions are those of Solver and TeamPlanner.
+/// The Newton update and the functions of Solver and TeamPlanner, as free functions over the
+/// workspace.
 #pragma once
 
 #include <memory>

@@ -29,13 +29,13 @@ NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
   return o;
 }
 
-/// Threads pay from some size on; below it all is done by the caller's.
+/// Threads pay above a team size; below it the calling thread does all work.
 std::shared_ptr<ThreadPool> pool_for(const Ocp& ocp, const NewtonRiccatiOptions& options) {
   const bool pays = static_cast<int>(ocp.agent_bodies().size()) >= NewtonRiccatiOptions::shared_from;
   return thread_pool_if(pays, options.pool);
 }
 
-/// Numbers of c that are needed at a time.
+/// Memory for the parts of c that are in use at the same time.
 Rows room_for_c(const Layout& layout, const ThreadPool& pool, bool has_swarms) {
   if (has_swarms) return {1, layout.c_length};
   int longest = 0;
