@@ -65,7 +65,7 @@ TEST_F(PartsFlown, OneThatIsKilledJoinsAgainAndFliesOnceItsRobotHasLandedAndSome
     return said("again.err").find("/sightline/right/start lets them take off") != std::string::npos;
   })) << said("again.err")
       << said("vehicles.err");
-  EXPECT_THAT(said("again.err"), HasSubstr("uav1: it flies already, by nobody of ours"));
+  EXPECT_THAT(said("again.err"), HasSubstr("uav1: it is flying already, by another program"));
   std::this_thread::sleep_for(std::chrono::seconds(1));
   EXPECT_THAT(said("again.err"), Not(HasSubstr("arming"))) << "nobody has called";
   EXPECT_THAT(person.call(), StartsWith("yes: "));
