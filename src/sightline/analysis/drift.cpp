@@ -31,7 +31,7 @@ Program derivatives_of(const Potential& potential) {
   return Program(graph, d.first, variables_of_pair);
 }
 
-/// What a body is drawn by, and how stiffly, along each of its axes.
+/// Gradient and stiffness of a body's cost along each of its axes.
 struct Pull {
   std::array<double, axes> slope{}, stiffness{};
 };
@@ -48,9 +48,10 @@ void Flow::add(const Weighted& term, std::size_t a, std::size_t b, bool felt_by_
 }
 
 FlowEnd Flow::settle(int steps) const {
-  constexpr double damping = 5.0, longest = 0.1, widest = 0.2;  // [1/m^2], of a step [m], [rad]
+  constexpr double damping = 5.0, longest = 0.1, widest = 0.2;  // damping [1/m^2], longest step
+                                                                // [m], widest turn [rad]
   constexpr double far = 0.3,
-                   steady = 0.2;  // a drift over a sixth of the way [m]; share by which it may change
+                   steady = 0.2;  // drift over a sixth of the steps [m]; its relative change
   const int sixth = std::max(1, steps / 6);
   std::vector<Drifting> now = bodies_;
   const auto centre = [&] {
@@ -71,7 +72,8 @@ FlowEnd Flow::settle(int steps) const {
     for (int i = 0; i < known.derivatives.outputs(); ++i) e.output(i, out[i]);
   }
 
-  std::array<Vec3<double>, 3> marks{};  // the centre two sixths before the end, one, and there
+  std::array<Vec3<double>, 3> marks{};  // the centre two sixths before the end, one sixth before
+                                        // it, and at the end
   for (int n = 0; n < 6 * sixth; ++n) {
     if (n == 4 * sixth) marks[0] = centre();
     if (n == 5 * sixth) marks[1] = centre();

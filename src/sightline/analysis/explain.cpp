@@ -15,11 +15,11 @@ namespace sightline {
 namespace {
 
 using std::numbers::pi;
-constexpr double nearest = 0.05, farthest = 200.0;  // distances that are looked at [m]
+constexpr double nearest = 0.05, farthest = 200.0;  // range of the sampled distances [m]
 constexpr int distances = 200;
 constexpr double a_tenth_more = 1.1;
 
-/// One coupling as its pair sees it.
+/// A coupling of a pair; `turned` if the pair's second body is its first.
 struct Member {
   std::size_t coupling;
   const Coupling* of;
@@ -40,7 +40,7 @@ struct Member {
 
 double distance_number(int n) { return nearest * std::pow(farthest / nearest, n / double{distances - 1}); }
 
-/// Directions evenly over the sphere.
+/// Directions evenly spread over the sphere.
 std::vector<Vec3<double>> directions(int n) {
   const double golden = pi * (3 - std::sqrt(5.0));
   std::vector<Vec3<double>> all;
@@ -51,7 +51,7 @@ std::vector<Vec3<double>> directions(int n) {
   return all;
 }
 
-/// Two bodies, and where they start.
+/// Two bodies and their starts.
 struct Ends {
   BodyId first, second;
   Vec3<double> first_start{}, second_start{};
@@ -102,7 +102,7 @@ class Pair {
     return list;
   }
 
-  /// Whether it matters where in the world, or which way round, the pair stands.
+  /// Whether the cost depends on the place or the heading of the pair in the world.
   bool depends_on_the_world() const {
     constexpr double turn = 1.1;
     const double c = std::cos(turn), s = std::sin(turn);
@@ -119,7 +119,8 @@ class Pair {
     return false;
   }
 
-  /// Relative poses at a distance: evenly in all directions, and along the axes of the sensors.
+  /// Relative poses at a distance: evenly spread in all directions, and along the axes of the
+  /// sensors.
   std::vector<Station> stations(double distance) const {
     static const std::vector<Vec3<double>> even = directions(150);
     const int headings = global_ ? 8 : 1, target_headings = turned_sees_ ? 8 : 1;
@@ -136,7 +137,7 @@ class Pair {
     return in_world_ ? around_starts(list) : list;
   }
 
-  /// The same with the first where it starts, and with the second where it starts.
+  /// The same poses with the first body at its start, and with the second body at its start.
   std::vector<Station> around_starts(const std::vector<Station>& relative) const {
     std::vector<Station> list;
     for (const Station& s : relative) {
@@ -150,10 +151,10 @@ class Pair {
     return list;
   }
 
-  /// The target on the axis of a sensor, of the one or of the other.
+  /// The target on the axis of a member's sensor.
   static Station on_axis(const Member& m, double distance, double psi, double psi_target) {
     const double c = std::cos(m.mount->pitch), offset = m.mount->offset * c;
-    // |(offset, 0) + x (cos beta, -sin beta)| = distance
+    // Solves |(offset, 0) + x (cos beta, -sin beta)| = distance for x.
     const double root =
         std::sqrt(std::max(0.0, distance * distance - m.mount->offset * m.mount->offset + offset * offset));
     const Vec3<double> r = seen_at({std::max(0.0, root - offset), 0, 0}, m.mount).target;
@@ -218,7 +219,8 @@ class Pair {
     return worst;
   }
 
-  /// Whether the robots of the pair go down one cost: all that is felt by one, or the same by both.
+  /// Whether the pair minimises one cost: the same couplings act on both bodies, or couplings act
+  /// on one body only.
   bool feel_alike() const {
     const auto felt = [&](BodyId body) {
       std::vector<bool> by;
@@ -229,7 +231,7 @@ class Pair {
     return a == b || a == nobody || b == nobody;
   }
 
-  /// Follows each robot down what it feels itself, from a few of the best places, until they rest or go on together.
+  /// Follows the gradient flow from the best places until the pair rests or drifts.
   void settle(PairAdvice& a) const {
     for (const Station& start : best_places(3)) {
       Drifting first{start.observer, start.psi, {true, true, true, true}};
@@ -249,7 +251,7 @@ class Pair {
     }
   }
 
-  /// Places where the sum of all costs least, of those that are looked at.
+  /// The sampled places with the least total cost.
   std::vector<Station> best_places(std::size_t tries) const {
     std::vector<Station> places;
     for (int n = 1; n <= 60; ++n) {
@@ -284,7 +286,7 @@ class Pair {
   std::optional<PairRest> rest_at(const Station& station) const {
     const Vec3<double> r = station.target - station.observer;
     const double distance = norm(r), cost = field_(station).l;
-    // A plateau is no place to rest: nothing holds them there.
+    // A plateau is no equilibrium: its cost does not fix the distance.
     const auto at = [&](double scale) {
       Station s = station;
       s.target = s.observer + scale * r;
@@ -304,12 +306,12 @@ class Pair {
   std::vector<Member> members_;
   Ends ends_;
   Field field_;
-  bool in_world_ = false;     // of some limit it matters where in G they are
-  bool turned_sees_ = false;  // some look back, so the heading of the second matters
+  bool in_world_ = false;     // some limit depends on the places in G
+  bool turned_sees_ = false;  // a turned potential depends on the heading of the second
   bool global_ = false;
 };
 
-/// Pairs that were looked at: in a large team most are alike.
+/// Pairs analysed so far: in a large team most pairs are equal.
 class KnownPairs {
  public:
   PairAdvice advice(std::vector<Member> members, const Ends& ends, const std::vector<PairAdvice>& earlier) {
@@ -336,13 +338,13 @@ class KnownPairs {
     std::string name;
     double weight;
     bool turned, felt_by_first, felt_by_second;
-    std::array<double, 6> starts;  // 0 where they do not matter
+    std::array<double, 6> starts;  // 0 if they have no effect
     Program formula;
 
     bool operator==(const WarmStart&) const = default;
   };
 
-  /// Gives an advice the couplings of another pair, in the same order.
+  /// Replaces an advice's couplings by those of another pair, in the same order.
   static void renumber(PairAdvice& a, const std::vector<Member>& members) {
     const auto number = [&](std::size_t& coupling) {
       const auto at = std::find_if(a.limits.begin(), a.limits.end(),
@@ -359,7 +361,7 @@ class KnownPairs {
   std::vector<std::pair<std::size_t, std::vector<WarmStart>>> known_;
 };
 
-/// Whether a limit can hold together with one of its own pair: then evading the other does not cost it.
+/// Whether two limits of a pair can hold together: then evading by the one does not cost the other.
 bool agree(const PairAdvice& pair, std::size_t i, std::size_t j) {
   const auto contradicts = [&](const auto& c) {
     return (c.first == i && c.second == j) || (c.first == j && c.second == i);
@@ -367,7 +369,7 @@ bool agree(const PairAdvice& pair, std::size_t i, std::size_t j) {
   return std::none_of(pair.contradictions.begin(), pair.contradictions.end(), contradicts);
 }
 
-/// What being hit costs a robot against all that keeps it from evading.
+/// Adds the cost of a collision for each robot, against the limits that evading would break.
 void add_hits(const Team& team, Explanation& e) {
   for (const PairAdvice& pair : e.pairs) {
     for (const LimitWorth& limit : pair.limits) {

@@ -28,7 +28,7 @@ std::string bands(const std::vector<DistanceBand>& all) {
   return text;
 }
 
-/// "climb", of robots that go on together.
+/// Verb for a drift: "climb", "sink" or "wander".
 std::string_view way(const Vec3<double>& drift) {
   if (std::fabs(drift.z) < norm(drift.x, drift.y)) return "wander";
   return drift.z > 0 ? "climb" : "sink";
@@ -116,7 +116,7 @@ std::string pair_words(const PairAdvice& pair, const Team& team) {
   return text;
 }
 
-/// Whether no other limit that keeps the robot apart costs less; of equal ones the first.
+/// Whether no other limit that keeps the robot apart costs less; among equal costs, the first.
 bool is_weakest(const HitCost& h, const Explanation& e) {
   return std::none_of(e.hits.begin(), e.hits.end(), [&](const HitCost& other) {
     return other.agent == h.agent && std::pair(other.hit, other.coupling) < std::pair(h.hit, h.coupling);

@@ -27,7 +27,8 @@ void move(Station& s, int variable, double by) {
   *of[at(variable)] += by;
 }
 
-/// x of (H + damping I) x = -g over the free variables; false where that is not positive.
+/// Solves (H + damping I) x = -g over the free variables; false if the matrix is not positive
+/// definite.
 bool newton_step(const FieldValue& f, std::span<const int> free, double damping,
                  std::array<double, free_size>& x) {
   std::array<std::array<double, free_size>, free_size> L{};
@@ -58,7 +59,7 @@ double steepness(const FieldValue& f, std::span<const int> free) {
   return most;
 }
 
-/// A potential seen from another origin of G, its third body, if it has one, at a place of it.
+/// A potential with another origin of G; its third body, if it has one, is fixed at `third`.
 struct Moved {
   Potential of;
   Vec3<double> origin, third{};
@@ -128,7 +129,7 @@ std::array<double, 3> FieldValue::curvatures() const {
 
 std::array<double, 3> eigenvalues(const std::array<double, 6>& m) {
   const auto [xx, xy, xz, yy, yz, zz] = m;
-  // The three roots of the characteristic polynomial, by the cosine of a third of an angle.
+  // Roots of the characteristic polynomial by the trigonometric method.
   const double mean = (xx + yy + zz) / 3;
   const double a = xx - mean, b = yy - mean, c = zz - mean;
   const double off = xy * xy + xz * xz + yz * yz;

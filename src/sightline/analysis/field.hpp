@@ -1,4 +1,5 @@
-/// Potentials as a field: value, gradient and Hessian over many places at once, from the formula's own graph.
+/// Potentials as a field: value, gradient and Hessian at many places at once, from the formula's
+/// graph.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@
 
 namespace sightline {
 
-/// Where two bodies are, at rest, at time 0.
+/// Poses of two bodies at rest at time 0.
 struct Station {
   Vec3<double> observer{}, target{};   ///< in G [m]
   double psi = 0.0, psi_target = 0.0;  ///< headings [rad]
@@ -20,13 +21,14 @@ struct Station {
 Sight<double> observer_of(const Station& s);
 Sight<double> target_of(const Station& s);
 
-/// A station whose observer is at the origin, heading along x, and whose target is at p_S in the frame of a sensor;
-/// without a sensor S is the observer's own frame V.
+/// A station with the observer at the origin, heading along x, and the target at p_S in the frame S
+/// of the sensor. If `mount` is null, S is the observer's own frame V.
 Station seen_at(const Vec3<double>& p_S, const SensorMount* mount);
-/// The target in the frame of the sensor.
+/// Position of the target in the frame of the sensor [m]; in V if `mount` is null.
 Vec3<double> in_sensor_frame(const Station& s, const SensorMount* mount);
 
-/// What a field is at a station; derivatives by the target's position in G [m] and by both headings [rad].
+/// Value and derivatives of a field at a station, by the target's position in G [m] and by both
+/// headings [rad].
 struct FieldValue {
   static constexpr int variables = 5;  ///< target.x, .y, .z, psi, psi_target
 
@@ -39,31 +41,34 @@ struct FieldValue {
   double at(int i, int j) const {
     return second[static_cast<std::size_t>(upper_index(std::min(i, j), std::max(i, j), variables))];
   }
-  /// Eigenvalues of the Hessian by the position, rising [1/m^2].
+  /// Eigenvalues of the Hessian by the position, ascending [1/m^2].
   std::array<double, 3> curvatures() const;
 };
 
-/// The value of a potential alone; equal programs are the same formula with the same numbers.
+/// The value of a potential alone. Equal programs are the same formula with the same numbers.
 Program formula_of(const Potential& potential);
 
-/// Whether it matters where in G two bodies are, besides where they are to each other; by its gradients at random poses.
+/// Whether a potential depends on the bodies' places in G, not only on their relative pose. Tests
+/// the sum of both position gradients at random poses.
 bool sees_place(const Potential& potential);
-/// The same potential as it is around a place of G: that place becomes the origin.
+/// The same potential with `place` of G as its origin.
 Potential moved_to(const Vec3<double>& place, const Potential& potential);
 
-/// Where a body is at the states x (team.nx()) and inputs of 0; empty: at the origin.
+/// Position of a body [m] at the states x (team.nx()) and zero inputs; if x is empty, the origin.
 Vec3<double> place_at(const Team& team, BodyId body, std::span<const double> x);
 
-/// The couplings of a team, each as it is while its third body stays where the states x (team.nx()) have it; empty: at the origin.
+/// The couplings of a team, with each third body fixed at the states x (team.nx()); if x is empty,
+/// at the origin.
 std::vector<Coupling> with_thirds_at(const Team& team, std::span<const double> x);
 
-/// A potential of a coupling as its field counts it.
+/// A potential of a coupling as a term of a field.
 struct FieldTerm {
   Weighted term;
-  bool turned = false;  ///< the field's target is its observer
+  bool turned = false;  ///< the field's target is the potential's observer
 };
 
-/// A weighted sum of potentials between the same two bodies. Making it records and derives the formula.
+/// A weighted sum of potentials between the same two bodies. Construction records and
+/// differentiates the formula.
 class Field {
  public:
   explicit Field(std::span<const FieldTerm> terms);
@@ -71,7 +76,7 @@ class Field {
 
   std::vector<FieldValue> operator()(std::span<const Station> stations) const;
   FieldValue operator()(const Station& station) const;
-  /// Whether it depends on the observer's heading.
+  /// Whether the field depends on the observer's heading.
   bool sees_heading() const { return sees_heading_; }
 
  private:
@@ -82,14 +87,15 @@ class Field {
 /// Ascending eigenvalues of a symmetric 3 x 3 matrix {xx, xy, xz, yy, yz, zz}.
 std::array<double, 3> eigenvalues(const std::array<double, 6>& m);
 
-/// A place to which Newton's method with Levenberg's damping comes down.
+/// End point of Newton's method with Levenberg damping.
 struct Rest {
   Station station;
   double l = 0.0;
-  bool is_minimum = false;  ///< the gradient vanished where the Hessian is not negative
+  bool is_minimum = false;  ///< the gradient vanished and the Hessian is positive semidefinite
 };
 
-/// @param free  which of the FieldValue::variables may move
+/// Descends from `start`.
+/// @param free  indices of the FieldValue::variables that may change
 Rest descend(const Field& field, const Station& start, std::span<const int> free);
 
 }  // namespace sightline

@@ -26,12 +26,13 @@ std::vector<bool> inputs_of(Graph& graph, const Symbol& formula, int n) {
   return depends;
 }
 
-/// What the robots that feel a limit can change, each found once.
+/// Reach of each robot, computed once.
 class Reach {
  public:
   explicit Reach(const Team& team) : team_(team) {}
 
-  /// Whether a robot changes anything of what a potential sees of it; `seen` begins with its own part.
+  /// Whether a robot changes any of the entries of its sight that a potential depends on; `seen`
+  /// begins with the robot's own entries.
   bool changes(AgentId agent, const bool* seen) {
     auto [found, is_new] = reach_.try_emplace(agent.index);
     if (is_new) found->second = reach_of(team_.model(agent));

@@ -1,4 +1,4 @@
-/// What the inputs of a robot can change, and limits that no robot that feels them can change.
+/// What the inputs of a robot can change, and the limits that no robot they act on can change.
 #pragma once
 
 #include <array>
@@ -9,19 +9,23 @@
 
 namespace sightline {
 
-/// Of what is seen of a robot, in the order of `write_sight`: whether its inputs change it, sooner or later.
+/// For each entry of a robot's sight, in the order of `write_sight`: whether the inputs change it,
+/// directly or through other states.
 std::array<bool, sight_size> reach_of(const Model& model);
 
-/// Of what a potential sees of its observer, then of its target: whether its value depends on it.
+/// For each entry of the observer's sight, then of the target's: whether the potential's value
+/// depends on it.
 std::array<bool, 2 * sight_size> seen_by(const Potential& potential);
 
 /// The couplings of a scenario's team, then those that its events add.
 std::vector<Coupling> said_couplings(const Scenario& scenario);
 
-/// A sentence for each coupling and constraint, events' ones included, that none of the robots that feel it can change.
+/// A sentence for each coupling and constraint, events' ones included, that none of the robots it
+/// acts on can change.
 std::vector<std::string> limits_beyond_influence(const Scenario& scenario);
 
-/// A sentence for each robot that noise or faults of the scenario do not reach, since its states are none of theirs.
+/// A sentence for each robot with a noise or fault of the scenario that no state of its model can
+/// take.
 std::vector<std::string> robots_beyond_noise(const Scenario& scenario);
 
 }  // namespace sightline

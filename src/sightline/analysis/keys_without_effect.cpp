@@ -14,9 +14,9 @@
 namespace sightline {
 namespace {
 
-/// What the robots of a scenario can take up.
+/// What the robots of a scenario can respond to.
 struct Takers {
-  int pushed = 0;  // whom an acceleration moves
+  int pushed = 0;  // number of robots that an acceleration moves
   bool yaws = false, rolls = false, climbs = false, turns = false;
 };
 
@@ -65,14 +65,14 @@ void look_at_disturbances(const Scenario& scenario, const Takers& takers, Senten
   }
 }
 
-/// The keys that the text of a scenario states.
+/// The keys in the text of a scenario.
 class Keys {
  public:
   Keys(const Scenario& scenario, Sentences& to)
       : document_(parse_toml(scenario.text, scenario.file.native())), to_(to) {}
 
   bool states(std::string_view path) const { return static_cast<bool>(document_.root.at_path(path)); }
-  /// One that is stated and not taken up is told.
+  /// Adds a sentence for a key that is stated and not used.
   void look(std::string_view path, bool taken, std::string_view why) const {
     to_.add(states(path), taken, path, why);
   }
@@ -82,7 +82,7 @@ class Keys {
   Sentences& to_;
 };
 
-/// Keys that another one switches on; a campaign may draw that.
+/// Keys that need another key; skipped with [campaign], which may vary that key.
 void look_at_switches(const Scenario& scenario, const Keys& keys) {
   if (keys.states("campaign")) return;
   const Disturbances& d = scenario.simulation.disturbances;

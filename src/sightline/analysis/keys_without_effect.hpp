@@ -1,4 +1,4 @@
-/// Keys of a scenario that change nothing in it.
+/// Keys of a scenario that have no effect.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@ namespace sightline {
 
 struct Scenario;
 
-/// A sentence for each key that no body, or nothing else, of the scenario takes up: wind where no robot has an
-/// acceleration of G among its rates, a floor where every robot drives, margins of a barrier that is off.
+/// A sentence for each key that no robot and nothing else of the scenario uses. Examples: wind if
+/// no robot has an acceleration of G among its rates, a floor if every robot drives, margins of a
+/// barrier that is off.
 std::vector<std::string> keys_without_effect(const Scenario& scenario);
 
 }  // namespace sightline

@@ -16,14 +16,14 @@
 namespace sightline {
 namespace {
 
-constexpr double position_weight = 1.6;  // of a position that is held, about the paper's, (63)
+constexpr double position_weight = 1.6;  // of a held position, near the paper's, (63)
 
 bool is_view(const Team& team, const Coupling& c) {
   return c.term.potential.mount() != nullptr && team.is_agent(c.between.first) &&
          team.is_agent(c.between.second) && c.term.weight * c.ramp.to > 0;
 }
 
-/// Cycles of a graph, found by going down it: one for each edge that leads back.
+/// Cycles of a graph by depth-first search: one for each back edge.
 class CycleSearch {
  public:
   explicit CycleSearch(const Team& team)
@@ -44,7 +44,7 @@ class CycleSearch {
   enum class Seen { never, on_the_way, done };
 
   void go_down(int from) {
-    // Each body of the way with the number of the edge that is taken next.
+    // Each body of the path with the index of its next edge.
     std::vector<std::pair<int, std::size_t>> way = {{from, 0}};
     seen_[static_cast<std::size_t>(from)] = Seen::on_the_way;
     while (!way.empty()) {
@@ -77,7 +77,7 @@ class CycleSearch {
   std::vector<std::vector<int>> next_;
 };
 
-/// The team with a change to its couplings.
+/// A copy of the team with changed couplings.
 template <class Change>
 Team changed(const Team& team, Change&& change) {
   Team other;
@@ -97,7 +97,7 @@ Team changed(const Team& team, Change&& change) {
   return other;
 }
 
-/// Robots of a cycle in their team, all others where they start.
+/// Robots of a cycle in their team; all other robots stay at their starts.
 struct CycleInTeam {
   const Team& team;
   std::span<const double> x0;
@@ -107,7 +107,7 @@ struct CycleInTeam {
   std::optional<Vec3<double>> drift(const Team& of) const { return flow_of(of, x0, robots).settle().drift; }
 };
 
-/// What brings a cycle to rest, of what a user can change in a line.
+/// Changes that bring a cycle to rest, among those that take a user one line.
 std::vector<std::string> maneuvers(const CycleInTeam& cycle) {
   const Team& team = cycle.team;
   std::vector<std::string> ways;
@@ -137,12 +137,12 @@ std::vector<std::string> maneuvers(const CycleInTeam& cycle) {
   return ways;
 }
 
-/// A team that events can make of a scenario's.
+/// A team that events can produce from a scenario's.
 struct Possible {
   ActiveTeam active_team;
   std::set<std::size_t> occurred{};
   std::vector<std::string> stages;
-  std::vector<std::string> names{};  // of the events that led to it
+  std::vector<std::string> names{};  // of the events that lead to it
 
   auto key() const { return std::pair(occurred, stages); }
 };
@@ -151,13 +151,13 @@ bool is_armed(const TeamEvent& event, const std::vector<std::string>& stages) {
   return event.stage.empty() || std::find(stages.begin(), stages.end(), event.stage) != stages.end();
 }
 
-/// Whether a choice asks for it, which closes no circle (view_choice.hpp).
+/// Whether a choice triggers the event; such an event closes no cycle (view_choice.hpp).
 bool is_chosen(const TeamEvent& event) {
   const auto* condition = std::get_if<Condition>(&event.trigger);
   return condition != nullptr && std::holds_alternative<TurnedTo>(condition->measure);
 }
 
-/// Whether another event of a time of its own must come first.
+/// Whether another timed event must occur first.
 bool waits(const Script& script, const Possible& at, std::size_t event) {
   const auto* time = std::get_if<AtTime>(&script.events[event].trigger);
   if (time == nullptr) return false;
@@ -173,7 +173,8 @@ bool waits(const Script& script, const Possible& at, std::size_t event) {
 Possible after(const Script& script, const Possible& before, std::size_t number) {
   const TeamEvent& event = script.events[number];
   Possible next = before;
-  const auto t = static_cast<double>(next.names.size() + 1);  // weights move at once, so any rising time does
+  const auto t = static_cast<double>(next.names.size() + 1);  // weights change at once, so any
+                                                              // increasing time serves
   for (const Action& action : event.actions) (void)next.active_team.apply(action, t, 0.0);
   next.occurred.insert(number);
   next.names.push_back(event.name.empty() ? fmt::format("event[{}]", number)
@@ -186,7 +187,7 @@ Possible after(const Script& script, const Possible& before, std::size_t number)
   return next;
 }
 
-/// Takes in the cycles of a team that were not met before; ids become those of the scenario.
+/// Adds the cycles of a team that are new; ids are those of the scenario.
 void collect(const Scenario& scenario, const Possible& at, std::vector<ObservationCycle>& cycles) {
   const Team team = at.active_team.team(static_cast<double>(at.names.size() + 1));
   std::vector<double> x0;
@@ -198,7 +199,7 @@ void collect(const Scenario& scenario, const Possible& at, std::vector<Observati
       continue;
     }
     const std::vector<double> none(static_cast<std::size_t>(scenario.team.nu()), 0.0);
-    const Vec3<double> p = scenario.team.model(original).sight(x, none.data()).p;  // one that holds or lands
+    const Vec3<double> p = scenario.team.model(original).sight(x, none.data()).p;  // holds or lands
     x0.insert(x0.end(), {p.x, p.y, p.z, 0.0, 0.0, 0.0});
   }
   if (CycleSearch(team).found.empty()) return;

@@ -9,19 +9,20 @@
 
 namespace sightline {
 
-/// Each has the next in the view of its sensor, the last the first.
+/// Each robot has the next in the view of its sensor; the last robot has the first.
 struct ObservationCycle {
   std::vector<AgentId> robots;  ///< each once, the least index first
-  std::string after{};   ///< the events that led to it, in their order; empty: it is there from the start
-  Vec3<double> drift{};  ///< where they go together, a direction; 0: they come to rest
-  std::vector<std::string> maneuvers{};  ///< what brings them to rest, each tried
+  std::string after{};          ///< events that lead to it, in their order; empty: it exists from the start
+  Vec3<double> drift{};         ///< direction in which the robots move together; 0: they come to rest
+  std::vector<std::string> maneuvers{};  ///< changes that bring them to rest, each verified
 };
 
-/// The cycles of a team whose states are x0 (team.nx()); at most one through each pair of observer and target.
+/// Cycles of a team at the states x0 (team.nx()); at most one through each pair of observer and
+/// target.
 std::vector<ObservationCycle> observation_cycles(const Team& team, std::span<const double> x0);
 
-/// Those of every team that the events of a scenario can make, each where it first comes about. Of more than
-/// `teams_max` teams the first are looked at.
+/// Cycles of every team that a scenario's events can produce, each listed at its first appearance.
+/// Considers at most `teams_max` teams.
 std::vector<ObservationCycle> observation_cycles(const Scenario& scenario);
 inline constexpr std::size_t teams_max = 200;
 

@@ -19,17 +19,17 @@ using Panel = Drawing::Panel;
 using Grid = Drawing::Grid;
 
 using std::numbers::pi;
-constexpr double window = 3.0;                    // half the width of a picture [m]
-constexpr double worth = 0.5;                     // whose border is drawn, Figs. 14 and 16
-constexpr int map_side = 268;                     // of two side by side [px]
-constexpr int map_size = 120, surface_size = 32;  // points across; even, so that none lies on an axis
-/// Where the paper's pictures in the global frame have the robot, Fig. 12.
+constexpr double window = 3.0;                    // half the width of a figure [m]
+constexpr double worth = 0.5;                     // level of the border in Figs. 14 and 16
+constexpr int map_side = 268;                     // of two figures side by side [px]
+constexpr int map_size = 120, surface_size = 32;  // points per side; even: none on an axis
+/// Pose of the robot in the paper's figures in the global frame, Fig. 12.
 constexpr Vec3<double> robot = {-1.0, -1.0, 0.0};
 constexpr double robot_heading = pi / 4;
 
 using Value = std::function<double(const Station&)>;
 
-/// A place of the plane of a picture as a station.
+/// Maps a point of a figure's plane to a station.
 using Plane = std::function<Station(double, double)>;
 
 Grid grid_over(const Plane& plane, const Value& value, int across, Grid::View view, std::string label) {
@@ -125,7 +125,7 @@ class Pictures {
     drawings_.push_back(std::move(drawing));
   }
 
-  /// Points where `is_out` changes along rays of a grid, in the frame in which `place` puts them.
+  /// Points where `is_out` changes along the lines of a grid, in the frame of `place`.
   Grid border(const std::function<Station(const Vec3<double>&)>& place,
               const std::function<bool(const Station&)>& is_out, double reach) const {
     constexpr int lines = 26, steps = 60;
@@ -239,7 +239,8 @@ class Pictures {
     drawings_.push_back(std::move(drawing));
   }
 
-  /// Fig. 12: with a level sensor, for the plane of the robot, and as it is mounted, where its axis meets a plane.
+  /// Fig. 12: with a level sensor in the plane of the robot, and as mounted in a plane that its
+  /// axis meets.
   void global_frame() {
     const auto in_plane = [](double height) {
       return [height](double x, double y) {
@@ -260,7 +261,7 @@ class Pictures {
     if (mount_ == nullptr) {
       drawing.panels.push_back(picture(potential_, 0.0, "plane z = 0"));
     } else {
-      // The axis meets the plane 1.5 m ahead, or as far above or below where it is steeper.
+      // Where the axis meets the plane: 1.5 m ahead, or 1.5 m above or below if it is steeper.
       constexpr double far = 1.5;
       const double slope = std::tan(mount_->pitch), ahead = far / std::max(1.0, std::abs(slope)),
                    below = -std::clamp(far * slope, -far, far);
@@ -305,7 +306,7 @@ class Pictures {
       const int column = i % across, row = i / across;
       const Vec3<double> p = {-window + pitch * (1 + column), -window + pitch * (1 + row), 0.0};
       const FieldValue f = field_(seen_at(p, mount_));
-      // A force in V is turned into S: two places apart by it, seen from the same sensor.
+      // Turns a force in V into S: the difference of two points in S that are `push` apart in V.
       const Vec3<double> push = {-f.first[0], -f.first[1], -f.first[2]};
       const Station s = seen_at(p, mount_);
       const Vec3<double> in_S = in_sensor_frame({.target = s.target + push}, mount_) - p;
@@ -357,7 +358,7 @@ class Pictures {
          {std::move(along)}});
   }
 
-  /// What turns the observer, over how far it looks past the target.
+  /// Yaw gradient of the observer against the angle between its heading and the target.
   void torque() {
     Panel size{.x_label = "angle by which the observer looks past the target [rad]",
                .y_label = "|dl/dψ| [1/rad]",
@@ -393,7 +394,7 @@ class Pictures {
   const SensorMount* mount_;
   Field field_;
   std::string name_;
-  std::vector<double> sharpnesses_;  // its own in the middle
+  std::vector<double> sharpnesses_;  // the potential's own sharpness is in the middle
   std::vector<Drawing> drawings_;
 };
 

@@ -1,4 +1,4 @@
-/// A potential as pictures, those of Figs. 8 to 16 of the paper for any limit.
+/// Figures of a potential, those of Figs. 8 to 16 of the paper for any limit.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,9 @@
 
 namespace sightline {
 
-/// What each step of the workflow makes of a limit: unit step, slope, sigmoid at several sharpnesses, in the sensor
-/// frame and in the global one, the gradient and the force; all of the potential by itself, without its weight.
+/// Figures of each step of the workflow: unit step, slope, sigmoid at several sharpnesses, in the
+/// sensor frame and in the global one, the gradient and the force. All show the potential alone,
+/// without its weight.
 std::vector<Drawing> drawings_of(const Potential& potential, const Verdict& verdict);
 
 }  // namespace sightline

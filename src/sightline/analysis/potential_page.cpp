@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-/// Where the first of a coupling starts, if its potential depends on that.
+/// Start of a coupling's first body, if its potential depends on places in G.
 std::optional<Vec3<double>> place_of(const Team& team, const Coupling& c, std::span<const double> x0) {
   if (x0.empty() || !sees_place(c.term.potential)) return {};
   return place_at(team, c.between.first, x0);

@@ -28,7 +28,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& senten
   if (shown < sentences.size()) to.push_back(fmt::format("and {} more like it", sentences.size() - shown));
 }
 
-/// The middle of the starts of all bodies.
+/// Mean of the starts of all bodies.
 Vec3<double> middle(const Scenario& scenario) {
   const Team& team = scenario.team;
   const std::vector<double> none(static_cast<std::size_t>(team.nu()) + 1, 0.0);
@@ -39,7 +39,7 @@ Vec3<double> middle(const Scenario& scenario) {
   return (1.0 / team.bodies()) * sum;
 }
 
-/// Says what is to be known of a region that was written as text.
+/// Checks regions that are written as text.
 class Regions {
  public:
   Regions(const Scenario& scenario, Preflight& to)
@@ -48,8 +48,8 @@ class Regions {
                 .period = scenario.horizon.dt,
                 .centre = middle(scenario)} {}
 
-  /// @param where         the file, and the line where it is known
-  /// @param whole_flight  else it is in force for a part of the flight that is not known
+  /// @param where  the file, with the line if known
+  /// @param whole_flight  if false, the region is in force during an unknown part of the flight
   void look_at(const Potential& potential, std::string_view where, std::string_view who, bool whole_flight) {
     const std::optional<Rounding> rounding = potential.rounding();
     if (!rounding) return;
@@ -94,7 +94,7 @@ void look_at_regions(const Scenario& scenario, Preflight& to) {
   }
 }
 
-/// Where the barrier reckons with less than what it will meet.
+/// Bodies that move faster than the barrier assumes.
 std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
   std::vector<std::string> sentences;
   if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return sentences;
@@ -125,7 +125,7 @@ std::vector<std::string> warnings_of_robot_speeds(const Scenario& scenario) {
   return sentences;
 }
 
-/// Vehicles that touch before they are too near.
+/// Vehicles whose bodies touch at a distance above d_hard.
 std::vector<std::string> warnings_of_touches(const Scenario& scenario) {
   std::vector<std::string> sentences;
   const auto radius = [&](BodyId body) {

@@ -1,4 +1,4 @@
-/// What is known of a scenario before it flies: what cannot be flown, and what to know before a flight.
+/// Checks of a scenario before its flight: reasons to refuse the flight, remarks and warnings.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 namespace sightline {
 
 struct Preflight {
-  std::vector<std::string> refusals;  ///< with the file, a sentence each
-  std::vector<std::string> remarks;   ///< corners that are rounded off, a sentence each
+  std::vector<std::string> refusals;  ///< reasons why it cannot be flown, with the file, a sentence each
+  std::vector<std::string> remarks;   ///< rounded corners of regions, a sentence each
   std::vector<std::string> warnings;  ///< a sentence each
 };
 
-/// Set-up: allocates, takes some tenths of a second.
+/// Runs all checks. Set-up: allocates, takes some tenths of a second.
 Preflight preflight(const Scenario& scenario);
 
 }  // namespace sightline

@@ -14,12 +14,12 @@
 namespace sightline {
 namespace {
 
-constexpr double one_place = 0.05;  // of bodies whose distance nobody limits [m]
+constexpr double one_place = 0.05;  // least distance of bodies without a distance limit [m]
 
 struct Start {
   BodyId body;
   Vec3<double> p;
-  const TeamEvent* joins = nullptr;  // the event that adds it, of one that is absent at first
+  const TeamEvent* joins = nullptr;  // event that adds a body that is absent at first
 };
 
 std::vector<Start> starts_of(const Scenario& scenario) {
@@ -50,7 +50,7 @@ std::string when(const Start& start) {
                                    : fmt::format("joins by the event \"{}\"", start.joins->name);
 }
 
-/// What a robot's start breaks of the room it is kept in.
+/// Adds a sentence for each wall that a robot's start violates.
 void add_walls(const Scenario& scenario, const Start& start, std::vector<std::string>& to) {
   const BarrierOptions& room = scenario.safety->barrier_options;
   const std::string who = fmt::format("{} {} at ({:.3g}, {:.3g}, {:.3g}) m", scenario.team.name(start.body),
@@ -82,7 +82,7 @@ std::vector<std::string> warnings_of_starts(const Scenario& scenario) {
   const Team& team = scenario.team;
   const std::vector<Start> starts = starts_of(scenario);
   std::vector<std::string> sentences;
-  if (scenario.safety && scenario.safety->start_outside) return sentences;  // it is meant
+  if (scenario.safety && scenario.safety->start_outside) return sentences;  // intended
   for (const Start& start : starts) {
     if (scenario.safety && team.is_agent(start.body)) add_walls(scenario, start, sentences);
   }

@@ -1,4 +1,4 @@
-/// Where a scenario's bodies stand before the flight, against its floor, ceiling, world and hard distances.
+/// Checks the bodies' starts against the floor, ceiling, world and hard distances of a scenario.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace sightline {
 
-/// A sentence for each start that breaks what [safety] asks, and for each body that an event adds where another
-/// starts. Bodies that are absent at first count from their event on.
+/// A sentence for each start that violates [safety], and for each body that joins by an event at
+/// the start of another. Bodies that are absent at first count from their event on.
 std::vector<std::string> warnings_of_starts(const Scenario& scenario);
 
 }  // namespace sightline

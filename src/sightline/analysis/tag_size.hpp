@@ -1,4 +1,4 @@
-/// Whether tags can be read at the distances that couplings keep.
+/// Whether cameras can read tags at the distances that couplings keep.
 #pragma once
 
 #include <string>
@@ -10,14 +10,15 @@
 namespace sightline {
 
 struct TagSize {
-  std::vector<std::string> refusals;  ///< at the nearest distance no camera reads them
-  std::vector<std::string> warnings;  ///< at a distance they are read seldom, or not from every side
+  std::vector<std::string> refusals;  ///< no camera reads the tags at the nearest distance
+  std::vector<std::string> warnings;  ///< at a distance the tags are read seldom, or not from every side
 };
 
-/// By the pixels that a tag has, of every robot with a camera and body with tags that are coupled (tag_readings()).
+/// Judges the size of the tags in pixels, for every coupled pair of a robot with a camera and a
+/// body with tags (tag_readings()).
 TagSize judge_tag_sizes(const Scenario& scenario);
-/// The same before a flight: red where tags are too small at a distance, green with the pixels of the smallest; nothing where no camera
-/// looks at tags.
+/// The same as findings before a flight: red for tags that are too small at a distance, else one
+/// green finding with the smallest tag's pixels. Empty if no camera observes tags.
 std::vector<Finding> tag_findings(const Scenario& scenario);
 
 }  // namespace sightline

@@ -15,11 +15,12 @@ namespace {
 using std::numbers::pi;
 constexpr double bin = 0.1;           // of distances [m]
 constexpr double sector = pi / 36;    // of angles [rad]
-constexpr double bias_reach = 1.0;    // how far a moved limit is looked for [m]
-constexpr double all_but_few = 0.95;  // share of a bin that counts as all of it
+constexpr double bias_reach = 1.0;    // greatest distance of the search for a bias [m]
+constexpr double all_but_few = 0.95;  // fraction of a bin that counts as all of it
 constexpr std::array<int, 3> position = {0, 1, 2};
 
-/// Number n of an evenly spread sequence of points in the unit cube, by the powers of the plastic number of dimension 3.
+/// Point n of an evenly spread (R3) sequence in the unit cube, by powers of the plastic number of
+/// dimension 3.
 std::array<double, 3> spread(int n) {
   constexpr std::array steps = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
   std::array<double, 3> u{};
@@ -37,7 +38,7 @@ double median(std::vector<double> values) {
   return values.empty() ? 0.0 : quantile(std::move(values), 0.5);
 }
 
-/// A count of those that have a property among those that are counted.
+/// Fraction of the counted samples that have a property.
 struct Share {
   long of = 0, all = 0;
 
@@ -70,7 +71,7 @@ class TermJudge {
   double sloped(const Station& s) const { return potential_.sloped(observer_of(s), target_of(s)); }
   bool flat(double gradient) const { return !(std::fabs(gradient) >= v_.options.flat); }
 
-  /// Whether what is seen lies round the axis, and not, as of a lidar, all about.
+  /// Whether the view is a cone around the axis, unlike the full circle of a lidar.
   bool looks_along_axis() const { return v_.of_limit && v_.of_limit->greatest < pi / 2; }
 
   void look_at_volume() {
@@ -109,7 +110,7 @@ class TermJudge {
     v_.turns_away = away.value();
   }
 
-  /// By distance, and by the angle off the axis, each equally often.
+  /// Counts flat gradients by distance and by the angle off the axis, at equally many samples each.
   void look_along_radii() {
     const int bins = static_cast<int>(std::ceil(v_.options.reach / bin)),
               sectors = static_cast<int>(pi / sector);
@@ -138,7 +139,7 @@ class TermJudge {
     if (v_.sees_heading && sector_from < sectors) v_.flat_in_yaw_from = sector_from * sector;
   }
 
-  /// Between a place within the limit and one outside it.
+  /// Point of the limit between a station inside and one outside, by bisection.
   Station crossing(Station in, Station out, const std::function<bool(const Station&)>& is_out) const {
     for (int n = 0; n < 40; ++n) {
       const Station middle = {.target = 0.5 * (in.target + out.target)};
@@ -150,7 +151,7 @@ class TermJudge {
   void look_at_limit() {
     constexpr std::size_t most = 1000;
     std::vector<Station> limit;
-    // Every sample is evenly spread; so are the lines between two that follow each other.
+    // Samples are evenly spread, and so are the lines between consecutive samples.
     for (std::size_t k = 1; k < volume_.size() && limit.size() < most; ++k) {
       if (outside_[k] == outside_[k - 1]) continue;
       limit.push_back(crossing(volume_[outside_[k] ? k - 1 : k], volume_[outside_[k] ? k : k - 1],
@@ -183,15 +184,16 @@ class TermJudge {
     v_.sigmoid_disagrees = disagrees.value();
   }
 
-  /// What l is worth where its step is centred: half of the step beyond the limit; without a step, as elsewhere.
+  /// Half of the step of l at the limit; without a step, the median level.
   double half_step(const Station& s, const Vec3<double>& up) const {
-    constexpr double beyond = 1e-3;  // m
+    constexpr double beyond = 1e-3;  // [m]
     const auto at = [&](double distance) { return sloped({.target = s.target + distance * up}); };
-    const double jump = 2 * at(beyond) - at(2 * beyond);  // at the limit itself, the slope taken off
+    const double jump = 2 * at(beyond) - at(2 * beyond);  // at the limit itself, by extrapolation
+                                                          // of the slope
     return jump > beyond ? 0.5 * jump : v_.level;
   }
 
-  /// How far up the gradient l is worth half of its step; bias_reach where it is so nowhere nearer.
+  /// Distance along the gradient at which l has half of its step [m], at most bias_reach.
   double bias_at(const Station& s, const FieldValue& f) const {
     constexpr int steps = 50;
     constexpr double length = bias_reach / steps;
@@ -212,7 +214,7 @@ class TermJudge {
   void look_at_angles() {
     const auto half_angle =
         [this](const std::function<bool(const Station&)>& is_out) -> std::optional<HalfAngle> {
-      double r = v_.options.reach / 2;  // where the axis lies within the limit
+      double r = v_.options.reach / 2;  // a distance at which the axis lies within the limit
       for (int n = 0; n < 10 && is_out(seen_at({r, 0, 0}, mount_)); ++n) r /= 1.5;
       if (is_out(seen_at({r, 0, 0}, mount_))) return {};
       HalfAngle cone{pi, 0.0};
@@ -236,11 +238,11 @@ class TermJudge {
     }
   }
 
-  /// Minima of a grid, each followed down.
+  /// Descends from each local minimum of a grid.
   void look_for_traps() {
     constexpr int n = 33;
     constexpr std::size_t most = 200;
-    constexpr double deep = 1e-7;  // below its neighbours, else it is a plateau
+    constexpr double deep = 1e-7;  // required depth below its neighbours, to exclude a plateau
     const auto place = [&](int i) { return v_.options.reach * (2.0 * i / (n - 1) - 1); };
     std::vector<Station> grid;
     for (int i = 0; i < n * n * n; ++i) {
@@ -299,7 +301,7 @@ class TermJudge {
   std::vector<bool> outside_;
 };
 
-/// The least of a few widths over which rounded corners are no longer stiff.
+/// The least of a few rounding widths with a second derivative of at most stiff / 2.
 std::optional<Cure> cure_of(const Potential& potential, const VerdictOptions& options) {
   const std::optional<Rounding> rounding = potential.rounding();
   if (!rounding) return {};

@@ -1,8 +1,9 @@
-/// Properties of a potential, found by sampling: is its region the one its limit states, where does it
-/// have no gradient, where are its local minima, how stiff is it.
+/// Properties of a potential, found by sampling: whether its region is that of its limit, where its
+/// gradient vanishes, where its local minima are, and how stiff it is.
 ///
-/// The target is placed in the sensor frame S of an observer at the origin (`moved_to` puts it elsewhere), both at rest; a
-/// potential without a sensor is sampled in V. Numbers are those of the potential by itself, without its weight.
+/// The target is placed in the sensor frame S of an observer at the origin (`moved_to` places it
+/// elsewhere), both at rest. A potential without a sensor is sampled in V. Numbers are those of the
+/// potential alone, without its weight.
 #pragma once
 
 #include <array>
@@ -16,79 +17,83 @@
 namespace sightline {
 
 struct VerdictOptions {
-  double reach = 6.0;  ///< R: how far around the sensor is looked at [m]; further for a limit that is further
-  double flat = 0.03;  ///< a gradient below this counts as zero [1/m], [1/rad]
-  int samples = 60'000;  ///< of the volume
+  double reach = 6.0;    ///< R, radius of the sampled volume around the sensor [m]; increased if the
+                         ///< limit is farther
+  double flat = 0.03;    ///< a gradient below this counts as zero [1/m], [1/rad]
+  int samples = 60'000;  ///< in the volume
 };
 
-/// Least and greatest half-angle of a region round the axis of a sensor [rad].
+/// Least and greatest half-angle of a region around the axis of a sensor [rad].
 struct HalfAngle {
   double least, greatest;
 };
 
 /// A local minimum outside the limit.
 struct Trap {
-  Vec3<double> p_S;  ///< the target in the sensor frame
+  Vec3<double> p_S;  ///< position of the target in the sensor frame [m]
   double l;
 };
 
-/// A rounder corner, and the greatest second derivative that is left.
+/// A wider rounding of the corners, and the greatest second derivative that remains.
 struct Cure {
   double smooth;
   double curvature;  ///< [1/m^2]
 };
 
-/// A second derivative beyond this is more than a solver takes in its steps: commands may alternate [1/m^2].
+/// Above this second derivative [1/m^2] commands may alternate: the solver's steps are too long for
+/// it.
 inline constexpr double stiff = 1e4;
 
 struct Verdict {
   std::string name;
   VerdictOptions options;
-  bool has_view = false;      ///< it has a sensor
-  bool sees_heading = false;  ///< it depends on the observer's heading
+  bool has_view = false;      ///< the potential has a sensor
+  bool sees_heading = false;  ///< the potential depends on the observer's heading
   std::optional<Vec3<double>>
-      around{};  ///< it depends on where in G the two are: the observer stood there [m]
+      around{};  ///< observer's start [m], if the potential depends on the places in G
 
-  double outside = 0.0;  ///< share of the volume that breaks the limit
+  double outside = 0.0;  ///< fraction of the volume that breaks the limit
 
-  // Is the region what the inequalities say?
-  double step_disagrees = 0.0;     ///< share of the volume where the unit step and the limit disagree
-  double sigmoid_disagrees = 0.0;  ///< where l above its value at the limit and the limit do
-  double level = 0.0;              ///< l at the limit, the median
-  double bias = 0.0;        ///< distance beyond the limit at which l has half of its step, the median [m]
-  double bias_worst = 0.0;  ///< of the greatest size, at most 1 m [m]
-  double bias_angle = 0.0;  ///< the median, seen from the sensor [rad]
-  std::optional<HalfAngle> of_step, of_limit;  ///< the cones of the unit step and of the limit
+  // Does the region agree with the inequalities?
+  double step_disagrees = 0.0;     ///< fraction of the volume where the unit step and the limit disagree
+  double sigmoid_disagrees = 0.0;  ///< fraction where (l > level) and the limit disagree
+  double level = 0.0;              ///< median of l at the limit
+  double bias = 0.0;               ///< median distance beyond the limit at which l has half of its step [m]
+  double bias_worst = 0.0;         ///< the bias of the greatest magnitude, at most 1 m [m]
+  double bias_angle = 0.0;         ///< median angle of the bias, seen from the sensor [rad]
+  std::optional<HalfAngle> of_step, of_limit;  ///< cones of the unit step and of the limit
 
-  // Where does the gradient vanish? Shares of the volume that breaks the limit.
+  // Where does the gradient vanish? Fractions of the volume that breaks the limit.
   double flat_in_position = 0.0;
-  double flat_in_yaw = 0.0;                ///< 0 if it does not see the heading
+  double flat_in_yaw = 0.0;                ///< 0 if it does not depend on the heading
   double flat_in_both = 0.0;               ///< no gradient in position and none in yaw
-  double flat_in_yaw_behind = 0.0;         ///< of what lies behind the sensor, x_S < 0
-  double turns_away = 0.0;                 ///< where it turns the target out of view, not into it
-  std::optional<double> flat_beyond;       ///< from this distance on nothing pulls [m]
-  std::optional<double> flat_within;       ///< up to this distance nothing pushes [m]
-  std::optional<double> flat_in_yaw_from;  ///< from this angle off the axis on nothing turns it [rad]
+  double flat_in_yaw_behind = 0.0;         ///< fraction of the volume behind the sensor, x_S < 0
+  double turns_away = 0.0;                 ///< fraction where it turns the target out of view
+  std::optional<double> flat_beyond;       ///< the gradient vanishes from this distance on [m]
+  std::optional<double> flat_within;       ///< the gradient vanishes up to this distance [m]
+  std::optional<double> flat_in_yaw_from;  ///< the yaw gradient vanishes from this angle off the
+                                           ///< axis on [rad]
 
-  // Where does it come to rest?
+  // Where are its local minima?
   std::vector<Trap> traps;    ///< minima by the position, outside the limit
-  double traps_in_yaw = 0.0;  ///< share of places from where the target can be turned into view and is not
+  double traps_in_yaw = 0.0;  ///< fraction of the viewable places from which turning can end out of view
 
   // How stiff is it?
-  double condition = 0.0;         ///< of the Hessian by the position at the limit, the median
+  double condition = 0.0;         ///< median condition number of the Hessian by the position, at the limit
   double condition_worst = 0.0;   ///< greatest
-  double curvature_worst = 0.0;   ///< greatest second derivative in size [1/m^2]
-  double curvature_in_yaw = 0.0;  ///< [1/rad^2]
+  double curvature_worst = 0.0;   ///< greatest magnitude of a second derivative [1/m^2]
+  double curvature_in_yaw = 0.0;  ///< the same by the heading [1/rad^2]
   std::optional<Cure> cure{};     ///< of a Region whose second derivative exceeds `stiff`
 
-  std::vector<std::string> words;     ///< all of it, a sentence each
-  std::vector<std::string> warnings;  ///< what to know before a flight, a sentence each
+  std::vector<std::string> words;     ///< the whole verdict, a sentence each
+  std::vector<std::string> warnings;  ///< what to consider before a flight, a sentence each
 };
 
-/// Set-up: allocates, takes some ten milliseconds; of a stiff Region a few times that.
+/// Judges a potential. Set-up: allocates, takes some ten milliseconds; several times that for a
+/// stiff Region.
 Verdict judge(const Potential& potential, const VerdictOptions& options = {});
 
-/// The verdict as an object of JSON; what there is none of is null.
+/// The verdict as a JSON object; missing values are null.
 std::string to_json(const Verdict& verdict);
 
 }  // namespace sightline

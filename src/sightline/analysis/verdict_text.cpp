@@ -11,12 +11,12 @@
 namespace sightline {
 namespace {
 
-// What is worth a warning.
-constexpr double much_volume = 0.005;  // of disagreement, share
+// Thresholds of the warnings.
+constexpr double much_volume = 0.005;  // fraction with disagreement
 constexpr double much_angle = 0.01;    // rad
-constexpr double much_flat = 0.2;      // share of what is outside
-constexpr double much_behind = 0.5;    // share of what is behind
-constexpr double much_away = 0.05;     // share
+constexpr double much_flat = 0.2;      // fraction of the volume outside the limit
+constexpr double much_behind = 0.5;    // fraction of the volume behind the sensor
+constexpr double much_away = 0.05;     // fraction
 constexpr double much_bias = 0.25;     // m
 constexpr double exact = 1e-6;         // m
 
@@ -27,7 +27,7 @@ std::string angle(const HalfAngle& a) {
                                      : fmt::format("{:.3f} to {:.3f} rad", a.least, a.greatest);
 }
 
-/// Collects the sentences; one that warns stands in both lists.
+/// Collects the sentences; a warning belongs to both lists.
 class Writer {
  public:
   explicit Writer(Verdict& v) : v_(v) {}

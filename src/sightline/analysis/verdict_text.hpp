@@ -1,11 +1,11 @@
-/// A verdict in words.
+/// Text of a verdict.
 #pragma once
 
 #include "sightline/analysis/verdict.hpp"
 
 namespace sightline {
 
-/// Writes the sentences of a verdict whose numbers are known: `words` and `warnings`.
+/// Writes `words` and `warnings` of a verdict from its numbers.
 void describe(Verdict& verdict);
 
 }  // namespace sightline

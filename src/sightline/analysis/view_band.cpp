@@ -15,7 +15,7 @@
 namespace sightline {
 namespace {
 
-/// Greatest speed of a body as it is meant to move [m/s].
+/// Greatest speed of a body's reference or motion [m/s].
 double meant_speed(const Scenario& scenario, BodyId body) {
   for (const UncooperativeBody& one : scenario.uncooperative) {
     if (one.body == body) return one.motion ? top_speed(*one.motion) : 0.0;
@@ -44,7 +44,7 @@ std::vector<ViewAtDistance> rows_of(const ViewFlight& flight, int flights) {
     const bool none = row.figures.found < 0.02;
     if (none && !rows.empty()) break;
     if (!none) rows.push_back(row);
-    // Below 4 px nothing is read.
+    // Below 4 px no tag is read.
     if (rows.empty() && flight.camera.pixels(flight.tags.size, distance) < 4.0) break;
   }
   return rows;
@@ -73,7 +73,7 @@ std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<V
   return band;
 }
 
-/// Noise of the compass of a robot that is localized by vision [rad]; 0: it has none.
+/// Noise of the compass of a robot that is localized by vision [rad]; 0: it has no compass.
 double compass_of(const Scenario& scenario, BodyId robot) {
   for (const LocalizedRobot& one : scenario.localization.robots)
     if (one.robot == robot) return one.filter.compass_noise;

@@ -13,14 +13,14 @@
 namespace sightline {
 namespace {
 
-/// Puts runs that land in any order into the order of their indices.
+/// Passes runs that end in any order on in the order of their indices.
 class Order {
  public:
   using Landed = std::function<void(const RunDraw&, const RunResult&)>;
   Order(const Landed& landed, int first) : landed_(landed), first_(first), next_(first) {}
 
-  /// Waits while too many are kept: memory must not grow with the runs.
-  /// @param index  among those that are to land
+  /// Blocks while too many runs wait, which bounds the memory.
+  /// @param index  of a run to fly
   void land(int index, RunDraw run, const RunResult& result) {
     std::unique_lock lock(mutex_);
     room_.wait(lock, [&] { return kept_.size() < kept_max || index == next_ || failure_; });
@@ -49,7 +49,7 @@ class Order {
     return failure_ != nullptr;
   }
 
-  /// Runs handed over; after all threads have ended.
+  /// Number of runs passed on; only after all threads have ended.
   int end() const {
     if (failure_) std::rethrow_exception(failure_);
     return next_ - first_;
@@ -120,7 +120,7 @@ int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const Campa
     }
   };
   {
-    std::list<ServiceThread> threads;  // where the machine has fewer, the others fly all runs
+    std::list<ServiceThread> threads;  // if some fail to start, the others fly all runs
     for (int i = 1; i < options.threads; ++i) threads.emplace_back("a thread of the campaign", work);
     work();
   }

@@ -17,21 +17,21 @@ namespace sightline {
 
 struct CampaignOptions {
   int runs = 100;          ///< >= 1
-  std::uint64_t seed = 1;  ///< with an index, it determines all draws of a run
+  std::uint64_t seed = 1;  ///< with an index, determines all draws of a run
   int threads = 1;         ///< >= 1
-  int first = 0;           ///< so many of the shard's runs are known already
-  Shard shard{};           ///< which of the runs
-  /// Ends the campaign after the present runs, once it is true.
+  int first = 0;           ///< number of the shard's runs that are known already
+  Shard shard{};           ///< the part of the runs to fly
+  /// Ends the campaign after the runs in progress, once it is true.
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Flies runs one after another, in one thread, with solvers that are made once.
+/// Flies runs one after another, in one thread, and reuses its solvers.
 class RunWorker {
  public:
-  /// @param variants  outlives this
+  /// @param variants  must outlive this object
   RunWorker(const Variants& variants, const CampaignPlan& plan) : variants_(variants), plan_(plan) {}
 
-  /// @throws ScenarioError where a number drawn is refused
+  /// @throws ScenarioError if a drawn number is refused
   RunResult fly(const RunDraw& run);
 
  private:
@@ -40,20 +40,22 @@ class RunWorker {
   static constexpr std::size_t solvers_max = 8;
   const Variants& variants_;
   CampaignPlan plan_;
-  std::vector<std::pair<std::vector<double>, std::unique_ptr<Controls>>> controls_;  // the oldest first
+  std::vector<std::pair<std::vector<double>, std::unique_ptr<Controls>>> controls_;  // oldest first
 };
 
-/// What the scenario draws.
-/// @throws std::invalid_argument where it has no [campaign], ScenarioError where that cannot be flown
+/// The draws of a scenario.
+/// @throws std::invalid_argument if it has no [campaign], ScenarioError if its campaign cannot be
+///   flown
 const CampaignPlan& campaign_plan(const Scenario& scenario);
 
-/// @throws ScenarioError where the scenario cannot be judged over many runs of the plan, as Variants
+/// @throws ScenarioError if the scenario cannot be judged over many runs of the plan, as Variants
 void check_campaign(const Scenario& scenario, const CampaignPlan& plan);
 
-/// Flies the runs of options.shard that are not known yet, those below options.runs, and hands them over in this order, one at a time.
-/// @param landed  called by one thread at a time; what it throws ends the campaign
-/// @return runs handed over
-/// @throws ScenarioError where a number drawn is refused, with the run
+/// Flies the unknown runs of options.shard with an index below options.runs. Passes them to
+/// `landed` in the order of their indices.
+/// @param landed  called by one thread at a time; an exception of it ends the campaign
+/// @return number of runs passed to `landed`
+/// @throws ScenarioError with the run, if a drawn number is refused
 int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const CampaignOptions& options,
                  const std::function<void(const RunDraw&, const RunResult&)>& landed);
 

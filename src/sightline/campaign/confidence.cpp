@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-/// The continued fraction of I_x, by Lentz's method; fast for x < (a + 1) / (a + b + 2).
+/// Continued fraction of I_x, by Lentz's method; converges fast for x < (a + 1) / (a + b + 2).
 double fraction(double a, double b, double x) {
   constexpr double tiny = 1e-300;
   const auto away_from_0 = [](double value) { return std::abs(value) < tiny ? tiny : value; };
@@ -31,20 +31,21 @@ double fraction(double a, double b, double x) {
   return value;
 }
 
-/// log Gamma, without the global sign that std::lgamma writes.
+/// log Gamma; avoids the global sign that std::lgamma writes.
 double log_gamma(double x) {
   int sign = 0;
   return ::lgamma_r(x, &sign);
 }
 
-/// Of the standard normal distribution, by its series (Marsaglia 2004): 1/2 + phi(z) (z + z^3/3 + z^5/(3 5) + ...).
+/// Standard normal distribution function, by its series (Marsaglia 2004): 1/2 + phi(z) (z + z^3/3 +
+/// z^5/(3 5) + ...).
 double normal_probability(double z) {
   double sum = z, term = z;
   for (int i = 3; i < 1000 && std::abs(term) > 1e-17; i += 2) sum += term *= z * z / i;
   return 0.5 + sum * std::exp(-0.5 * z * z) / std::sqrt(2 * std::numbers::pi);
 }
 
-/// By halving.
+/// Inverts normal_probability() by bisection.
 double normal_quantile(double p) {
   double low = -8.0, high = 8.0;
   for (int i = 0; i < 100; ++i) {
@@ -54,7 +55,7 @@ double normal_quantile(double p) {
   return 0.5 * (low + high);
 }
 
-/// Puts its values into another order.
+/// Reorders the values.
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -85,7 +86,7 @@ Interval wilson(std::int64_t good, std::int64_t runs, double confidence) {
 MedianBounds bootstrap_median(std::vector<double> values, double confidence, int resamples,
                               std::uint64_t seed) {
   assert(!values.empty() && resamples > 1 && "there is a median");
-  std::sort(values.begin(), values.end());  // in whatever order they came
+  std::sort(values.begin(), values.end());  // the result must not depend on their order
   std::vector<double> drawn(values.size()), medians;
   for (int i = 0; i < resamples; ++i) {
     for (double& value : drawn) value = values[next_split_mix(seed) % values.size()];
@@ -102,7 +103,7 @@ MedianBounds bootstrap_median(std::vector<double> values, double confidence, int
 double sign_test(std::int64_t less, std::int64_t more) {
   if (less == more) return 1.0;
   const double n = static_cast<double>(less + more), k = static_cast<double>(std::min(less, more));
-  // P(X <= k), X binomial of 1/2, twice.
+  // 2 P(X <= k), X binomial with probability 1/2.
   return std::min(1.0, 2 * incomplete_beta(n - k, k + 1, 0.5));
 }
 

@@ -1,4 +1,4 @@
-/// A SQLite file and its statements, with sentences for what goes wrong.
+/// A SQLite file and its statements; errors are exceptions with a sentence.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@ struct sqlite3_stmt;
 
 namespace sightline {
 
-/// Every call throws std::runtime_error, `FILE: what went wrong`, where SQLite refuses.
+/// Every call throws std::runtime_error, `FILE: what went wrong`, if SQLite fails.
 class Database {
  public:
   enum class Open { anew, as_it_is };
-  /// `anew` removes what was there; `as_it_is` takes back what a killed writer left half done. A file that others look
-  /// at is waited for.
+  /// `anew` removes an existing file; `as_it_is` rolls back the unfinished transaction of a killed
+  /// writer. Waits for a locked file.
   Database(const std::filesystem::path& file, Open how);
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  /// What a field holds; monostate: null.
+  /// Value of a field; monostate: null.
   using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 
   /// One prepared statement; parameters and columns count from 0.
@@ -37,12 +37,12 @@ class Database {
     Statement& operator=(const Statement&) = delete;
 
     void bind(int parameter, std::int64_t value);
-    void bind(int parameter, double value);  ///< not a number: null
+    void bind(int parameter, double value);  ///< NaN: null
     void bind(int parameter, std::string_view value);
     void bind(int parameter, const Value& value);
-    /// The next row, if there is one.
+    /// Advances to the next row, if there is one.
     bool step();
-    /// As before the first row; parameters keep their values.
+    /// Returns to before the first row; parameters keep their values.
     void reset();
 
     std::int64_t integer(int column) const;
@@ -66,7 +66,7 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
-/// A name as SQL quotes it.
+/// A name as a quoted SQL identifier.
 std::string sql_name(std::string_view name);
 
 }  // namespace sightline

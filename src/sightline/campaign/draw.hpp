@@ -1,4 +1,4 @@
-/// The numbers of one run of a campaign.
+/// Random numbers of one run of a campaign.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace sightline {
 
-/// One number.
+/// Draws one number.
 double draw(const Distribution& distribution, RandomStream& random);
 
 struct RunDraw {
   int index = 0;
-  std::uint64_t seed = 0;      ///< of all chance within the run; below 2^53
-  std::vector<double> values;  ///< as in drawn_names()
+  std::uint64_t seed = 0;      ///< of all random streams of the run; below 2^53
+  std::vector<double> values;  ///< in the order of drawn_names()
 };
 
-/// Made from the campaign's seed and the index alone. Each value has a stream of its own, so that another draw
-/// in the plan leaves those before it as they were.
+/// Depends only on the campaign's seed and the index. Each value has its own stream, so that a
+/// further draw in the plan does not change the earlier ones.
 RunDraw draw_run(const CampaignPlan& plan, std::uint64_t seed, int index);
 
 }  // namespace sightline

@@ -22,9 +22,9 @@ using CurveColumn = std::vector<double>;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double row_time = 0.1;       // [s]
-constexpr double apart = 4.2;          // between two simultaneous positions of Fig. 26 [s]
+constexpr double apart = 4.2;          // interval between the marked positions of Fig. 26 [s]
 constexpr double arrow = 0.25;         // length of a heading's arrow [m]
-constexpr std::size_t rows_max = 240;  // of a curve
+constexpr std::size_t rows_max = 240;  // per curve
 constexpr std::size_t robot_colour = 0, target_colour = 2;
 
 BodyId body_of(const Team& team, std::string_view name) {
@@ -52,7 +52,7 @@ CurveColumn along(const std::vector<Vec3<double>>& p, Axis axis) {
   return result;
 }
 
-/// An angle over time without lines from pi to -pi.
+/// Unwraps an angle over time, to avoid lines from pi to -pi.
 CurveColumn with_gaps(CurveColumn angle) {
   for (std::size_t i = angle.size(); i-- > 1;) {
     if (std::fabs(angle[i] - angle[i - 1]) > std::numbers::pi) angle[i] = no_value;
@@ -60,13 +60,13 @@ CurveColumn with_gaps(CurveColumn angle) {
   return angle;
 }
 
-/// Only from a time on.
+/// The rows from a time on.
 CurveColumn since(double from, const CurveColumn& time, CurveColumn values) {
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = time[k] < from ? no_value : values[k];
   return values;
 }
 
-/// One curve for each run, and limits across.
+/// One curve for each run, and horizontal limits.
 template <class Get>
 Panel panel_of(const EvasionRuns& flown, std::string y_label, const CurveColumn& limits, Get&& get) {
   Panel panel{.x_label = "", .y_label = std::move(y_label)};
@@ -93,7 +93,7 @@ Drawing over_time(std::string title, std::string caption, std::vector<Panel> pan
   return {std::move(title), std::move(caption), std::move(panels)};
 }
 
-/// From above: the paths, and every 4.2 s the robot with its heading and lines to target and obstacle.
+/// Paths from above, and every 4.2 s the robot with its heading and lines to target and obstacle.
 Panel paths_panel(const EvasionTrace& run, std::size_t number, double from) {
   const EvasionSeries& s = run.series();
   Panel panel{.x_label = "x [m]",

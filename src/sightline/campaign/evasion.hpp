@@ -1,4 +1,5 @@
-/// How a robot evades an obstacle while it observes a target: Table 1 and Figs 26 to 32 of the paper.
+/// Evasion of an obstacle by a robot that observes a target: Table 1 and Figs 26 to 32 of the
+/// paper.
 #pragma once
 
 #include <span>
@@ -19,25 +20,25 @@ struct EvasionRow {
   double min_target;    ///< least and
   double max_target;    ///< greatest distance of robot and target [m]
   double max_angle;     ///< greatest angle of the target off the sensor axis, from the entry on [rad], (71)
-  double first_view;    ///< when the target came into view [s]; infinity if never
-  double lost;          ///< out of view after that, in all [s]
+  double first_view;    ///< time when the target came into view [s]; infinity if never
+  double lost;          ///< total time out of view after that [s]
 };
 
-/// One run over time, a row every 0.1 s.
+/// Time series of one run, a row every 0.1 s.
 struct EvasionSeries {
   std::vector<double> time, heading;                  // [s], [rad]
   std::vector<Vec3<double>> p, obstacle, target;      // [m]
   std::vector<double> to_obstacle, to_target, angle;  // [m], [m], [rad]
-  std::vector<std::string> inputs;                    // their names
+  std::vector<std::string> inputs;                    // names
   std::vector<std::vector<double>> u;                 // [input][row]
 };
 
-/// Takes a loop's samples and keeps of them what the table and the figures need.
+/// Receives a loop's samples and keeps the data for the table and the figures.
 class EvasionTrace final : public Sink<Sample> {
  public:
   /// @param sample  of sized_sample()
-  /// @throws std::invalid_argument where the plan's names are not the scenario's, or the robot's sensor does not
-  /// look at the target
+  /// @throws std::invalid_argument if the plan names unknown bodies, or if the robot's sensor does
+  ///   not observe the target
   EvasionTrace(const Scenario& scenario, const EvasionPlan& plan, Sample sample);
 
   Sample* claim() noexcept override { return &sample_; }
@@ -53,7 +54,7 @@ class EvasionTrace final : public Sink<Sample> {
   BodyId agent_, target_, obstacle_;
   SensorMount mount_;
   double period_;
-  std::int64_t every_, samples_ = 0;  // samples to a row
+  std::int64_t every_, samples_ = 0;  // samples per row
   Sample sample_;
   EvasionRow row_;
   EvasionSeries series_;
@@ -65,7 +66,7 @@ struct EvasionRuns {
   std::vector<EvasionTrace> runs;
 };
 
-/// Table 1: a line for each quantity and each of its sources, what was published first; a column for each run.
+/// Table 1: a row for each quantity and source, the published values first; a column for each run.
 std::vector<std::vector<std::string>> evasion_table(const EvasionPlan& plan,
                                                     std::span<const EvasionRuns> flown);
 

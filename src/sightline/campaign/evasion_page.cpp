@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t first_figure = 100;  // of the page; its other pictures are fewer
+constexpr std::size_t first_figure = 100;  // number in the page; the page has fewer other figures
 
 }  // namespace
 
@@ -60,7 +60,7 @@ std::string evasion_html(const EvasionPlan& plan, std::span<const EvasionRuns> f
   for (std::size_t i = 2; i < columns; ++i) html += fmt::format("<th style=\"width: auto\">{}</th>", i - 1);
   html += "</tr>\n";
   for (std::size_t k = 0; k < table.size(); ++k) {
-    // A quantity is named once, by the first of its sources.
+    // Only the first source of a quantity has its name.
     const bool named = k > 0 && table[k][0] == table[k - 1][0];
     html += fmt::format("<tr><td>{}</td>", named ? "" : escaped(table[k][0]));
     for (const std::string& cell : std::span(table[k]).subspan(1))

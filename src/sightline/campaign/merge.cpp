@@ -27,13 +27,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A table, checked by itself.
+/// A table that passed its own checks.
 struct ShardTable {
   fs::path file;
   AboutCampaign about{};  // without the shard
   std::string columns{};
   Shard shard{};
-  int of_runs = 0;  // of the whole campaign
+  int of_runs = 0;  // runs of the whole campaign
 };
 
 bool same_bytes(const fs::path& one, const fs::path& other) {
@@ -42,8 +42,8 @@ bool same_bytes(const fs::path& one, const fs::path& other) {
   return a && b && std::equal(Bytes(a), {}, Bytes(b), {});
 }
 
-/// Whether a table that was written to its end has the bytes that its rows give.
-/// @param scratch  what is written beside it, and taken away
+/// Whether a complete table has the bytes that follow from its rows.
+/// @param scratch  path of temporary files, removed at the end
 bool is_as_written(const fs::path& file, const fs::path& scratch) {
   const fs::path again = scratch.native() + ".clean";
   fs::copy_file(file, scratch, fs::copy_options::overwrite_existing);
@@ -57,7 +57,7 @@ bool is_as_written(const fs::path& file, const fs::path& scratch) {
   return same;
 }
 
-/// What a table says of its campaign under a key, which anybody may have written.
+/// Value of a key in a table's description, whose content is untrusted.
 template <class T>
 const T& word_of(const AboutCampaign& about, std::string_view key) {
   const auto found = about.find(std::string(key));
@@ -117,7 +117,7 @@ ShardTable read_shard(const fs::path& file, const fs::path& scratch) {
   return table;
 }
 
-/// @throws std::invalid_argument unless both are of one campaign
+/// @throws std::invalid_argument unless both tables are of one campaign
 void check_same_campaign(const ShardTable& one, const ShardTable& other) {
   std::vector<std::string> others;
   for (const auto& [key, value] : one.about) {
@@ -133,7 +133,7 @@ void check_same_campaign(const ShardTable& one, const ShardTable& other) {
                 one.file.native(), fmt::join(others, ", "));
 }
 
-/// By their first runs.
+/// Reads all tables, by their first runs.
 std::map<int, ShardTable> read_all(const std::vector<fs::path>& files, const fs::path& scratch) {
   std::map<int, ShardTable> tables;
   std::optional<ShardTable> one;
@@ -155,7 +155,7 @@ std::map<int, ShardTable> read_all(const std::vector<fs::path>& files, const fs:
   return tables;
 }
 
-/// What a folder holds is never replaced, but by the same.
+/// An existing file may only be replaced by a table of the same campaign.
 void check_room(const ShardTable& one, const fs::path& whole) {
   if (!fs::exists(whole)) return;
   bool same = false;
@@ -164,7 +164,7 @@ void check_room(const ShardTable& one, const fs::path& whole) {
     auto about = about_campaign(database);
     about.erase(std::string(digest_key));
     same = about == one.about;
-  } catch (const std::runtime_error&) {  // no campaign
+  } catch (const std::runtime_error&) {  // not a campaign
   }
   if (!same)
     throw_invalid(

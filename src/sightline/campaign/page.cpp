@@ -22,8 +22,8 @@ namespace sightline {
 namespace {
 
 constexpr int worst_runs = 12;
-constexpr int reasons_max = 3;         // told in the lines; the table has all
-constexpr std::size_t robots_max = 8;  // whose energies and errors are told one by one
+constexpr int reasons_max = 3;         // in the summary; the table has all
+constexpr std::size_t robots_max = 8;  // robots with own lines for energies and errors
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
 
@@ -79,7 +79,7 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
         {column, fmt::format("u'Ru summed over time: median {}, 90 % within {} to {}", median(quoted, "s"),
                              quantile(quoted, 0.05, "s"), quantile(quoted, 0.95, "s"))});
   }
-  // Of robots that have a reference.
+  // For robots with a reference.
   std::vector<CampaignLine> tracking;
   for (const std::string& column : runs.ending_in(robot_endings[1])) {
     const std::string robot = column.substr(0, column.size() - robot_endings[1].size()),
@@ -160,7 +160,7 @@ Drawing distribution(std::vector<Runs>& tables, std::string_view column, const s
   return drawing;
 }
 
-/// How far a distribution reaches.
+/// Upper end of a distribution.
 double largest(const Distribution& d) {
   const double most = d.kind == Distribution::Kind::normal
                           ? d.values[0] + 3 * d.values[1]
@@ -189,7 +189,7 @@ std::string maps(std::vector<Runs>& tables, const CampaignPlan& plan) {
   return html;
 }
 
-/// Outcomes for each value of what is chosen among a few.
+/// Table of the outcomes for each value of a discrete choice.
 std::string choices(std::vector<Runs>& tables, const CampaignPlan& plan) {
   std::string rows;
   for (const NumberDraw& draw : plan.draws) {

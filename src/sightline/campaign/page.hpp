@@ -1,4 +1,4 @@
-/// campaign.html: what a campaign's table says, in figures.
+/// campaign.html: a campaign's table in figures.
 #pragma once
 
 #include <filesystem>
@@ -11,24 +11,24 @@
 
 namespace sightline {
 
-/// The page of the first table; the others, which flew the same draws, stand beside it.
-/// @param command  what flies a run again, in words of a shell, but for `--only INDEX -o DIR`
-/// @param folder   where such a run goes: run_INDEX within it
-/// @param more     a part of the page before the worst runs
-/// @throws std::runtime_error with a sentence where a table cannot be read or a figure cannot be drawn
+/// Page of the first table, compared with the other tables, which flew the same draws.
+/// @param command  shell command that flies a run again, without `--only INDEX -o DIR`
+/// @param folder  parent of the folders run_INDEX of such runs
+/// @param more  HTML inserted before the worst runs
+/// @throws std::runtime_error with a sentence if a table cannot be read or a figure cannot be drawn
 std::string campaign_html(const std::vector<CampaignTable>& tables, const CampaignPlan& plan,
                           const std::string& command, const std::filesystem::path& folder,
                           const std::string& more = {});
 
-/// A text as one word of a shell's command: as it is where a shell leaves it so, else in quotes.
+/// A text as one word of a shell command, quoted if necessary.
 std::string shell_word(std::string_view text);
 
-/// A line of the campaign as a person reads it.
+/// A line of the campaign's summary.
 struct CampaignLine {
   std::string what, value;
 };
 
-/// The campaign in a few lines: outcomes with their bounds, times, distances and energies.
+/// Summary of a campaign: outcomes with their bounds, times, distances and energies.
 std::vector<CampaignLine> campaign_lines(const CampaignTable& table);
 
 }  // namespace sightline

@@ -13,14 +13,14 @@
 namespace sightline {
 namespace {
 
-constexpr double rounding = 1e-9;  // what differs by less is the same, in another order of sums
+constexpr double rounding = 1e-9;  // smaller differences come from the order of summation
 
-/// P(X < k), X binomial of n trials and 1/2.
+/// P(X < k), X binomial of n trials with probability 1/2.
 double fewer_than(std::size_t k, std::size_t n) {
   return k == 0 ? 0.0 : incomplete_beta(static_cast<double>(n - k + 1), static_cast<double>(k), 0.5);
 }
 
-/// Column of the runs that were recovered, by their index.
+/// Values of a column in the recovered runs, by their indices.
 std::map<std::int64_t, double> recovered(const CampaignTable& table, std::string_view column) {
   Database database(table.file, Database::Open::as_it_is);
   Database::Statement query(
@@ -48,7 +48,7 @@ MedianBounds median_bounds(std::vector<double> values, double confidence) {
   assert(!values.empty() && "there is a median");
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  std::size_t rank = 0, beyond = n / 2 + 1;  // the greatest rank k with P(X < k) <= tail, by halving
+  std::size_t rank = 0, beyond = n / 2 + 1;  // bisection: greatest k with P(X < k) <= tail
   while (beyond - rank > 1) {
     const std::size_t k = (rank + beyond) / 2;
     (fewer_than(k, n) <= (1.0 - confidence) / 2 ? rank : beyond) = k;

@@ -1,4 +1,4 @@
-/// What two scenarios that flew the same draws differ by, run by run.
+/// Run-by-run comparison of two scenarios that flew the same draws.
 #pragma once
 
 #include <cstdint>
@@ -11,34 +11,35 @@
 
 namespace sightline {
 
-/// Of independent values, with bounds that hold whatever the distribution, by order statistics: below the bound of rank k
-/// are fewer than k values with the probability P(X < k), X binomial of 1/2, at most (1 - confidence) / 2. Few values have
-/// the least and the greatest as bounds.
+/// Median of independent values, with bounds for any distribution, by order statistics. The lower
+/// bound is the value of rank k with P(X < k) <= (1 - confidence) / 2, X binomial with probability
+/// 1/2; the upper bound is symmetric. With few values the bounds are the least and the greatest
+/// value.
 /// @param values  not empty
 MedianBounds median_bounds(std::vector<double> values, double confidence = 0.95);
 
-/// Of a column, b compared with a, in the runs that both recovered.
+/// Comparison of a column of b with that of a, over the runs that both recovered.
 struct Pairing {
-  std::int64_t runs = 0;    ///< that both recovered; below, nothing of none
-  std::int64_t less = 0;    ///< in which b has less, beyond rounding
-  std::int64_t more = 0;    ///< in which b has more
+  std::int64_t runs = 0;    ///< that both recovered
+  std::int64_t less = 0;    ///< in which b is less, beyond rounding
+  std::int64_t more = 0;    ///< in which b is more, beyond rounding
   MedianBounds difference;  ///< b - a
-  MedianBounds ratio;       ///< b / a, where a > 0
+  MedianBounds ratio;       ///< b / a, over runs with a > 0
 };
 
-/// @throws std::runtime_error where a table cannot be read, or has no such column
+/// @throws std::runtime_error if a table cannot be read or lacks the column
 Pairing pair_runs(const CampaignTable& a, const CampaignTable& b, std::string_view column);
 
-/// Runs of both that only one recovered.
+/// Runs of both tables that only one recovered.
 struct OutcomePairing {
   std::int64_t runs = 0;  ///< of both tables
   std::int64_t only_a = 0, only_b = 0;
 };
-/// @throws std::runtime_error where a table cannot be read
+/// @throws std::runtime_error if a table cannot be read
 OutcomePairing pair_outcomes(const CampaignTable& a, const CampaignTable& b);
 
-/// Outcomes of b compared with those of a, by McNemar's exact test; the energies of b compared with those of a, of all
-/// robots and of each that both have.
+/// Outcomes of b compared with those of a, by McNemar's exact test; energies of b compared with
+/// those of a, in total and for each robot that both have.
 std::vector<CampaignLine> energy_lines(const CampaignTable& a, const CampaignTable& b);
 
 }  // namespace sightline

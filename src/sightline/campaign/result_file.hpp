@@ -1,4 +1,5 @@
-/// campaign.json: what a paper cites of a campaign, and machines.json: where it was flown.
+/// campaign.json, the results of a campaign for citation, and machines.json, the computers that
+/// flew it.
 #pragma once
 
 #include <filesystem>
@@ -18,17 +19,18 @@ struct Machine {
 };
 Machine this_machine();
 
-/// Adds a machine to the machines.json of a folder, once.
-/// @throws std::runtime_error where it cannot be written
+/// Adds a machine to the machines.json of a folder, unless it is there.
+/// @throws std::runtime_error if it cannot be written
 void note_machine(const std::filesystem::path& folder, const Machine& machine);
-/// Those of all folders, each once; of a folder without machines.json none.
-/// @throws std::invalid_argument naming a file that holds something else
+/// The machines of all folders, each once; a folder without machines.json has none.
+/// @throws std::invalid_argument naming a file with other content
 std::vector<Machine> machines_of(const std::vector<std::filesystem::path>& folders);
 void write_machines(const std::filesystem::path& folder, const std::vector<Machine>& machines);
 
-/// Scenario, seed, version, compiler, machines, digests of text and rows; outcomes with Wilson's bounds, medians with those of the
-/// bootstrap; of tables beside, the same and the tests of pairs with the first.
-/// @throws std::runtime_error where a table cannot be read
+/// Scenario, seed, version, compiler, machines, digests of text and rows; outcomes with Wilson's
+/// bounds and medians with bootstrap bounds. Further tables add the same and the paired tests with
+/// the first.
+/// @throws std::runtime_error if a table cannot be read
 std::string campaign_json(const std::vector<CampaignTable>& tables, const std::vector<Machine>& machines);
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// Questions to one table of runs.
+/// Queries of one table of runs.
 #pragma once
 
 #include <cstdint>
@@ -15,34 +15,36 @@
 
 namespace sightline {
 
-/// A table of runs and how its scenario is called.
+/// A table of runs and the name of its scenario.
 struct CampaignTable {
   std::string name;
   std::filesystem::path file;  ///< campaign.sqlite
 };
 
-/// The runs of a table. Columns are named as in SQL, quoted by sql_name() where they need to be.
-/// Every call throws std::runtime_error where the table cannot be read, or has no such column.
+/// The runs of a table. Columns are named as in SQL, quoted by sql_name() if necessary. Every call
+/// throws std::runtime_error if the table cannot be read or lacks the column.
 class Runs {
  public:
   explicit Runs(const CampaignTable& table);
 
   std::int64_t count(const std::string& where = "1");
   std::int64_t count(Outcome outcome);
-  /// The least of the column's values that this share of them does not exceed; not a number of none.
+  /// The smallest value of the column that is not below the fraction `share` of the values; NaN
+  /// without values.
   double quantile(std::string_view column, double share);
-  /// Its values, where there are some.
+  /// Values of a column that are not null.
   std::vector<double> values(std::string_view column);
-  /// Runs in each of `bins` stretches of the column's values between low and high; the ends take what is beyond.
+  /// Histogram of a column over `bins` equal intervals from low to high; the end bins include
+  /// values beyond.
   std::vector<double> histogram(std::string_view column, double low, double high, int bins);
-  /// The starts of one robot, by where it saw the other body.
+  /// Map of one robot's starts, by the range and bearing of the other body.
   SuccessMap map_of(const std::string& agent, double range_max);
-  /// What went wrong in the first of the runs that failed, by their indices.
+  /// Reasons of the first failed runs, by the indices of the runs.
   std::vector<std::pair<std::int64_t, std::string>> reasons(int at_most);
-  /// The columns of robots' energies, in the order of the team.
+  /// Names of the columns of the robots' energies, in the order of the team.
   std::vector<std::string> energies();
   std::vector<std::string> ending_in(std::string_view ending);
-  /// A word of `campaign`; null where it says nothing of it.
+  /// Value of a key of `campaign`; null if it is missing.
   Database::Value word(std::string_view key);
 
   Database& database() { return *database_; }

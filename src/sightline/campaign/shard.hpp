@@ -1,4 +1,4 @@
-/// A part of a campaign's runs, flown apart from the others.
+/// A part of a campaign's runs, flown independently of the others.
 #pragma once
 
 #include <string>
@@ -6,15 +6,16 @@
 
 namespace sightline {
 
-/// Every `of`-th run, from that of `number` on. Shards 1 to N of N are all runs, each once; 0 is N.
+/// Every `of`-th run, from `number` on. Shards 1 to N of N cover all runs, each once; number 0
+/// equals N.
 struct Shard {
   int number = 0;  ///< from 0 to `of`
   int of = 1;      ///< >= 1; 1: all runs
 
   int first() const { return number % of; }
-  /// The index of its i-th run.
+  /// Index of its i-th run in the campaign.
   int run(int i) const { return first() + i * of; }
-  /// How many of a campaign's runs it has.
+  /// Number of its runs in a campaign of `runs` runs.
   int size(int runs) const { return runs > first() ? (runs - first() - 1) / of + 1 : 0; }
   bool is_whole() const { return of == 1; }
   bool operator==(const Shard&) const = default;
@@ -22,7 +23,7 @@ struct Shard {
 
 inline constexpr int shards_max = 10'000;
 
-/// Reads "3/8".
+/// Parses "3/8".
 /// @throws std::invalid_argument
 Shard shard_of(std::string_view text);
 

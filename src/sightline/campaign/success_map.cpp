@@ -13,9 +13,9 @@ namespace sightline {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double map_radius = 150, map_centre = 175;  // of the map, and where its centre is [px]
+constexpr double map_radius = 150, map_centre = 175;  // radius and centre [px]
 
-/// From nothing recovered to all, in steps that tell apart for all kinds of sight.
+/// Colour scale from no to all runs recovered, distinguishable with colour vision deficiency.
 std::string colour(double share) {
   struct Colour {
     double at, r, g, b;
@@ -33,7 +33,7 @@ std::string colour(double share) {
   return fmt::format("#{:02x}{:02x}{:02x}", mixed(from.r, to.r), mixed(from.g, to.g), mixed(from.b, to.b));
 }
 
-/// A place of the picture: bearing 0 is up, to the left is to the left.
+/// A point of the figure: bearing 0 is up, positive bearings are on the left.
 std::string place(double distance, double bearing) {
   return fmt::format("{:.2f} {:.2f}", map_centre - distance * std::sin(bearing),
                      map_centre - distance * std::cos(bearing));
@@ -59,7 +59,7 @@ void SuccessMap::add(double range, double bearing, Cell runs) {
     cell.recovered += runs.recovered;
   };
   if (std::abs(bearing) == pi) return count(behind);
-  const double turn = std::remainder(bearing, 2 * pi) + pi;  // 0: straight behind, on its left
+  const double turn = std::remainder(bearing, 2 * pi) + pi;  // 0: straight behind, on the right
   const int ring = std::clamp(static_cast<int>(rings * range / range_max), 0, rings - 1);
   const int sector = std::clamp(static_cast<int>(sectors * turn / (2 * pi)), 0, sectors - 1);
   count(cells[cell_of(ring, sector)]);

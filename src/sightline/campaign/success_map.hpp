@@ -1,4 +1,4 @@
-/// A map of starts: how many of those of each range and bearing were recovered.
+/// Map of starts: recovered runs by range and bearing.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace sightline {
 
-/// Cells in polar coordinates, rings outwards, sectors to the left from straight behind round to straight behind.
+/// Cells in polar coordinates: rings outwards; sectors counterclockwise, from straight behind.
 struct SuccessMap {
   static constexpr int rings = 6, sectors = 24;
   struct Cell {
@@ -16,13 +16,14 @@ struct SuccessMap {
 
   double range_max = 1.0;  ///< outer edge of the last ring [m]
   std::vector<Cell> cells = std::vector<Cell>(rings * sectors);
-  Cell behind{};  ///< starts of a bearing of exactly pi
+  Cell behind{};  ///< starts with a bearing of exactly pi
 
-  /// Counts runs of one range [m] and bearing [rad], any number of turns.
+  /// Adds runs at one range [m] and bearing [rad]; the bearing may include whole turns.
   void add(double range, double bearing, Cell runs);
 };
 
-/// The map as one <svg> element, the robot in the middle with its nose up; a cell's title tells its numbers.
+/// The map as one <svg> element, with the robot in the centre, heading up. Each cell's title has
+/// its numbers.
 std::string to_svg(const SuccessMap& map, const std::string& title);
 
 }  // namespace sightline

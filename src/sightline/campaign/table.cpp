@@ -39,11 +39,11 @@ std::vector<std::string> fixed_columns() {
 
 namespace {
 
-/// What a table says of its campaign, as a person asks where it is another one.
+/// Keys of the description, in the order in which a mismatch is reported.
 constexpr std::array<std::string_view, 8> reported_of_campaign = {"scenario", "text",     "seed", "duration",
                                                                   "version",  "compiler", "plan", shard_key};
 constexpr std::chrono::milliseconds pause{500};  // between two commits
-constexpr std::size_t waiting_max = 4096;        // rows; a disk that cannot keep up holds the runs up
+constexpr std::size_t waiting_max = 4096;        // rows; with a slow disk, add() blocks
 
 std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   constexpr std::string_view types[] = {"INTEGER PRIMARY KEY",
@@ -80,7 +80,7 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
 }
 
-/// FNV-1a, 64 bits, of what fields are and hold.
+/// FNV-1a, 64 bits, of the types and values of fields.
 class Digest {
  public:
   void add(const Database::Value& value) {
@@ -160,7 +160,8 @@ void create_tables(Database& database, const AboutCampaign& about, const std::st
 
 void write_clean(Database& database, const std::filesystem::path& file) {
   std::filesystem::remove(file);
-  database.execute("PRAGMA schema_version = 1");  // counts how often the file was written anew
+  database.execute("PRAGMA schema_version = 1");  // a counter of rewrites, which must not depend on
+                                                  // the history
   Database::Statement copy(database, "VACUUM INTO ?");
   copy.bind(0, std::string_view(file.native()));
   copy.step();
@@ -216,7 +217,7 @@ RunTable::RunTable(const std::filesystem::path& file, const Scenario& scenario, 
                 });
 }
 
-// The file appears with its tables.
+// The file appears only with complete tables.
 void RunTable::begin(const AboutCampaign& about, const std::string& columns) {
   const std::filesystem::path unfinished = beside(file_);
   {
@@ -225,13 +226,13 @@ void RunTable::begin(const AboutCampaign& about, const std::string& columns) {
     create_tables(made, about, columns);
     made.execute("COMMIT");
   }
-  std::filesystem::remove(file_.native() + "-journal");  // of a file that somebody took away
+  std::filesystem::remove(file_.native() + "-journal");  // of a file that was removed
   std::filesystem::rename(unfinished, file_);
   database_.emplace(file_, Database::Open::as_it_is);
   changes_ = true;
 }
 
-// Leaves no database where there is nothing to go on with.
+// Closes the database if the run cannot continue.
 void RunTable::go_on(const AboutCampaign& about, const std::string& columns) {
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument(
@@ -283,7 +284,7 @@ RunTable::~RunTable() {
     stop_.request_stop();
     thread_.join();
     if (!waiting_.empty() && !failure_) commit(std::move(waiting_));
-  } catch (...) {  // finish() tells; nobody asked it
+  } catch (...) {  // finish() reports errors; it was not called
   }
 }
 
@@ -355,7 +356,7 @@ void RunTable::finish() {
   if (!waiting_.empty()) commit(std::exchange(waiting_, {}));
   if (!std::exchange(changes_, false)) return;
   write_digest(*database_);
-  // How the rows came into the file shows in its bytes; in a new one it does not.
+  // The bytes of the file depend on the history of its rows; those of a new file do not.
   const std::filesystem::path whole = beside(file_);
   write_clean(*database_, whole);
   database_.reset();

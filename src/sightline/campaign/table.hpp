@@ -1,4 +1,4 @@
-/// campaign.sqlite: the runs of a campaign, a row each.
+/// campaign.sqlite: the runs of a campaign, one row each.
 #pragma once
 
 #include <array>
@@ -19,42 +19,45 @@
 
 namespace sightline {
 
-/// What a table says of its campaign, by key.
+/// Description of a campaign in its table, by key.
 using AboutCampaign = std::map<std::string, Database::Value>;
 
-/// Writes
+/// Writes the tables
 ///
-///   runs      "index", seed, outcome, reason, min_distance, time_to_first_view, fraction_in_view, could_brake, violations,
-///             energy, chatter, drift, longest_without_plan, barrier_conflict, a column status_NAME for each Status, a column for each number drawn, by its name, and
-///             the robot_endings of each robot; at last digest, of all that stands before it in the row
-///   campaign  key, value: scenario, text, plan (the text of the scenario that draws, where that is another), seed,
-///             duration, version, compiler; "file NAME" with the text of each file that the scenario names; of a shard
-///             "I/N of RUNS" as shard; at its end a digest of all rows
+///   runs      "index", seed, outcome, reason, min_distance, time_to_first_view, fraction_in_view,
+///             could_brake, violations, energy, chatter, drift, longest_without_plan,
+///             barrier_conflict; a column status_NAME for each Status; a column for each drawn
+///             number, by its name; the robot_endings of each robot; last, digest: of all earlier
+///             columns of the row
+///   campaign  key, value: scenario, text, plan (the text of the scenario with the draws, if it is
+///             another one), seed, duration, version, compiler; "file NAME" with the text of each
+///             file that the scenario names; shard, "I/N of RUNS", for a shard only; after the last
+///             row, a digest of all rows
 ///
-/// Rows come in the order of the index. A thread commits them, each within half a second and the time that takes, so
-/// that a campaign that is killed leaves all rows but those of the last second, and can go on. At its end the file is
-/// written anew as a whole, so that equal campaigns give equal bytes, however they came about.
+/// Rows are in the order of the index. A thread commits waiting rows every half second. A killed
+/// campaign thus loses only the rows of about the last second, and can continue. At the end the
+/// whole file is rewritten, so that equal campaigns have equal bytes regardless of their history.
 class RunTable {
  public:
-  /// Goes on with the rows that are there, where they are of this campaign and this binary.
-  /// @param runs  of the whole campaign; of a shard alone
-  /// @throws std::invalid_argument where the file holds something else, with what
-  /// @throws std::runtime_error naming the file, here and below, where it cannot be written
+  /// Continues after the existing rows, if they are of this campaign and this binary.
+  /// @param runs  of the whole campaign; only for a shard
+  /// @throws std::invalid_argument with the difference, if the file has other content
+  /// @throws std::runtime_error naming the file, here and below, if it cannot be written
   RunTable(const std::filesystem::path& file, const Scenario& scenario, const CampaignPlan& plan,
            std::uint64_t seed, const Shard& shard = {}, int runs = 0);
-  ~RunTable();  ///< Commits what was added.
+  ~RunTable();  ///< commits the added rows
   RunTable(const RunTable&) = delete;
   RunTable& operator=(const RunTable&) = delete;
 
-  /// Rows that were there: of the shard's runs 0 to rows() - 1.
+  /// Number of existing rows: the shard's runs 0 to rows() - 1.
   int rows() const { return rows_; }
-  /// Of them, those of an outcome.
+  /// Number of the existing rows with an outcome.
   int rows(Outcome outcome);
-  /// Whether the row of a run that was there says the same; before the first add().
+  /// Whether the existing row of a run equals the result. Only before the first add().
   bool holds(const RunDraw& run, const RunResult& result);
 
   void add(const RunDraw& run, const RunResult& result);
-  /// All that was added is in the file, and nothing beside it.
+  /// Completes the file: all added rows are in it, and no other file remains.
   void finish();
 
  private:
@@ -67,7 +70,7 @@ class RunTable {
 
   std::filesystem::path file_;
   Shard shard_;
-  std::optional<Database> database_;  // of the constructor, then of the thread, then of finish()
+  std::optional<Database> database_;  // of the constructor, then the thread, then finish()
   int rows_ = 0;
 
   std::mutex mutex_;
@@ -79,45 +82,49 @@ class RunTable {
   ServiceThread thread_{"the table of the campaign"};
 };
 
-/// Whether the campaign can go on after the rows that are there: the last of them is flown again. Before the first add().
+/// Flies the last existing run again and checks that the result is equal. Only before the first
+/// add().
 /// @param file  of the table
-/// @throws std::invalid_argument where it flies otherwise now, or the table holds more than options.runs
+/// @throws std::invalid_argument if the result differs, or if the table has more than options.runs
+///   rows
 void check_continues(RunTable& table, const std::filesystem::path& file, const Scenario& scenario,
                      const CampaignPlan& plan, const CampaignOptions& options);
 
-/// Of a table that is open.
+/// Reads the description from an open table.
 AboutCampaign about_campaign(Database& database);
-/// Makes `campaign` with these words, and `runs` by its statement.
+/// Creates `campaign` with this description, and `runs` by the SQL statement `runs`.
 void create_tables(Database& database, const AboutCampaign& about, const std::string& runs);
-/// Writes the rows into a new file, whose bytes follow from them alone. Counts as one change of the database.
+/// Writes the rows into a new file, whose bytes depend only on them. Counts as one change of the
+/// database.
 void write_clean(Database& database, const std::filesystem::path& file);
 
-/// Over all rows in their order: of rows that are not as they were written it is another one.
+/// Digest of all rows in their order; it differs if a row was modified.
 std::string rows_digest(Database& database);
-/// Puts it into `campaign`.
+/// Writes the digest into `campaign`.
 void write_digest(Database& database);
-/// The word of `campaign` that tells it, of a table that was written to its end.
+/// Key of the digest in `campaign`, present in a complete table.
 inline constexpr std::string_view digest_key = "digest";
 
-/// The word of `campaign` that tells the shard.
+/// Key of the shard in `campaign`.
 inline constexpr std::string_view shard_key = "shard";
-/// The column of a row's digest, the last one.
+/// Name of the last column, the digest of its row.
 inline constexpr std::string_view row_digest_column = "digest";
-/// @throws std::runtime_error naming the first run whose row is not as it was written
+/// @throws std::runtime_error naming the first run whose row was modified
 void check_rows(Database& database);
 
-/// Of the text of a file that the scenario names, before its name.
+/// Prefix of the key of a file that the scenario names.
 inline constexpr std::string_view file_key = "file ";
 
-/// What the columns of a robot's energy and errors are called, after its name.
+/// Suffixes of the columns of a robot's energy and tracking errors, after its name.
 inline constexpr std::array<std::string_view, 3> robot_endings = {".energy", ".rms_position_error",
                                                                   ".rms_heading_error"};
 
-/// And of the error of its estimate, its consistency and its longest time without sight, where it is localized by vision.
+/// The same for a robot that is localized by vision: estimation error, consistency, and longest
+/// time without a detection.
 inline constexpr std::array<std::string_view, 3> localization_endings = {".rmse", ".anees",
                                                                          ".longest_without_sight"};
 
-/// The columns of `runs` that do not depend on what is drawn.
+/// The columns of `runs` that do not depend on the draws.
 std::vector<std::string> fixed_columns();
 
 }  // namespace sightline

@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-/// Whether the number is of the problem that a solver is built for, and not of the flight.
+/// Whether the number belongs to the problem of a solver, not to the flight only.
 bool shapes_the_team(std::string_view key) {
   for (const std::string_view section : {"simulation.", "target.", "obstacle.", "safety", "log."}) {
     if (key.starts_with(section)) return false;
@@ -109,7 +109,7 @@ void Variants::place_start(const StartDraw& draw, const Start& at, const double*
   const double heading = draw.heading ? *value++ : now(at.heading);
   const SinCos<double> ahead = sincos(heading), off = sincos(bearing);
   Vec2<double> towards = rotate<double>({ahead.cos, ahead.sin}, {off.cos, off.sin});
-  // Straight behind is straight behind, which the sine of pi is not.
+  // Exact for straight behind, where sin(pi) is not 0 in floating point.
   if (bearing == std::numbers::pi || bearing == -std::numbers::pi) towards = {-ahead.cos, -ahead.sin};
   changes.emplace_back(at.p[0], now(at.around[0]) - range * towards.x);
   changes.emplace_back(at.p[1], now(at.around[1]) - range * towards.y);
@@ -122,7 +122,7 @@ void Variants::place_start(const StartDraw& draw, const Start& at, const double*
 
 Scenario Variants::of(const RunDraw& run) const {
   Changes changes;
-  // What is drawn by key comes first: a start may be around a body whose own place is drawn.
+  // Draws by key come first: a start may be around a body whose position is drawn.
   std::vector<std::string> added;
   for (const Drawn& drawn : draws_) {
     if (drawn.number) {

@@ -1,4 +1,4 @@
-/// Scenarios that differ from one in the numbers drawn for each run.
+/// Scenarios of the runs of a campaign, which differ in the drawn numbers.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +11,26 @@
 
 namespace sightline {
 
-/// Makes the scenario of each run by writing its numbers into the text, so that the run's own text is a scenario
-/// that `sightline run` flies.
+/// Writes a run's numbers into the text of the base scenario. `sightline run` can fly the resulting
+/// text.
 class Variants {
  public:
-  /// @param base  its text is what is written over
-  /// @param plan  of the same scenario, or of another whose numbers are in this one too
-  /// @throws ScenarioError where a number of the plan is neither in the text nor may be added to it
+  /// @param base  its text is the template
+  /// @param plan  of the same scenario, or of another one whose numbers are in this one too
+  /// @throws ScenarioError if a number of the plan is neither in the text nor may be added to it
   Variants(const Scenario& base, const CampaignPlan& plan);
 
-  /// @throws ScenarioError where a number drawn is refused
+  /// @throws ScenarioError if a drawn number is refused
   Scenario of(const RunDraw& run) const;
-  /// The same with a text that may be written into a folder and flown from there: it has duration and seed, and names
-  /// files as they are seen from there.
+  /// The same with a text to be written into `folder` and flown from there: it contains duration
+  /// and seed, and its file names are valid from there.
   Scenario of(const RunDraw& run, const std::filesystem::path& folder) const;
 
-  /// The drawn values that an Ocp depends on; runs alike in these share a solver.
+  /// The drawn values that an Ocp depends on; runs with equal values share a solver.
   std::vector<double> team_values(const RunDraw& run) const;
 
  private:
-  /// Where the numbers of a start stand.
+  /// Positions of a start's numbers in the text.
   struct Start {
     NumberInText p[3], around[3], heading, v[2];
   };
@@ -38,7 +38,7 @@ class Variants {
 
   Scenario flown(std::string text, const std::filesystem::path& file, std::vector<std::string> set,
                  const RunDraw& run) const;
-  /// What is to be added must be something that may be added, which a run shows.
+  /// Builds a run to check that the numbers to add may be added.
   void try_additions() const;
   void place_start(const StartDraw& draw, const Start& at, const double*& value, Changes& changes) const;
 
@@ -49,7 +49,7 @@ class Variants {
   std::vector<Start> starts_;
   /// A number that follows from a drawn value.
   struct Drawn {
-    std::optional<NumberInText> number;  // none: it is added
+    std::optional<NumberInText> number;  // none: the number is added
     std::string key;
     std::size_t draw;
     double times, plus;
@@ -58,7 +58,7 @@ class Variants {
   };
   std::vector<Drawn> draws_;
   std::vector<std::size_t> of_team_;             // indices of values
-  std::optional<NumberInText> duration_, seed_;  // of [simulation], where they are written out
+  std::optional<NumberInText> duration_, seed_;  // of [simulation], if they are in the text
   SolverChoice solver_;
 };
 

@@ -12,11 +12,12 @@ namespace sightline {
 namespace {
 
 constexpr std::size_t cameras_shown = 4, pictures_shown = 6, in_a_row = 3;
-constexpr double width_on_page = 240.0, gap_between = 12.0, words_below = 18.0;  // [px] of the page
-constexpr double least_depth_seen = 0.02;  // what is nearer has no place in a picture [m]
-constexpr double code_in_tag = 6.0 / 8;    // of tag36h11: a black frame, one of eight squares wide
+constexpr double width_on_page = 240.0, gap_between = 12.0, words_below = 18.0;  // in the page [px]
+constexpr double least_depth_seen = 0.02;  // nearer points are not projected [m]
+constexpr double code_in_tag = 6.0 / 8;    // of tag36h11: black frame, 1/8 wide per side
 
-/// The corners of a plate as the points of a polygon; empty where one is behind the camera.
+/// Projected corners of a plate, as the points of a polygon; empty if a corner is behind the
+/// camera.
 std::string points_of(const Camera& camera, const Recording::Sighted& seen, const Tags& tags, int face,
                       double scale) {
   const Rotation R = rotation(seen.q);
@@ -34,7 +35,7 @@ std::string plates_of(const Camera& camera, const Recording::Sighted& seen, cons
   std::string plates;
   const Rotation R = rotation(seen.q);
   for (int face = 0; face < tags.faces; ++face) {
-    if (dot(R.to_G(tags.normal(face)), seen.p + R.to_G(tags.centre(face))) >= 0) continue;  // its back
+    if (dot(R.to_G(tags.normal(face)), seen.p + R.to_G(tags.centre(face))) >= 0) continue;  // back
     for (const auto& [scale, fill] :
          {std::pair{Tags::border, "#fff"}, std::pair{1.0, "#000"}, std::pair{code_in_tag, "#777"}}) {
       const std::string points = points_of(camera, seen, tags, face, scale);
@@ -44,7 +45,7 @@ std::string plates_of(const Camera& camera, const Recording::Sighted& seen, cons
   return plates;
 }
 
-/// One picture in its own pixels, with its words below.
+/// One figure in its own pixels, with its caption below.
 std::string picture_of(const Recording& r, const Camera& camera, const Recording::Sighted& seen) {
   const Recording::Body& target = r.bodies[seen.target];
   const double scale = camera.width / width_on_page;

@@ -1,4 +1,4 @@
-/// What cameras saw, as pictures of a run's page.
+/// Camera views of a run, as figures of its page.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace sightline {
 
-/// Pictures of the first four cameras that detected something, six each, evenly over what they detected: the plates that look at
-/// the camera, where a detection says that they are. The code of a tag is not drawn.
+/// Six views, evenly spaced in time, of each of the first four cameras with detections: the plates
+/// that face the camera, at their detected poses. The code of a tag is not drawn.
 std::vector<Figure> camera_figures(const Recording& recording);
 
 }  // namespace sightline

@@ -8,8 +8,8 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t rows_min = 24;         // of a curve
-constexpr std::size_t rows_of_all = 16'000;  // of a curve times the bodies: a large team's page stays small
+constexpr std::size_t rows_min = 24;         // per curve
+constexpr std::size_t rows_of_all = 16'000;  // rows per curve times bodies: bounds the page size
 
 }  // namespace
 
@@ -38,7 +38,7 @@ Drawing::Curve Curves::curve(std::string title, std::size_t colour, Drawing::Mar
                              const std::vector<double>& x, const std::vector<double>& y) const {
   const std::size_t size = std::min(x.size(), y.size());
   const std::array columns = {std::span(y).first(size), std::span(x).first(size)};
-  const bool rising = std::is_sorted(x.begin(), x.end());  // extremes of a rising x are its ends
+  const bool rising = std::is_sorted(x.begin(), x.end());  // then the ends are extremes
   Drawing::Curve result{std::move(title), colour, mark, {}, {}};
   for (const std::size_t i : rows_to_draw(std::span(columns).first(rising ? 1 : 2), rows_)) {
     result.x.push_back(x[i]);

@@ -1,4 +1,4 @@
-/// Columns of a run as curves of a figure, thinned so that a page stays small.
+/// Columns of a run as curves of a figure, thinned to limit the size of a page.
 #pragma once
 
 #include <cstddef>
@@ -11,31 +11,31 @@
 
 namespace sightline {
 
-inline constexpr std::size_t rows_max = 2000;  ///< of a curve
+inline constexpr std::size_t rows_max = 2000;  ///< per curve
 
-/// A name short enough for a legend: cut between two characters, and then it ends by an ellipsis.
+/// A name for a legend, truncated between two characters with an ellipsis if it exceeds `size`.
 std::string label(std::string_view name, std::size_t size = 18);
 
-/// A coordinate of each point.
+/// One coordinate of each point.
 std::vector<double> along(const std::vector<Vec3<double>>& p, double Vec3<double>::*axis);
 
 class Curves {
  public:
-  /// @param recording  outlives this; has a period at least
+  /// @param recording  must outlive this object; has at least one period
   explicit Curves(const Recording& recording);
 
-  /// y over x, with the extremes of both.
+  /// y over x; thinning keeps the extremes of both.
   Drawing::Curve curve(std::string title, std::size_t colour, Drawing::Mark mark,
                        const std::vector<double>& x, const std::vector<double>& y) const;
   Drawing::Curve over_time(std::string title, std::size_t colour, Drawing::Mark mark,
                            const std::vector<double>& y) const;
-  /// A constant over all of the run.
+  /// A constant over the whole run.
   Drawing::Curve level(std::string title, std::size_t colour, double y) const;
   double end() const;  ///< of the run [s]
 
  private:
   const Recording& recording_;
-  std::size_t rows_;  // of a curve, at most
+  std::size_t rows_;  // most rows of a curve
 };
 
 }  // namespace sightline

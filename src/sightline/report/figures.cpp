@@ -24,7 +24,7 @@ using Panel = Drawing::Panel;
 using GridView = Drawing::Grid::View;
 
 constexpr int page_width = 900, axes_left = 102, axes_width = 780;  // [px]
-constexpr std::string_view picture_head = "<?xml ";                 // of each that gnuplot draws
+constexpr std::string_view picture_head = "<?xml ";                 // of each figure of gnuplot
 
 }  // namespace
 
@@ -54,7 +54,7 @@ std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> c
 
 namespace {
 
-// Text of a user in single quotes, where gnuplot expands nothing.
+// Quotes a user's text in single quotes, where gnuplot expands nothing.
 std::string literal(std::string_view text) {
   std::string result = "'";
   for (const char c : text) {
@@ -64,14 +64,14 @@ std::string literal(std::string_view text) {
   return result + "'";
 }
 
-// What gnuplot takes as a number, and differences and products of which are numbers as well.
+// Whether gnuplot accepts a value as a number, also after differences and products.
 bool is_drawn(double value) { return std::abs(value) <= 1e100; }
 
 bool has_a_number(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), is_drawn);
 }
 
-// Keeps what has a place on the axes.
+// Replaces values without a place on the axes.
 void prune(Drawing::Grid& grid) {
   for (double& z : grid.z)
     if (!is_drawn(z)) z = no_value;
@@ -88,7 +88,8 @@ void prune_notes(Panel& panel) {
     if (*range && !(is_drawn((**range)[0]) && is_drawn((**range)[1]))) range->reset();
 }
 
-// What an axis cannot show becomes a gap; curves, panels and drawings without a point go.
+// Replaces values that an axis cannot show by gaps; removes curves, panels and drawings without a
+// point.
 void prune(std::vector<Drawing>& drawings) {
   for (Drawing& drawing : drawings) {
     for (Panel& panel : drawing.panels) {
@@ -188,7 +189,7 @@ struct Space {
   AxisRange x, y, z;
 };
 
-// The box of a cloud: no side is so short beside another that its tics find no room.
+// The box of a cloud; no side is too short for its tics.
 Space space_of(const Panel& panel) {
   Space space{range_of(panel, &Curve::x), range_of(panel, &Curve::y), height_of(panel.grid)};
   if (!panel.curves.empty()) space.z = {std::min(space.z.low, 0.0), std::max(space.z.high, 0.0)};
@@ -201,7 +202,7 @@ Space space_of(const Panel& panel) {
   return space;
 }
 
-// The data with some air; of a logarithmic y at most the upper six decades.
+// Range of the data with a margin; of a logarithmic y at most the upper six decades.
 std::string ranges(const Panel& panel, int axes) {
   const AxisRange x = range_of(panel, &Curve::x), y = range_of(panel, &Curve::y);
   const auto text = [](double x_low, double x_high, double y_low, double y_high) {
@@ -225,13 +226,13 @@ std::string ranges(const Panel& panel, int axes) {
   if (panel.log_x) return text(x.low / 1.05, x.high * 1.05, y_low, y_high);
   const double x_low = panel.x_range ? (*panel.x_range)[0] : x.low,
                x_high = panel.x_range ? (*panel.x_range)[1] : x.high;
-  const double x_air = x_high > x_low ? 0.003 * (x_high - x_low)
-                                      : std::max(1e-3, 1e-3 * std::abs(x_low));  // the last tic is seen
+  const double x_air =
+      x_high > x_low ? 0.003 * (x_high - x_low) : std::max(1e-3, 1e-3 * std::abs(x_low));  // shows last tic
   return panel.y_range ? text(x_low, x_high + x_air, (*panel.y_range)[0], (*panel.y_range)[1])
                        : text(x_low, x_high + x_air, y_low, y_high);
 }
 
-// Words, vertical lines and names of values.
+// Labels, vertical lines and names of values.
 std::string notes(const Panel& panel) {
   std::string script = "unset arrow\n";
   for (const Drawing::Note& note : panel.labels) {
@@ -272,7 +273,7 @@ void write_curve(std::ostream& script, const Curve& curve, std::string_view name
 
 bool in_space(const Panel& panel) { return !panel.grid.z.empty() && panel.grid.view != GridView::map; }
 
-// The panel's field below its curves, as the first thing that is plotted.
+// The panel's field, plotted first, below its curves.
 std::string write_grid(std::ostream& script, const Drawing::Grid& grid, const Space& space) {
   if (grid.z.empty()) return "plot ";
   script << "$grid << EOD\n";
@@ -292,9 +293,9 @@ std::string write_grid(std::ostream& script, const Drawing::Grid& grid, const Sp
       break;
   }
   const AxisRange z = height_of(grid);
-  // As large as there is room for: the height of the box is to the scale of its sides.
+  // As large as possible: the height of the box is to the scale of its sides.
   const double scale = 1.25 * std::min(1.0, std::max(space.x.length(), space.y.length()) / space.z.length());
-  // The colours in the middle read on light and on dark.
+  // The middle of the colour scale is legible on light and dark pages.
   return fmt::format("set cbrange [{}:{}]\nset zrange [{}:{}]\n", z.low - 0.9 * z.length() - 1e-9,
                      z.high + 0.5 * z.length() + 1e-9, space.z.low, space.z.high) +
          "unset colorbox\nset zlabel " + label + " rotate by 90 offset 1,0\n" +
@@ -326,7 +327,7 @@ void write_panel(std::ostream& script, const Panel& panel, int axes) {
   script << '\n';
 }
 
-// Where the axes of a panel are, from the picture's upper left corner [px].
+// Axes of a panel, from the figure's upper left corner [px].
 struct PanelPlace {
   int x, width, title_y, legend_y, y;
 };
@@ -374,7 +375,7 @@ void write_drawing(std::ostream& script, const Drawing& drawing) {
       script << fmt::format("set label {} at screen {},{} left\n", literal(panel.title), across(at.x),
                             up(at.title_y + row / 2 - 2));
     }
-    if (in_space(panel)) {  // a box seen askew needs more room than its axes
+    if (in_space(panel)) {  // a box in perspective needs more room than its axes
       script << fmt::format("set margins -1,-1,-1,-1\nset origin {},{}\nset size {},{}\n", across(at.x - 60),
                             up(at.y + panel.height + axis), across(at.width + 75),
                             (panel.height + axis) / static_cast<double>(height));
@@ -394,8 +395,8 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
-// gnuplot's picture as an element of a page: no head, ids of its own, no titles that pop up under the pointer,
-// black as the page's colour.
+// gnuplot's figure as an element of a page: without head and pop-up titles, with unique ids, black
+// replaced by the page's colour.
 std::string inlined(std::string svg, std::size_t number) {
   const std::size_t begin = svg.find("<svg");
   if (begin == std::string::npos) throw std::runtime_error("gnuplot drew no picture");

@@ -19,14 +19,14 @@ using Panel = Drawing::Panel;
 
 double tilt_of(const Vec2<double>& lean) { return std::atan(norm(lean.x, lean.y)); }
 
-/// The row of the period that begins at a time; none where the recording has none.
+/// The row of the period at a time; none if the recording lacks it.
 std::optional<std::size_t> row_at(const Recording& r, double time) {
   const auto found = std::lower_bound(r.time.begin(), r.time.end(), time - same_time);
   if (found == r.time.end() || (r.stride > 1 && *found > time + same_time)) return std::nullopt;
   return static_cast<std::size_t>(found - r.time.begin());
 }
 
-/// How far a body is from its reference, whenever that is told.
+/// Distance of a body from its reference, at each logged reference.
 std::vector<double> errors_of(const Recording& r, const Recording::Body& body) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < body.reference_p.size(); ++i) {
@@ -45,7 +45,7 @@ PlannedAngles planned_angles(const Recording& r, const Recording::Pair& pair) {
   std::size_t of_target = 0;
   for (std::size_t i = 0; i < observer.planned.size(); ++i) {
     const double then = observer.planned_time[i];
-    // Where a target is no robot, its velocity is held.
+    // A target that is no robot keeps its velocity.
     std::optional<Vec3<double>> p;
     while (of_target < target.planned.size() && target.planned_time[of_target] < then - same_time)
       ++of_target;

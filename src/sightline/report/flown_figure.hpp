@@ -1,4 +1,4 @@
-/// What vehicles planned against what they flew.
+/// Planned against flown motion of vehicles.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,21 @@
 
 namespace sightline {
 
-/// The view angles that an observer planned PlannedAhead::ahead before; without rows where it does not lean.
+/// View angles that an observer planned PlannedAhead::ahead earlier; empty if the observer does not
+/// tilt.
 struct PlannedAngles {
   std::vector<double> time, angle;  ///< [s], [rad]
 };
 PlannedAngles planned_angles(const Recording& recording, const Recording::Pair& pair);
 
-/// Tilt, planned and flown, and distance from the reference of those of the bodies that lean; none where none does.
+/// Planned and flown tilt, and distance from the reference, of the bodies that tilt; none without
+/// such a body.
 std::optional<Drawing> flown_drawing(const Recording& recording, const Curves& curves,
                                      const std::vector<std::size_t>& bodies);
 
-/// A table of HTML with a row for each pair and robot that leans; empty where none does.
+/// HTML table with a row for each pair and robot that tilts; empty without such a robot.
 /// @param summary  text of summary.json
-/// @throws std::runtime_error where it is no such summary
+/// @throws std::runtime_error if it is no such summary
 std::string flown_table(std::string_view summary);
 
 }  // namespace sightline

@@ -20,7 +20,7 @@ namespace {
   throw std::runtime_error(fmt::format("{}: {}", what, reason(error)));
 }
 
-/// A file without a name.
+/// An anonymous file in memory.
 class Sheet {
  public:
   Sheet() : file_(::memfd_create("sightline", MFD_CLOEXEC)) {
@@ -56,14 +56,14 @@ class Sheet {
   int file_;
 };
 
-/// @return the status of waitpid(2); 127 as exit code where gnuplot is missing
+/// @return the status of waitpid(2); exit code 127 if gnuplot is missing
 int spawn_and_wait(const Sheet& in, const Sheet& out, const Sheet& err) {
   posix_spawn_file_actions_t streams;
   posix_spawn_file_actions_init(&streams);
   posix_spawn_file_actions_adddup2(&streams, in.file(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&streams, out.file(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&streams, err.file(), STDERR_FILENO);
-  posix_spawnattr_t manners;  // signals that we ignore end gnuplot as any program
+  posix_spawnattr_t manners;  // resets signals that this process ignores or blocks
   posix_spawnattr_init(&manners);
   sigset_t all;
   sigfillset(&all);

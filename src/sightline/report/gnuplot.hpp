@@ -1,4 +1,4 @@
-/// gnuplot, as a function of its script.
+/// Runs gnuplot on a script.
 #pragma once
 
 #include <string>
@@ -6,8 +6,9 @@
 
 namespace sightline {
 
-/// What gnuplot writes to its standard output. No file has a name: whatever ends this process leaves none behind.
-/// @throws std::runtime_error where gnuplot is missing or fails, with what it says
+/// Standard output of gnuplot. Its files have no names, so that an aborted process leaves none
+/// behind.
+/// @throws std::runtime_error with gnuplot's message, if gnuplot is missing or fails
 std::string run_gnuplot(std::string_view script);
 
 }  // namespace sightline

@@ -18,14 +18,14 @@ namespace sightline {
 namespace {
 
 constexpr double node_radius = 8.0, head = 9.0;  // of a node, of an arrow's head [px]
-constexpr std::size_t many_lines = 150;  // are drawn fainter, and without heads where they go both ways
+constexpr std::size_t many_lines = 150;          // more lines are faint, and mutual ones have no heads
 
-/// One body leans on another: it observes it, or feels it.
+/// A dependency: the first body observes the second, or a coupling with the second acts on it.
 using Lean = std::pair<std::size_t, std::size_t>;
 
 bool is_dense(const std::set<Lean>& leans) { return leans.size() > many_lines; }
 
-/// The bodies of a picture: all robots, and what one of them leans on.
+/// Bodies of a figure: all robots, and the bodies that they depend on.
 std::vector<std::size_t> shown_bodies(const Recording& r, const std::set<Lean>& leans) {
   std::set<std::size_t> bodies;
   for (std::size_t i = 0; i < r.bodies.size(); ++i) {
@@ -35,10 +35,10 @@ std::vector<std::size_t> shown_bodies(const Recording& r, const std::set<Lean>& 
   return {bodies.begin(), bodies.end()};
 }
 
-/// Which ends of a line have a head.
+/// Ends of a line with an arrow's head.
 enum class Heads { none, at_the_end, at_both };
 
-/// Whether a third node lies on the way from one to another; of a circle none does.
+/// Whether a third node is on the line between two nodes; never on a circle.
 bool passes_a_node(const GraphLayout& layout, const GraphLayout::Node& a, const GraphLayout::Node& b) {
   if (layout.kind == GraphLayout::Kind::circle) return false;
   const double dx = b.x - a.x, dy = b.y - a.y, length = norm(dx, dy);
@@ -49,7 +49,7 @@ bool passes_a_node(const GraphLayout& layout, const GraphLayout::Node& a, const 
   });
 }
 
-/// A line between the rims of two nodes, bent where it would cross a third.
+/// A line between the rims of two nodes, curved if it would cross a third one.
 std::string line(const GraphLayout& layout, std::size_t from, std::size_t to, Heads heads,
                  std::string_view id, bool faint) {
   constexpr double bent = 44.0;
@@ -68,7 +68,7 @@ std::string line(const GraphLayout& layout, std::size_t from, std::size_t to, He
 }
 
 std::string node(const GraphLayout& layout, std::size_t i, const Recording::Body& body) {
-  // The name stands off the node, on the side away from the others.
+  // The name is beside the node, away from the others.
   constexpr double gap = node_radius + 8.0, height = 4.5, half_turn = 180.0;
   const GraphLayout::Node& at = layout.nodes[i];
   const bool leftwards = at.out_x<-0.1, rightwards = at.out_x> 0.1;
@@ -91,8 +91,8 @@ std::string node(const GraphLayout& layout, std::size_t i, const Recording::Body
       escaped(shortened(body.name, layout.name_size)));
 }
 
-/// @param id       of the picture, by which its heads are known in the page
-/// @param towards  whether an arrow goes to what is leaned on, or comes from it
+/// @param id  of the figure; prefix of its marker ids in the page
+/// @param towards  whether an arrow points to the dependency or from it
 std::string picture(const Recording& r, const std::set<Lean>& leans, std::string_view id, bool towards) {
   const std::vector<std::size_t> bodies = shown_bodies(r, leans);
   std::map<std::size_t, std::size_t> place;
@@ -115,7 +115,7 @@ std::string picture(const Recording& r, const std::set<Lean>& leans, std::string
   svg += "</defs>\n<g fill=\"none\" stroke=\"currentColor\" stroke-width=\"1.2\">\n";
   for (const auto& [from, to] : leans) {
     const bool mutual = leans.contains({to, from});
-    if (mutual && from > to) continue;  // drawn from the other end
+    if (mutual && from > to) continue;  // drawn once for both directions
     const std::size_t a = place.at(towards ? from : to), b = place.at(towards ? to : from);
     const Heads of_both = is_dense(leans) ? Heads::none : Heads::at_both;
     svg += line(layout, a, b, mutual ? of_both : Heads::at_the_end, id, is_dense(leans));
@@ -127,7 +127,7 @@ std::string picture(const Recording& r, const std::set<Lean>& leans, std::string
   return svg + "</svg>";
 }
 
-/// The couplings, and any two robots of a swarm as if they were near.
+/// The couplings, and all pairs of a swarm's robots as if they were near.
 std::vector<Recording::Coupled> all_coupled(const Recording& r) {
   std::vector<Recording::Coupled> all = r.couplings;
   for (const std::vector<std::size_t>& robots : r.swarms) {

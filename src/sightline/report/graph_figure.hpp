@@ -1,4 +1,4 @@
-/// Who observes whom and who influences whom, as pictures of a run's page.
+/// Graphs of observation and influence, as figures of a run's page.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace sightline {
 
-/// Most bodies that a graph is drawn of.
+/// Most bodies of a graph.
 inline constexpr std::size_t graph_bodies_max = 64;
 
-/// The observations and the influences of a run, as its log tells them; a graph without an arrow, or of too many
-/// bodies, is left out.
+/// Graphs of the observations and the influences in a run's log. Omits a graph without an arrow, or
+/// with more than graph_bodies_max bodies.
 std::vector<Figure> graph_figures(const Recording& recording);
 
-/// "a cascade of depth 3": how the robots influence each other, as the solver sees it.
+/// "a cascade of depth 3": the structure of the robots' influences for the solver.
 std::string influence_words(const Recording& recording);
 
 }  // namespace sightline

@@ -9,15 +9,15 @@ namespace sightline {
 namespace {
 
 constexpr double picture_width = 900.0,
-                 side_margin = 170.0;  // of the picture; of the names beside the nodes [px]
+                 side_margin = 170.0;  // of the figure; of the names beside the nodes [px]
 constexpr double apart_max = 340.0, row_height = 36.0, top_margin = 40.0, letter_width = 8.0;
-constexpr double turned_top = 120.0;  // room for a name that is turned
+constexpr double turned_top = 120.0;  // room for a radial name [px]
 constexpr std::size_t columns_max = 9, nodes_in_a_column = 18, side_name = 18, turned_name = 12;
-constexpr std::size_t crowd = 14;  // nodes of a circle, beyond which names are turned
+constexpr std::size_t crowd = 14;  // most nodes of a circle with horizontal names
 
 using GraphColumn = std::vector<std::size_t>;
 
-/// The nodes by depth, each column in the order of the mean row of what its nodes lean on.
+/// Nodes by depth; each column is sorted by the mean row of the nodes that its nodes depend on.
 std::vector<GraphColumn> columns_of(const NodeGraph& graph, const std::vector<std::size_t>& depths) {
   std::vector<GraphColumn> columns(depths.empty() ? 0 : 1 + *std::max_element(depths.begin(), depths.end()));
   for (std::size_t node = 0; node < depths.size(); ++node) columns[depths[node]].push_back(node);

@@ -1,4 +1,4 @@
-/// Where the nodes of a graph are drawn.
+/// Layout of the nodes of a graph.
 #pragma once
 
 #include <cstddef>
@@ -7,35 +7,35 @@
 
 namespace sightline {
 
-/// Nodes 0 .. nodes - 1; each arrow goes from one that leans on another to that other.
+/// Nodes 0 .. nodes - 1; each arrow (a, b) means that a depends on b.
 struct NodeGraph {
   std::size_t nodes = 0;
   std::vector<std::pair<std::size_t, std::size_t>> arrows{};
 };
 
-/// The arrows of the longest path that leaves each node; empty where arrows run in a circle.
+/// Number of arrows on the longest path from each node; empty if the graph has a cycle.
 std::vector<std::size_t> depths_of(const NodeGraph& graph);
 
-/// A picture's places, x to the right and y down.
+/// Positions in a figure, x to the right and y down.
 struct GraphLayout {
   enum class Kind {
-    columns,  ///< by depth: what leans on nothing stands left
-    circle,   ///< in the order of the depths where there are any, else of the nodes, clockwise from the left
+    columns,  ///< by depth: nodes without dependencies are on the left
+    circle,   ///< clockwise from the left, in the order of depths if there are any, else of nodes
   };
   struct Node {
     double x, y;          ///< [px]
-    double out_x, out_y;  ///< unit vector towards its name, away from the others
+    double out_x, out_y;  ///< unit vector towards its name, away from other nodes
     bool operator==(const Node&) const = default;
   };
 
   Kind kind{};
   std::vector<Node> nodes{};
-  double width = 0.0, height = 0.0;  ///< of the picture [px]
-  std::size_t name_size = 0;         ///< characters that find room
-  bool names_turned = false;         ///< along the way out, where they would lie upon each other
+  double width = 0.0, height = 0.0;  ///< of the figure [px]
+  std::size_t name_size = 0;         ///< most characters of a name
+  bool names_turned = false;         ///< names are radial, where they would overlap otherwise
 };
 
-/// Columns where there are few of them and none is long, a circle otherwise. The same graph has the same layout.
+/// Columns for few and short columns, otherwise a circle. Equal graphs have equal layouts.
 GraphLayout layout_of(const NodeGraph& graph);
 
 }  // namespace sightline

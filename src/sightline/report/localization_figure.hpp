@@ -1,4 +1,4 @@
-/// How well robots that are localized by vision knew where they were, as drawings of a report.
+/// Accuracy of robots that are localized by vision, as drawings of a report.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace sightline {
 
-/// For each of the first robots that are localized by vision: error with three standard deviations, NEES, and how its
-/// detections fitted.
+/// For each of the first such robots: error with three standard deviations, NEES, and the fit of
+/// its detections.
 std::vector<Drawing> localization_drawings(const Recording& recording);
 
 }  // namespace sightline

@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-constexpr double looks_max = 3e7;  // at a pair in a period
+constexpr double looks_max = 3e7;  // most evaluated distances
 
 }  // namespace
 
@@ -18,7 +18,7 @@ std::vector<Nearness> nearest_pairs(const Recording& recording, std::size_t most
   const double all = static_cast<double>(bodies.size()) * static_cast<double>(bodies.size()) / 2;
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::ceil(static_cast<double>(recording.time.size()) * all / looks_max)));
-  std::vector<Nearness> pairs;  // by the square of their distance
+  std::vector<Nearness> pairs;  // `least` holds squares until the end
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (bodies[i].is_agent || bodies[j].is_agent)

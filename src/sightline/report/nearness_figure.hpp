@@ -1,4 +1,4 @@
-/// How near bodies came to each other.
+/// Least distances of bodies.
 #pragma once
 
 #include <optional>
@@ -8,18 +8,18 @@
 
 namespace sightline {
 
-/// Two bodies, of which one is a robot at least, by their numbers in `bodies`.
+/// Two bodies, at least one of them a robot, by their indices in `bodies`.
 struct Nearness {
   std::size_t first, second;
   double least;  ///< [m]
 };
 
-/// The pairs that came nearest, the nearest first; of a long flight of many bodies every few periods are looked at.
-/// Pairs that were never there at once are left out.
+/// The pairs with the least distances, ascending. For a long flight of many bodies only every few
+/// periods count. Omits pairs that were never present at once.
 std::vector<Nearness> nearest_pairs(const Recording& recording, std::size_t most);
 
-/// The distances of the six pairs that came nearest, over time, with the hard distances; none where the team has
-/// one pair alone, of which another figure tells the distance, and no hard distance.
+/// Distances over time of the six nearest pairs, with the hard distances. None for a team with a
+/// single pair, whose distance another figure shows, and no hard distance.
 std::optional<Drawing> nearness_drawing(const Recording& recording, const Curves& curves);
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// The parts of a self-contained HTML page that reads on light and on dark.
+/// Parts of a self-contained HTML page for light and dark modes.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace sightline {
 
-/// Text as it stands in a page; what XML knows no character for is a space.
+/// Text escaped for a page; characters that XML forbids become spaces.
 std::string escaped(std::string_view text);
 
-/// From the doctype to the heading, with the style; the page ends by `</body></html>`.
+/// HTML from the doctype to the heading, with the style; `</body></html>` ends the page.
 std::string page_head(std::string_view title);
 
 /// A figure below its title.

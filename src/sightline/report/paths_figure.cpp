@@ -19,12 +19,12 @@ using Mark = Drawing::Mark;
 using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 
-constexpr double mark_interval = 1.67;   // between two simultaneous positions of Fig. 20 [s]
-constexpr std::size_t places_max = 600;  // that are joined by a line
-constexpr std::size_t names_max = 32;    // that stand beside the paths
+constexpr double mark_interval = 1.67;   // between two marked positions of Fig. 20 [s]
+constexpr std::size_t places_max = 600;  // points of a line
+constexpr std::size_t names_max = 32;    // names beside the paths
 constexpr std::size_t side_names_max = 12;
-constexpr std::size_t observers_max = 32;  // whose headings and cones are drawn
-constexpr double footprint_max = 2.0;      // [m], where no d_max is stated
+constexpr std::size_t observers_max = 32;  // most observers with heading and cone
+constexpr double footprint_max = 2.0;      // without a d_max [m]
 
 /// The extent of one coordinate of all paths.
 struct Extent {
@@ -38,15 +38,15 @@ struct Extent {
   double length() const { return high - low; }
 };
 
-/// The last place of a path that is known.
+/// One past the last known point of a path.
 std::size_t last_of(const Recording::Body& body) {
   std::size_t k = body.p.size();
   while (k > 0 && !std::isfinite(body.p[k - 1].x)) --k;
   return k;
 }
 
-/// Where a cone of half angle alpha, pitched by beta, sees: its shadow on the ground is a sector of half angle
-/// asin(sin alpha / cos beta), or all around where it holds what is straight below or above. The robot stands upright.
+/// Footprint of a cone with half-angle alpha and pitch beta: a sector of half-angle asin(sin alpha
+/// / cos beta), or the full circle if the cone contains the vertical. Assumes an upright robot.
 Curve footprint(const Recording& r, const Recording::Pair& pair) {
   const Recording::Body& body = r.bodies[pair.observer];
   Curve edge{"", pair.observer % Drawing::colours, Mark::dashed, {}, {}};

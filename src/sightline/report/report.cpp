@@ -43,14 +43,16 @@ using Panel = Drawing::Panel;
 using Numbers = std::vector<double>;
 
 constexpr double two_pi = 2 * std::numbers::pi;
-constexpr double paper_update_ms = 2.5;     // of CMSCGMRES on the paper's machine, section 7.2
-constexpr std::size_t robots_a_figure = 4;  // with a panel each
+constexpr double paper_update_ms = 2.5;     // CMSCGMRES on the paper's machine, section 7.2
+constexpr std::size_t robots_a_figure = 4;  // a panel each
 constexpr std::size_t events_max = 50;      // in the page; the log has all
-constexpr std::size_t moments_max = 12;     // events that are marked in the curves
-constexpr std::size_t robots_max = 24;      // each with its own curves; of more, those that came nearest
-constexpr std::size_t pairs_max = 12;       // with a figure each; of more, those that saw least
+constexpr std::size_t moments_max = 12;     // marked in the curves
+constexpr std::size_t robots_max = 24;      // with curves of their own; of more, half as many with
+                                            // the least distances
+constexpr std::size_t pairs_max = 12;       // with figures of their own; of more, those with the
+                                            // least time in view
 
-// "Positions", or with the names of its bodies where there are several such figures.
+// "Positions", with the names of the bodies if there are several such figures.
 std::string group_title(std::string_view what, const std::vector<std::size_t>& group, const Recording& r,
                         std::size_t all) {
   if (group.size() == all) return std::string(what);
@@ -69,7 +71,7 @@ std::vector<std::vector<std::size_t>> groups_of(std::size_t size, const std::vec
   return groups;
 }
 
-// Floor, and the ceiling where somebody came near it.
+// Adds the floor, and the ceiling if a body came near it.
 bool add_bounds(const Recording& r, const Curves& curves, Panel& panel) {
   if (!std::isfinite(r.floor)) return false;
   double highest = no_value;
@@ -113,7 +115,7 @@ void add_headings(const Recording& r, const Curves& curves, const std::vector<st
   for (std::size_t i = 0; i < group.size(); ++i) {
     const Recording::Body& body = r.bodies[group[i]];
     panel.curves.push_back(curves.over_time(label(body.name), i, Mark::line, body.heading));
-    // The same heading may be told by angles whole turns apart: the reference starts by the nearest.
+    // Headings may differ by whole turns: the reference starts at the nearest equivalent one.
     Numbers reference = body.reference_heading;
     if (!reference.empty() && !body.heading.empty()) {
       const double turns = std::round((body.heading.front() - reference.front()) / two_pi);
@@ -153,7 +155,7 @@ void add_inputs(const Recording& r, const Curves& curves, const std::vector<std:
   drawings.push_back(std::move(drawing));
 }
 
-/// What a body showed in a period.
+/// Sight of a body in a period.
 Sight<double> seen(const Recording::Body& body, std::size_t k) {
   const double psi = body.heading[k];
   return {
@@ -187,7 +189,7 @@ void add_pair(const Recording& r, const Curves& curves, const Recording::Pair& p
        {std::move(distance), std::move(angle)}});
 }
 
-// The events to tell: but for changes of the solver's status, which another figure has.
+// Events of the page, without the solver's status changes, which another figure shows.
 std::vector<Recording::Event> events_of(const Recording& r) {
   std::vector<Recording::Event> events;
   std::copy_if(r.events.begin(), r.events.end(), std::back_inserter(events),
@@ -195,7 +197,8 @@ std::vector<Recording::Event> events_of(const Recording& r) {
   return events;
 }
 
-// The events to mark in the curves, by their numbers in the list; those at about the same time together.
+// Events to mark in the curves, by their numbers in the list; nearly simultaneous events share a
+// mark.
 std::vector<Drawing::TimeMark> moments_of(const Recording& r) {
   std::vector<Drawing::TimeMark> moments;
   const double together = 0.02 * (r.time.back() - r.time.front());
@@ -235,7 +238,7 @@ Numbers in_ms(const Numbers& us) {
   return ms;
 }
 
-// Fig. 24 and how the times are spread, of all solvers that flew the scenario.
+// Fig. 24 and the distribution of the computation times, of all solvers of the scenario.
 void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
   std::vector<std::pair<std::string_view, Numbers>> solvers = {{r.solver, in_ms(r.solve_us)}};
   for (const Recording::Comparison& other : r.comparisons)
@@ -248,7 +251,7 @@ void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& d
   }
   if (!(least <= greatest)) return;
 
-  // Bins of equal length in the logarithm, each from edge i to edge i + 1.
+  // Bins of equal logarithmic width, each from edge i to edge i + 1.
   constexpr std::size_t bins = 120;
   const double low = 0.98 * least, ratio = std::log(1.02 * greatest / low) / bins;
   const double period = 1000 * r.period;
@@ -293,7 +296,7 @@ void add_times(const Recording& r, const Curves& curves, std::vector<Drawing>& d
 
 namespace {
 
-// Pairs whose figures are drawn: of many those that saw least, by the share of the time out of the cone.
+// Pairs with figures; of many, those with the greatest share of time out of the cone.
 std::vector<Recording::Pair> pairs_to_draw(const Recording& r) {
   std::vector<Recording::Pair> pairs = r.pairs;
   if (pairs.size() <= pairs_max) return pairs;
@@ -313,7 +316,8 @@ std::vector<Recording::Pair> pairs_to_draw(const Recording& r) {
   return worst;
 }
 
-// Robots with curves of their own: of many those that came nearest to another body, in the order of the team.
+// Robots with curves of their own; of many, those with the least distances, in the order of the
+// team.
 std::vector<std::size_t> robots_to_draw(const Recording& r, const std::vector<std::size_t>& robots) {
   if (robots.size() <= robots_max) return robots;
   std::set<std::size_t> nearest;
@@ -325,7 +329,7 @@ std::vector<std::size_t> robots_to_draw(const Recording& r, const std::vector<st
   return {nearest.begin(), nearest.end()};
 }
 
-// All panels over time reach from the begin of the run to its end and have its events.
+// All panels over time span the run and show its events.
 void share_time(const Recording& r, const Curves& curves, std::vector<Drawing>& drawings) {
   const std::vector<Drawing::TimeMark> moments = moments_of(r);
   for (Drawing& drawing : drawings) {
@@ -429,7 +433,7 @@ std::string event_table(const Recording& r) {
   return table + "</table>\n</details>\n";
 }
 
-// What holds for all figures below.
+// Notes on all figures below.
 std::string notes_of(const Recording& r) {
   std::string notes;
   if (!r.time.empty() && !moments_of(r).empty())

@@ -18,7 +18,7 @@ using Panel = Drawing::Panel;
 
 constexpr std::size_t robots_shown = Drawing::colours;
 
-/// The level of a robot over time, as steps; empty where it never left the first.
+/// Fallback level of a robot over time, as steps; empty if it never changed.
 Curve levels_of(const Recording& r, std::size_t robot) {
   Curve steps{r.bodies[robot].name, robot % Drawing::colours, Mark::line, {}, {}};
   double level = 0.0;
@@ -40,14 +40,14 @@ Curve levels_of(const Recording& r, std::size_t robot) {
   return steps;
 }
 
-/// Where the barrier acted: a line at the robot's own height, with gaps.
+/// Intervals in which the barrier acted: a line at the robot's own height, with gaps.
 Curve acts_of(const Recording& r, std::size_t robot, double height) {
   const Recording::Body& body = r.bodies[robot];
   Curve acts{body.name, robot % Drawing::colours, Mark::line, {}, {}};
   for (std::size_t k = 0; k < std::min(body.barrier.size(), r.time.size()); ++k) {
     const bool acted = body.barrier[k] > 0, before = k > 0 && body.barrier[k - 1] > 0;
     if (acted == before) continue;
-    // A gap ends where it begins again: what is not a number is not drawn.
+    // NaN ends a gap where the barrier acts again.
     if (acted && !acts.x.empty()) acts.x.push_back(r.time[k]), acts.y.push_back(std::nan(""));
     acts.x.push_back(r.time[k]);
     acts.y.push_back(height);

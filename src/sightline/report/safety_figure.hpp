@@ -1,4 +1,4 @@
-/// What supervisor and barrier did over a flight, as a drawing of its report.
+/// Actions of supervisor and barrier in a flight, as a drawing of its report.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,8 @@
 
 namespace sightline {
 
-/// Rungs of the robots over time, and where the barrier acted; none where neither was there or nothing happened.
+/// Fallback levels of the robots over time, and intervals in which the barrier acted. None if the
+/// run had neither supervisor nor barrier, or neither acted.
 std::optional<Drawing> safety_drawing(const Recording& recording);
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-/// How near the robots of a swarm came, as a drawing of a flight's report.
+/// Distances within a swarm, as a drawing of a flight's report.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace sightline {
 
-/// The distance of the two robots that are nearest, the pairs that were kept apart, and how far the robots are from
-/// where they are asked to be in the end; none where no robots are kept apart.
+/// Distance of the two nearest robots, number of pairs kept apart, and distance of the robots from
+/// their final references; none if no robots are kept apart.
 std::optional<Drawing> swarm_drawing(const Recording& recording);
 
 }  // namespace sightline

@@ -1,4 +1,5 @@
-/// Who may look on: this machine alone, or whoever has the token; never a page of another origin.
+/// Access control of the server: only this machine, or holders of the token; never a page of
+/// another origin that is not allowed.
 #pragma once
 
 #include <cstdint>
@@ -10,36 +11,38 @@
 
 namespace sightline {
 
-/// 192 bits of the kernel's random numbers, as 48 hexadecimal digits.
-/// @throws std::runtime_error where the kernel gives none
+/// 192 random bits of the kernel, as 48 hexadecimal digits.
+/// @throws std::runtime_error if the kernel provides none
 std::string random_token();
 
-/// In a time that depends on the length of `given` alone.
+/// Compares in a time that depends only on the length of `given`.
 bool same_secret(std::string_view given, std::string_view secret) noexcept;
 
-/// Checks a page's origin as a browser says it, "https://app.foxglove.dev"; "file://" is that of desktop applications.
-/// @throws std::invalid_argument with a sentence; "null", which any page can be, is none
+/// Checks an origin in the form of a browser's Origin header, "https://app.foxglove.dev". Desktop
+/// applications send "file://".
+/// @throws std::invalid_argument with a sentence; also for "null", which any page can send
 void check_origin(std::string_view origin);
 
-/// Decides about requests by what they say of host, origin and token.
+/// Accepts or refuses requests by their host, origin and token.
 ///
-/// A page of another origin reaches 127.0.0.1 in its user's browser. By its own name it says a foreign Origin. By a name that it
-/// turns to 127.0.0.1 (DNS rebinding) Origin and Host agree, but the Host is that name: only addresses are hosts here, and
-/// localhost.
+/// A page of another origin can reach 127.0.0.1 through its user's browser. Under its own name it
+/// sends a foreign Origin. With a name that it resolves to 127.0.0.1 (DNS rebinding), Origin and
+/// Host agree, but Host is that name. Therefore only addresses and localhost are accepted as hosts.
 class Admission {
  public:
-  /// What a request asks for.
+  /// Resource of a request.
   enum class Requested {
     flight,
-    open_file,  ///< holds nothing of a flight: no token is asked for
-    topics      ///< Foxglove's protocol, which tells only: other origins may be allowed
+    open_file,  ///< contains nothing of a flight and needs no token
+    topics      ///< over Foxglove's protocol, read-only: other origins may be allowed
   };
 
-  /// @param token    that a request must have as `?token=`; empty: none is asked for, and only loopback's names are hosts
-  /// @param origins  of pages that may ask for topics, checked
+  /// @param token  required as `?token=`; empty: no token is required, and only loopback names are
+  ///   hosts
+  /// @param origins  of pages that may request topics; already checked
   Admission(std::uint16_t port, std::string token, std::vector<std::string> origins = {});
 
-  /// @return why it is refused, a sentence; empty: it is not
+  /// @return the reason of a refusal, a sentence; empty: accepted
   std::string_view refusal(const HttpRequest& request, Requested requested = Requested::flight) const;
 
  private:

@@ -38,7 +38,7 @@ void Connection::receive(Time now) {
   received_ = now;
   const std::string_view taken(bytes.data(), static_cast<std::size_t>(n));
   if (state_ == State::requesting && in_.size() <= request_limit) in_ += taken;
-  if (state_ != State::watching) return;  // behind a request nothing is expected
+  if (state_ != State::watching) return;  // after a request no more bytes are expected
   frames_.take(taken);
   bytes_ += taken.size();
   read_frames(now);
@@ -99,7 +99,7 @@ void Connection::send(Time now) {
     if (sent_ < out_->size()) continue;
     out_.reset();
     if (state_ != State::watching) {
-      ::shutdown(fd(), SHUT_WR);  // so that the answer arrives before the end does
+      ::shutdown(fd(), SHUT_WR);  // the answer arrives before the end of the stream
       return close();
     }
   }
@@ -108,7 +108,7 @@ void Connection::send(Time now) {
 void Connection::read_frames(Time now) {
   if (now - second_ >= std::chrono::seconds(1)) second_ = now, messages_ = 0, bytes_ = 0;
   const auto end = [&](const std::string& last_frame) {
-    // A watcher that takes nothing does not hear it.
+    // Sent only if the watcher has accepted all output.
     if (out_ == nullptr) (void)::send(fd(), last_frame.data(), last_frame.size(), MSG_NOSIGNAL);
     close();
   };
@@ -119,14 +119,14 @@ void Connection::read_frames(Time now) {
   if (bytes_ > 20 * message_limit_) return refuse(WebsocketClose::against_the_rules);
   while (auto frame = frames_.next()) {
     if (++messages_ > messages_a_second_) return refuse(WebsocketClose::against_the_rules);
-    if (frame->op == WebsocketOp::close)  // answered by its own code, RFC 6455, 5.5.1
+    if (frame->op == WebsocketOp::close)  // answered with its own code, RFC 6455, 5.5.1
       return end(websocket_frame(WebsocketOp::close, std::string_view(frame->payload).substr(0, 2)));
     if (const auto fault = take_frame(*std::move(frame))) return refuse(*fault);
   }
   if (const auto fault = frames_.fault()) refuse(*fault);
 }
 
-/// Puts a message together. @return why it is none
+/// Assembles a message of its frames. @return the reason of a fault
 std::optional<WebsocketClose> Connection::take_frame(WebsocketReader::Frame frame) {
   if (frame.op == WebsocketOp::ping) add(websocket_frame(WebsocketOp::pong, frame.payload));
   if (frame.op == WebsocketOp::ping || frame.op == WebsocketOp::pong) return std::nullopt;

@@ -20,8 +20,8 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t samples_that_wait = 64;  // at 100 Hz twenty times what comes between two looks
-constexpr std::size_t events_reported = 32;    // the last of them, with each state
+constexpr std::size_t samples_that_wait = 64;  // at 100 Hz twenty times the samples of one interval
+constexpr std::size_t events_reported = 32;    // the latest events, sent with each state
 
 PageFiles files_of_flight(const SceneJson& scene, const Tuning* tuning) {
   PageFiles files = page_files();
@@ -86,9 +86,10 @@ class FlightPage::Thread {
       ring.pop();
       any = true;
     }
-    // Answers before files: who reads that a change is accepted finds it in the files.
+    // Answers before files: a client that receives an acceptance then finds the change in the
+    // files.
     const std::string answers = tuning_ != nullptr ? tuning_->reported() : std::string();
-    const bool reported = reports_more() && !newest_.seen.empty();  // of a flight that waits, too
+    const bool reported = reports_more() && !newest_.seen.empty();  // also while paused
     if (!any && !reported) return;
     if (any) tell([&] { drawn_.add(newest_); });
     feed_.hand_over(nanoseconds(newest_.time));
@@ -99,7 +100,7 @@ class FlightPage::Thread {
     newest_.solve_us = 0.0;
   }
 
-  /// Whether somebody tuned, or was refused; then the files of it are others.
+  /// Whether there are new answers; if so, replaces the files of the tuning.
   bool reports_more() {
     if (tuning_ == nullptr) return false;
     tuning_->set_time(newest_.time);
@@ -109,7 +110,7 @@ class FlightPage::Thread {
     return true;
   }
 
-  /// The newest of all, but of solve times the longest since the last look.
+  /// Keeps the newest values, but the longest solve time since the last state.
   void take(const Sample& sample) {
     if (present_.follow(sample)) requested_ = scene_.requested(present_);
     tell([&] { (void)topics_.add(sample, present_, present_.cost(sample)); });
@@ -122,7 +123,7 @@ class FlightPage::Thread {
     }
     newest_.u = sample.u;
     newest_.requested = requested_;
-    double solve_us = 0.0;  // of all controllers together, as a log has it
+    double solve_us = 0.0;  // of all controllers together, as in a log
     for (const SolverRecord& solver : sample.solvers) solve_us += solver.solve_us;
     newest_.solve_us = std::max(newest_.solve_us, solve_us);
     if (!sample.solvers.empty()) {
@@ -152,7 +153,7 @@ class FlightPage::Thread {
       events_.erase(events_.begin(), events_.end() - static_cast<std::ptrdiff_t>(events_reported));
   }
 
-  /// What cannot be told ends the topics, and not the flight.
+  /// An exception ends the topics, not the flight.
   template <class Tell>
   void tell(Tell&& topics) {
     if (unreported_ || !feed_.is_requested()) return;
@@ -188,11 +189,11 @@ class FlightPage::Thread {
   SceneTopics drawn_;
   bool unreported_ = false;
   Tuning* tuning_;
-  std::uint64_t reported_ = 0;  // version of it
+  std::uint64_t reported_ = 0;  // of tuning_
   ServeOptions options_;
   PageServer server_;
   std::atomic<bool> done_{false};
-  ServiceThread thread_;  // last: it uses all of it
+  ServiceThread thread_;  // last: it uses all other members
 };
 
 FlightPage::FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options,
@@ -206,7 +207,7 @@ void FlightPage::show(const Sample& sample) noexcept {
     thread_->dropped.fetch_add(1, std::memory_order_relaxed);
     return;
   }
-  *item = sample;  // vectors of one size: nothing is allocated
+  *item = sample;  // vectors of equal size: nothing is allocated
   thread_->ring.publish();
 }
 

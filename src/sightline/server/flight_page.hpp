@@ -1,4 +1,4 @@
-/// A flight that is looked at while it is flown.
+/// Live page of a flight.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,17 @@
 
 namespace sightline {
 
-/// Serves the page of a flight, and to Foxglove the topics that its log has. The loop hands its samples over; a thread of its own makes of the newest what watchers see, 30 times a
-/// second, and another one sends it. Neither is waited for: where the first is held up, samples are dropped and counted.
+/// Serves the page of a flight, and the topics of its log to Foxglove. The loop passes its samples
+/// through a queue. One thread converts the newest sample into a state 30 times a second; another
+/// thread sends it. The loop waits for neither: if the queue is full, samples are dropped and
+/// counted.
 class FlightPage {
  public:
   static constexpr double interval = 1.0 / 30;  ///< between two states [s]
 
-  /// @param prototype  sized as the loop's samples are
-  /// @param tuning     hears those who look on, and outlives this; none: the page is read-only
+  /// @param prototype  a sample with the sizes of the loop's samples
+  /// @param tuning  receives the watchers' messages; must outlive this object; null: the page is
+  ///   read-only
   /// @throws std::invalid_argument as PageServer
   FlightPage(const Scenario& scenario, const Sample& prototype, const ServeOptions& options = {},
              Tuning* tuning = nullptr);
@@ -26,14 +29,14 @@ class FlightPage {
   FlightPage(const FlightPage&) = delete;
   FlightPage& operator=(const FlightPage&) = delete;
 
-  /// By the thread that flies: allocates nothing, locks nothing, waits for nobody.
+  /// Called by the flight's thread: does not allocate, lock or wait.
   void show(const Sample& sample) noexcept;
 
   const std::string& url() const;
-  /// As it is served, with the port and the token that it has, so that another page can take its place.
+  /// The options in use, with the actual port and token, so that another page can take its place.
   ServeOptions served() const;
   ServeCounts counts() const;
-  /// Samples that were not shown because the thread was held up.
+  /// Samples that were dropped because the queue was full.
   std::int64_t dropped() const noexcept;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 using FoxgloveJson = nlohmann::ordered_json;
 
-/// Little-endian.
+/// Appends a number in little-endian order.
 template <class T>
 void put_number(std::string& to, T number) {
   for (std::size_t i = 0; i < sizeof(T); ++i)

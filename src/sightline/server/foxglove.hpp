@@ -1,4 +1,5 @@
-/// Foxglove's WebSocket protocol (foxglove.websocket.v1), as far as a server that only tells needs it: on strings, without sockets.
+/// Foxglove's WebSocket protocol (foxglove.websocket.v1) for a server that only publishes; works on
+/// strings, without sockets.
 #pragma once
 
 #include <array>
@@ -11,10 +12,10 @@
 
 namespace sightline {
 
-/// Its names in Sec-WebSocket-Protocol; what is used here is the same under both.
+/// Names of the protocol in Sec-WebSocket-Protocol; the messages used here are equal under both.
 inline constexpr std::array<std::string_view, 2> foxglove_protocols = {"foxglove.websocket.v1",
                                                                        "foxglove.sdk.v1"};
-/// The first that a client names and we speak; empty: none.
+/// The first supported protocol in a client's list; empty: none.
 /// @param named  "foxglove.sdk.v1, foxglove.websocket.v1"
 std::string_view foxglove_protocol(std::string_view named);
 
@@ -27,21 +28,21 @@ struct FoxgloveChannel {
 
 enum class FoxgloveLevel : std::uint8_t { info = 0, warning = 1, error = 2 };
 
-/// Messages to a client: text.
-/// @param session  another one: what was told before is void
+/// Text messages to a client.
+/// @param session  id; a new one invalidates all that was sent before
 std::string foxglove_server_info(std::string_view name, std::string_view session);
 std::string foxglove_advertise(std::span<const FoxgloveChannel> channels);
 std::string foxglove_status(FoxgloveLevel level, std::string_view sentence);
 
-/// Messages to a client: binary.
+/// Binary messages to a client.
 /// @param time  [ns]
 std::string foxglove_message(std::uint32_t subscription, std::uint64_t time, std::string_view bytes);
 std::string foxglove_time(std::uint64_t time);
 
-/// What a client may ask for.
+/// Requests of a client.
 struct FoxgloveSubscribe {
   struct Subscription {
-    std::uint32_t id = 0, channel = 0;  ///< id: of the client's choice
+    std::uint32_t id = 0, channel = 0;  ///< id: chosen by the client
   };
   std::vector<Subscription> subscriptions;
 };
@@ -53,7 +54,7 @@ struct FoxgloveRefused {
 };
 using FoxgloveRequest = std::variant<FoxgloveSubscribe, FoxgloveUnsubscribe, FoxgloveRefused>;
 
-/// Reads a text message of a client, and trusts no byte of it.
+/// Parses a text message of a client; accepts any bytes.
 FoxgloveRequest read_foxglove(std::string_view text);
 
 }  // namespace sightline

@@ -43,7 +43,7 @@ void FoxgloveFeed::hand_over(std::uint64_t time) {
   open_.time = time;
   {
     const std::scoped_lock lock(lock_);
-    if (bytes_ + open_.bytes.size() > waiting_max) {  // nobody has served for long
+    if (bytes_ + open_.bytes.size() > waiting_max) {  // the server has not taken batches for long
       for (const Batch& one : batches_) dropped_ += static_cast<std::int64_t>(one.messages.size());
       batches_.clear();
       bytes_ = 0;

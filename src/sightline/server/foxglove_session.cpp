@@ -24,7 +24,7 @@ FoxgloveSession::~FoxgloveSession() {
 
 void FoxgloveSession::advertise() {
   const std::vector<FoxgloveChannel> channels = feed_.channels(advertised_);
-  // Greeted whatever its size: the topics of a flight are the server's own.
+  // Sent regardless of size: the server itself defines the topics of a flight.
   if (!channels.empty()) to_.add(websocket_frame(WebsocketOp::text, foxglove_advertise(channels)));
   advertised_ += channels.size();
 }
@@ -39,7 +39,7 @@ void FoxgloveSession::receive(const WebsocketReader::Frame& message) {
 }
 
 void FoxgloveSession::subscribe(const FoxgloveSubscribe& request) {
-  std::string fault;  // the first: no request has more than one answer
+  std::string fault;  // the first one: a request has at most one answer
   for (const auto& [id, channel] : request.subscriptions) {
     std::string why;
     if (channel >= advertised_) {

@@ -1,4 +1,4 @@
-/// One client that speaks Foxglove's protocol: what it has subscribed to, and what it is told.
+/// Session of one client of Foxglove's protocol: its subscriptions and the messages to it.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +13,26 @@
 
 namespace sightline {
 
-/// Of the thread that serves.
+/// Used only by the server's thread.
 class FoxgloveSession {
  public:
-  static constexpr std::size_t message_limit = std::size_t{64} << 10;  ///< of the client [B]
-  static constexpr int messages_a_second = 1000;  ///< of the client: a viewer subscribes topic by topic
-  static constexpr std::size_t waiting_max = std::size_t{4} << 20;  ///< that the client has not taken [B]
+  static constexpr std::size_t message_limit = std::size_t{64} << 10;  ///< of a message of the client [B]
+  static constexpr int messages_a_second = 1000;  ///< of the client; a viewer subscribes topic by topic
+  static constexpr std::size_t waiting_max = std::size_t{4} << 20;  ///< output that is not sent yet [B]
 
-  /// Greets: serverInfo, and all topics. Both outlive this.
+  /// Sends serverInfo and all topics. Both arguments must outlive this object.
   FoxgloveSession(FoxgloveFeed& feed, Connection& to);
   ~FoxgloveSession();
   FoxgloveSession(const FoxgloveSession&) = delete;
   FoxgloveSession& operator=(const FoxgloveSession&) = delete;
 
-  /// Takes a message of the client: subscribes, unsubscribes, or says why not.
+  /// Handles a message of the client: subscribes, unsubscribes, or sends the reason of a refusal.
   void receive(const WebsocketReader::Frame& message);
-  /// Tells of topics that are new, of the messages that it has subscribed to, and the time. What does not fit behind what it has not
-  /// taken is left out.
+  /// Sends new topics, the messages of subscribed topics, and the time. Drops what would exceed
+  /// `waiting_max`.
   void tell(const std::vector<FoxgloveFeed::Batch>& batches);
 
-  std::int64_t sent() const { return sent_; }  ///< Messages of topics.
+  std::int64_t sent() const { return sent_; }  ///< messages of topics
   std::int64_t dropped() const { return dropped_; }
 
  private:
@@ -45,8 +45,8 @@ class FoxgloveSession {
   FoxgloveFeed& feed_;
   Connection& to_;
   std::size_t advertised_ = 0;
-  std::map<std::uint32_t, std::uint32_t> subscription_of_;  // of channels
-  std::map<std::uint32_t, std::uint32_t> channel_of_;       // of subscriptions
+  std::map<std::uint32_t, std::uint32_t> subscription_of_;  // by channel
+  std::map<std::uint32_t, std::uint32_t> channel_of_;       // by subscription
   std::int64_t sent_ = 0, dropped_ = 0, reported_dropped_ = 0;
 };
 

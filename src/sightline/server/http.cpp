@@ -21,7 +21,7 @@ std::string_view without_blanks(std::string_view text) {
   return text;
 }
 
-/// Up to the mark, which goes; all where there is none.
+/// Splits off the text before a mark and removes the mark; without a mark, all of the text.
 std::string_view cut(std::string_view& text, std::string_view mark) {
   const std::size_t at = text.find(mark);
   const std::string_view first = text.substr(0, at);
@@ -98,7 +98,8 @@ std::optional<HttpRequest> parse_request(std::string_view head) {
 }
 
 std::string http_response(int status, std::string_view type, std::string_view body, bool with_body) {
-  // Nothing from elsewhere, nothing inline, in no frame, for no other page; the token goes nowhere.
+  // The headers forbid foreign and inline content, frames and use by other pages, and keep the
+  // token out of referrers.
   return fmt::format(
       "HTTP/1.1 {} {}\r\n"
       "Content-Type: {}\r\n"

@@ -17,10 +17,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Where the second body is to the first, or the first to the second.
+/// Whether the limit holds at a relative position: of the second body in S, or of the first in G.
 using Holds = std::function<bool(const Vec3<double>&)>;
 
-/// The frame S of a robot that is seen so: p_S = origin + R (p - at), with the columns of R.
+/// Sensor frame S of a robot: p_S = origin + R (p - at), with the columns x, y, z of R.
 struct SensorFrame {
   Vec3<double> at, origin, x, y, z;
 
@@ -31,7 +31,7 @@ struct SensorFrame {
         y(mount(robot, at + Vec3<double>{0, 1, 0}) - origin),
         z(mount(robot, at + Vec3<double>{0, 0, 1}) - origin) {}
 
-  /// In G.
+  /// Position in G of a point in S.
   Vec3<double> point(const Vec3<double>& p_S) const {
     const Vec3<double> r = p_S - origin;
     const auto along = [&](const Vec3<double>& axis) { return axis.x * r.x + axis.y * r.y + axis.z * r.z; };
@@ -45,7 +45,7 @@ Sight<double> upright_at(const Vec3<double>& p) {
   return s;
 }
 
-/// Draws of what a limit may depend on besides the place.
+/// Random values of all that a limit may depend on besides the relative position.
 class LimitDraws {
  public:
   double between(double low, double high) {
@@ -61,7 +61,7 @@ class LimitDraws {
     s.lean = {between(-0.3, 0.3), between(-0.3, 0.3)};
     return s;
   }
-  /// Near and far alike.
+  /// A position at a log-uniform scale, 0.1 to 20 m.
   Vec3<double> place() {
     const double far = std::pow(10.0, between(-1.0, 1.3));
     return far * within(1.0);
@@ -120,7 +120,7 @@ LimitSurface::Goes what_it_goes_with(const Potential& potential, const SensorMou
   return with_target() ? Goes::with_target : Goes::nowhere;
 }
 
-/// Directions by their angle from the axis x, finer near it, and round it; ranges from 0 on.
+/// Grid of directions by their angle from the axis x, finer near it, and around it; ranges from 0.
 class Grid {
  public:
   static constexpr int rings = 32, sides = 64;
@@ -128,7 +128,7 @@ class Grid {
   Grid(double reach, int shells) : reach_(reach), shells_(shells) {}
 
   int shells() const { return shells_; }
-  /// Nodes that are one place have one number.
+  /// Coincident nodes have one number.
   std::int64_t node(int ring, int side, int shell) const {
     if (shell == 0) return 0;
     if (ring == 0 || ring == rings) side = 0;
@@ -148,7 +148,7 @@ class Grid {
   int shells_;
 };
 
-/// The surface in a grid, by marching tetrahedra.
+/// Extracts the surface from a grid by marching tetrahedra.
 class Marching {
  public:
   Marching(const Grid& grid, const Holds& holds, LimitSurface& to) : grid_(grid), holds_(holds), to_(to) {}
@@ -180,14 +180,14 @@ class Marching {
       n[i] = node(ring + static_cast<int>(i & 1U), side + static_cast<int>(i >> 1U & 1U),
                   shell + static_cast<int>(i >> 2U & 1U));
     if (std::all_of(n.begin(), n.end(), [&](const Node& one) { return one.inside == n[0].inside; })) return;
-    // Six around the diagonal from 0 to 7: each goes there along the three axes in another order.
+    // Six tetrahedra around the diagonal from 0 to 7, one for each order of the three axes.
     constexpr std::array<std::array<unsigned, 2>, 6> ways = {
         {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}}};
     for (const auto& [first, second] : ways) tetrahedron({n[0], n[first], n[second], n[7]});
   }
 
   void tetrahedron(std::array<Node, 4> n) {
-    // Those within first.
+    // Nodes inside come first.
     std::stable_partition(n.begin(), n.end(), [](const Node& one) { return one.inside; });
     switch (std::count_if(n.begin(), n.end(), [](const Node& one) { return one.inside; })) {
       case 1:
@@ -223,7 +223,7 @@ class Marching {
     return known->second;
   }
 
-  /// Leaves out those that are thinner than a page could draw.
+  /// Omits degenerate triangles.
   void triangle(int a, int b, int c) {
     if (a == b || b == c || c == a) return;
     const auto at = [&](int i) { return to_.corners[size(i)]; };
@@ -240,9 +240,9 @@ class Marching {
   std::unordered_map<std::uint64_t, int> corners_;
 };
 
-/// How far it holds in some direction, of which there are fewer than in the grid.
+/// Range of the places where the limit holds, over fewer directions than in the grid.
 struct Extent {
-  double last = 0.0, beyond = 0.0;  ///< ranges: the largest at which it holds, the next one [m]
+  double last = 0.0, beyond = 0.0;  ///< largest range at which it holds, and the next one [m]
   bool anywhere = false, forever = false, scales = true;
 };
 
@@ -285,7 +285,7 @@ void drop_unused_corners(LimitSurface& surface) {
 
 void draw(LimitSurface& surface, const Holds& holds, double farthest) {
   const Extent inside = extent_of(holds);
-  // The same surface bounds what is within and what is not: the one that ends says how far to look.
+  // The inside and the outside have the same surface: the bounded one gives the range of the grid.
   const Holds broken = [&](const Vec3<double>& p) { return !holds(p); };
   const Extent extent = inside.forever ? extent_of(broken) : inside;
   surface.scales = inside.scales;
@@ -310,7 +310,7 @@ LimitSurface limit_surface(const Potential& potential, const SensorMount& mount,
   LimitSurface surface;
   surface.goes = what_it_goes_with(potential, mount, rather);
   if (surface.goes == LimitSurface::Goes::nowhere) {
-    // Some of the limits that all have to hold may stay.
+    // Some of a conjunction's limits may still have a fixed surface.
     const std::vector<Potential> all = potential.conjuncts();
     drawn.clear();
     for (const Potential& one : all)

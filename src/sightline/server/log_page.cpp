@@ -39,7 +39,7 @@ namespace {
 
 constexpr auto between_looks = std::chrono::milliseconds(100);
 
-/// Predicted places of all robots by the time of the prediction.
+/// Predicted positions of all robots, by the time of the prediction.
 using LoggedPaths = std::map<double, std::vector<std::vector<Vec3<double>>>>;
 /// Estimates of all robots by their time.
 using LoggedEstimates = std::map<double, std::vector<PoseEstimate>>;
@@ -59,7 +59,7 @@ void check_team(const Recording& run, const Scenario& scenario, const std::files
         fmt::format("{}: the log is of another team than its scenario", (folder / "run.mcap").string()));
 }
 
-/// Which file a name stands for.
+/// Device and inode of a file.
 using FileNumber = std::array<std::uint64_t, 2>;
 FileNumber number_of_file(const std::filesystem::path& file) {
   struct stat status {};
@@ -67,7 +67,7 @@ FileNumber number_of_file(const std::filesystem::path& file) {
   return {status.st_dev, status.st_ino};
 }
 
-/// A log is the same when its server is another one.
+/// Constant over restarts of the server, so that the page detects the same log.
 std::string session_of(const std::filesystem::path& log, const Scenario& scenario) {
   const FileNumber file = number_of_file(log);
   return fmt::format("{:x}.{:x}.{:x}", file[0], file[1], std::hash<std::string>()(scenario.text));
@@ -85,7 +85,7 @@ std::string_view to_string(LogState state) {
   return words[static_cast<std::size_t>(state)];
 }
 
-/// Goes through a log in the order of its time.
+/// Reads a log in the order of its time.
 class LogMoments::Player {
  public:
   Player(const std::filesystem::path& folder, const Scenario& scenario, std::size_t numbers)
@@ -110,7 +110,8 @@ class LogMoments::Player {
   }
 
   std::vector<std::string> read_on() {
-    const bool written = is_written(folder_);  // before the look: what a writer left before it ended is seen
+    const bool written = is_written(folder_);  // before reading: otherwise the last rows of a
+                                               // writer that ends meanwhile would be missed
     reader_.read_on([this](const McapMessage& message) { take(message); });
     state_ = run_.complete ? LogState::finished : written ? LogState::growing : LogState::broken;
     const bool grows = state_ == LogState::growing;
@@ -136,7 +137,7 @@ class LogMoments::Player {
   std::size_t stride(double rows) const {
     constexpr double said_of_a_body = 7;
     const double all = rows * static_cast<double>(run_.bodies.size()) * said_of_a_body;
-    // No screen shows more than 60 a second.
+    // No screen shows more than 60 moments a second.
     const double least = std::floor(1.0 / 60 / run_.period);
     return static_cast<std::size_t>(
         std::max({1.0, least, std::ceil(all / static_cast<double>(std::max<std::size_t>(numbers_, 1)))}));
@@ -170,7 +171,7 @@ class LogMoments::Player {
       Sight<double> seen;
       seen.p = body.p[row], seen.d = {std::cos(psi), std::sin(psi)};
       seen.v = body.v[row], seen.lean = body.lean[row];
-      now.seen.emplace_back(seen);  // of one that is not there, not a number
+      now.seen.emplace_back(seen);  // NaN for an absent body
       for (const auto& input : body.u) now.u.push_back(input[row]);
       if (row < body.barrier.size()) now.barrier.push_back(body.barrier[row] > 0 ? 1 : 0);
       if (row < body.reserve.size()) now.reserve.push_back(body.reserve[row]);
@@ -187,7 +188,7 @@ class LogMoments::Player {
     return scene_.moment(now, events);
   }
 
-  /// The last that is not after the time; it and those before are given up.
+  /// The last entry that is not after the time; removes it and all earlier ones.
   template <class Reported>
   static Reported newest(std::map<double, Reported>& all, double time) {
     Reported last;
@@ -225,9 +226,9 @@ class LogMoments::Player {
   RecordingReader reader_;
   const Recording& run_;
   std::size_t numbers_;
-  double duration_;  // that the scenario asks for [s]
+  double duration_;  // duration of the scenario [s]
   SceneJson scene_;
-  std::size_t script_;  // events of it
+  std::size_t script_;  // number of its events
   PresentTeam present_;
   std::vector<char> requested_;
   std::vector<std::string_view> levels_;                                           // of each body
@@ -237,7 +238,7 @@ class LogMoments::Player {
   LoggedEstimates estimates_;
   LogState state_ = LogState::growing;
   Sample reported_;
-  std::size_t next_ = 0;  // event
+  std::size_t next_ = 0;  // index of the next event
   std::size_t row_ = 0, stride_ = 0;
 };
 
@@ -294,7 +295,7 @@ class LogPage::Thread {
     return list + "]\n";
   }
 
-  /// A log that was not there before.
+  /// Starts with a new log.
   void begin() {
     const Scenario scenario = flown_();
     auto log = std::make_unique<LogMoments>(folder_, scenario);
@@ -332,7 +333,7 @@ class LogPage::Thread {
         if (log_->state() == LogState::growing || moments_.empty()) look();
         fault_.clear();
       } catch (const std::exception& error) {
-        fault_ = sentence_of(error);  // of a log that is just being made it ends; it is looked at again
+        fault_ = sentence_of(error);  // may be a log in creation: the next pass retries
       }
       tell();
     }
@@ -341,13 +342,13 @@ class LogPage::Thread {
   std::filesystem::path folder_;
   std::function<Scenario()> flown_;
   std::unique_ptr<LogMoments> log_;
-  mutable std::mutex shown_lock_;  // of what the server's thread reads
+  mutable std::mutex shown_lock_;  // guards the data that the server's thread reads
   std::string session_, scene_;
   std::vector<std::string> moments_;
   std::string reported_, fault_;
   std::optional<PageServer> server_;
   std::atomic<bool> done_{false};
-  ServiceThread thread_{"the page of the log"};  // last: it uses all of it
+  ServiceThread thread_{"the page of the log"};  // last: it uses all other members
 };
 
 LogPage::LogPage(const std::filesystem::path& folder, std::function<Scenario()> flown,

@@ -1,4 +1,4 @@
-/// A logged flight, from its folder, finished or still written.
+/// Page of a logged flight, from its folder; the log may be complete or still growing.
 #pragma once
 
 #include <filesystem>
@@ -13,33 +13,35 @@
 
 namespace sightline {
 
-/// What becomes of a log that is looked at.
+/// State of a log.
 enum class LogState {
-  growing,   ///< it has no end yet, and some process writes it
-  finished,  ///< it has its end
-  broken,    ///< it has no end, and it has no publisher: the run was killed
+  growing,   ///< it has no end record, and a process is writing it
+  finished,  ///< it has an end record
+  broken,    ///< it has no end record and no writer: the run was killed
 };
 std::string_view to_string(LogState state);
 
-/// Makes the moments of a log, and those that come to it later.
+/// Converts a log into moments, also as it grows.
 ///
-/// Of each period one, or of a long flight or a large team fewer, evenly, so that no more than `numbers` are said of bodies; of a flight
-/// that goes on, as if it came to its scenario's end. Predictions and events are at the first moment that is not before them.
+/// There is one moment for each period; for a long flight or a large team fewer, evenly spaced,
+/// with about `numbers` numbers of bodies in total. A growing log counts as if it reached its
+/// scenario's duration. Predictions and events belong to the first moment that is not before them.
 class LogMoments {
  public:
-  /// @param scenario  that was flown
-  /// @throws std::runtime_error with a sentence that names the file where it cannot be read, or is of another team
+  /// @param scenario  of the flight
+  /// @throws std::runtime_error with the name of the file, if it cannot be read or is of another
+  ///   team
   LogMoments(const std::filesystem::path& folder, const Scenario& scenario, std::size_t numbers = 1'000'000);
   ~LogMoments();
   LogMoments(const LogMoments&) = delete;
   LogMoments& operator=(const LogMoments&) = delete;
 
-  /// The moments that came since, in JSON (SceneJson).
+  /// New moments since the last call, as JSON (SceneJson).
   /// @throws as the constructor
   std::vector<std::string> read_on();
-  /// As it was found by read_on().
+  /// State of the log at the last read_on().
   LogState state() const;
-  /// Whether the folder has another log now, since a run began anew.
+  /// Whether the folder has another log now, because a run began anew.
   bool replaced() const;
 
  private:
@@ -47,13 +49,14 @@ class LogMoments {
   std::unique_ptr<Player> player_;
 };
 
-/// Serves the page of a log: /scene.json, /moments.json (all that are there; `?from=N&most=M`: those from the N-th on), and at /live
-/// {session, moments, state, fault} whenever one of them changes: their count, the LogState, and a sentence while the log cannot be read.
-/// A thread of its own looks at the log ten times a second; a run that begins anew in the folder is a new session.
+/// Serves the page of a log: /scene.json and /moments.json (all moments; `?from=N&most=M`: at most
+/// M from number N on). /live sends {session, moments, state, fault} at each change: the count of
+/// moments, the LogState, and a sentence while the log cannot be read. A thread reads the log ten
+/// times a second; a new run in the folder is a new session.
 class LogPage {
  public:
-  /// @param flown   reads from the log the scenario that was flown
-  /// @param topics  where there are some: outlives this
+  /// @param flown  reads the scenario of the flight from the log
+  /// @param topics  if not null, must outlive this object
   /// @throws as LogMoments, PageServer and `flown`
   LogPage(const std::filesystem::path& folder, std::function<Scenario()> flown,
           const ServeOptions& options = {}, FoxgloveFeed* topics = nullptr);

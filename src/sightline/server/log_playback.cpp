@@ -19,14 +19,14 @@ namespace {
 using WallTime = std::chrono::steady_clock;
 
 constexpr double look_step = 1.0 / 30;  // between two batches [s]
-constexpr double unseen_after = 0.5;    // a body without a pose for so long is not there [s]
+constexpr double unseen_after = 0.5;    // a body without a pose for this time is absent [s]
 constexpr double all_subscribed =
-    0.2;  // since the first subscription [s]: a viewer subscribes topic by topic
+    0.2;  // delay after the first subscription [s]: a viewer subscribes topic by topic
 
-/// Nobody listens any more; leaves the walk through a log.
+/// Thrown to leave the pass through a log when no topic has a subscriber.
 struct NobodyListens {};
 
-/// What a log has said up to now.
+/// State of a flight at the present position in its log.
 class StateOfLog {
  public:
   explicit StateOfLog(const std::vector<std::string>& names) : names_(names) {
@@ -56,7 +56,7 @@ class StateOfLog {
       if (const auto pose = decode_pose(message.bytes))
         seen = Sight<double>{{{pose->p[0], pose->p[1], pose->p[2]}, {pose->d[0], pose->d[1]}}, {}};
       seen_at_[body] = state_.time;
-    } else if (what == "attitude" && seen) {  // behind the pose of its period
+    } else if (what == "attitude" && seen) {  // follows the pose of the same period
       if (const auto reported = decode_attitude(message.bytes))
         seen->lean = lean(rotation({reported->q[3], reported->q[0], reported->q[1], reported->q[2]}));
     }
@@ -87,7 +87,7 @@ class StateOfLog {
 
   const std::vector<std::string>& names_;
   ShownState state_;
-  std::vector<double> seen_at_;  // of each body [s]
+  std::vector<double> seen_at_;  // time of each body's last pose [s]
   LogText text_;
 };
 
@@ -126,17 +126,17 @@ void LogPlayback::run() {
     try {
       play();
     } catch (const NobodyListens&) {
-    } catch (const std::exception&) {  // a message that is none: what is before it is played
+    } catch (const std::exception&) {  // an invalid message: the messages before it were played
       (void)wait(rest);
     }
   }
 }
 
 void LogPlayback::play() {
-  McapReader reader(log_);  // anew: a log may have grown
+  McapReader reader(log_);  // reopened: the log may have grown
   StateOfLog flight(names_);
   const auto begin = WallTime::now();
-  std::uint64_t first = 0, shown = 0;  // times of the log [ns]; what is before `shown` may go
+  std::uint64_t first = 0, shown = 0;  // times of the log [ns]; messages before `shown` may be sent
   bool any = false;
   (void)reader.visit([&](const McapMessage& message) {
     if (!std::exchange(any, true)) first = shown = message.log_time;

@@ -1,4 +1,4 @@
-/// The topics of a log and those of SceneTopics, played to Foxglove's clients of its page.
+/// Plays the topics of a log, and those of SceneTopics, to the Foxglove clients of its page.
 #pragma once
 
 #include <atomic>
@@ -16,14 +16,14 @@
 
 namespace sightline {
 
-/// Plays a log as fast as it was flown, by a thread of its own: from the begin once somebody subscribes, again and again while somebody
-/// does.
+/// Plays a log in real time, in a thread of its own: from the beginning at the first subscription,
+/// and repeatedly while a topic has a subscriber.
 class LogPlayback {
  public:
-  static constexpr double rest = 1.0;  ///< at the end, before it begins again [s]
+  static constexpr double rest = 1.0;  ///< pause at the end before it repeats [s]
 
-  /// @param scenario  that was flown
-  /// @throws std::runtime_error with a sentence that names the file where it cannot be read
+  /// @param scenario  of the flight
+  /// @throws std::runtime_error with the name of the file, if it cannot be read
   LogPlayback(std::filesystem::path log, const Scenario& scenario);
   ~LogPlayback();
   LogPlayback(const LogPlayback&) = delete;
@@ -34,7 +34,7 @@ class LogPlayback {
  private:
   void run();
   void play();
-  /// Sleeps. @return whether it goes on
+  /// Sleeps. @return whether the playback continues
   bool wait(double seconds) const;
 
   std::filesystem::path log_;
@@ -43,7 +43,7 @@ class LogPlayback {
   std::vector<std::string> names_;  // of the bodies
   SceneTopics drawn_;
   std::atomic<bool> done_{false};
-  ServiceThread thread_{"the playback of the log"};  // last: it uses all of it
+  ServiceThread thread_{"the playback of the log"};  // last: it uses all other members
 };
 
 }  // namespace sightline

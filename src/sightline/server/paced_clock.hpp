@@ -1,4 +1,4 @@
-/// The machine's clock, slower or faster, and stopped until somebody lets it go.
+/// Clock with an adjustable speed and a pause.
 #pragma once
 
 #include <atomic>
@@ -8,30 +8,31 @@
 
 namespace sightline {
 
-/// Periods on a fixed grid of the monotonic clock, as those of a SteadyClock, but `speed` times as fast. Never skips one: a late one
-/// moves the grid, so that a flight that is looked at on a busy machine is slower and not another one.
+/// Periods on a fixed grid of the monotonic clock, like SteadyClock, but `speed` times as fast. It
+/// never skips a period: a late period shifts the grid. A flight on a busy machine is therefore
+/// slower, but the same flight.
 class PacedClock final : public Clock {
  public:
-  /// @param speed   simulated time by that of the wall clock, > 0
-  /// @param paused  after the first period waits until resume(), or until `stop` is set
+  /// @param speed  simulated time over wall time, > 0
+  /// @param paused  pauses after the first period, until resume() or `stop`
   PacedClock(double speed, bool paused, const std::atomic<bool>& stop);
 
   void start(double period) noexcept override;
   std::int64_t wait(std::int64_t k) noexcept override;
   bool waits_for_log() const noexcept override { return true; }
 
-  // Of any thread.
+  // For any thread.
 
   void pause() noexcept { paused_ = true; }
   void resume() noexcept { paused_ = false; }
-  /// While it is paused lets one more period begin.
+  /// Lets one more period begin while the clock is paused.
   void step() noexcept { ++steps_; }
   bool paused() const noexcept { return paused_; }
 
  private:
   double speed_;
   std::atomic<bool> paused_;
-  std::atomic<int> steps_{0};  // that may yet begin
+  std::atomic<int> steps_{0};  // periods that may still begin
   const std::atomic<bool>& stop_;
   std::int64_t next_ns_ = 0, period_ns_ = 1;
 };

@@ -1,4 +1,4 @@
-/// The page itself, as it was built from viewer/.
+/// Files of the page, as built from viewer/.
 #pragma once
 
 #include <span>
@@ -9,24 +9,27 @@
 
 namespace sightline {
 
-/// A file that the build made of viewer/, as bytes of the program.
+/// A file that the build produced from viewer/, embedded in the program.
 struct BuiltFile {
   std::string_view path;  ///< "/", "/page.js"
   std::string_view type;
   std::string_view body;
 };
-/// Empty where it was built without.
+/// Empty if the program was built without the page.
 std::span<const BuiltFile> built_page();
-/// The packages for want of which it was built without, as words; empty where the program carries the page.
+/// Missing packages that prevented the build of the page, as text; empty if the program contains
+/// it.
 std::string_view page_lacks();
 
-/// Its files by their paths, "/" among them; where the program was built without them, a page that says so.
+/// Files of the page by path, including "/". A program without the page serves a page that states
+/// the reason.
 PageFiles page_files();
-/// The same of a program that carries `built`, and lacks what `lacks` names where that is empty.
+/// The same for a program with the files `built`; if these are empty, `lacks` names the missing
+/// packages.
 PageFiles page_files(std::span<const BuiltFile> built, std::string_view lacks);
-/// Whether the program carries the page.
+/// Whether the program contains the page.
 bool has_page();
-/// Why a program has no page, and what brings one: a clause without a full stop.
+/// Why a program has no page, and how to build it: a clause without a full stop.
 std::string without_page(std::string_view lacks);
 
 }  // namespace sightline

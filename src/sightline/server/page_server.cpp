@@ -28,9 +28,10 @@ namespace {
 
 using Time = Connection::Time;
 
-constexpr int look_around_ms = 250;                 // longest time without a look at who is too late
-constexpr std::chrono::milliseconds full_for{100};  // before it accepts again where the process has no room
-constexpr std::chrono::seconds ping_after{5};       // nothing heard of a watcher
+constexpr int look_around_ms = 250;                 // longest time between checks for late clients
+constexpr std::chrono::milliseconds full_for{100};  // delay before the next accept when the process
+                                                    // has no free descriptor
+constexpr std::chrono::seconds ping_after{5};       // without input of a watcher
 constexpr std::chrono::seconds gone_after{20};
 constexpr auto too_late = std::chrono::duration<double>(PageServer::patience);
 
@@ -48,7 +49,7 @@ OwnedDescriptor listening_socket(const ServeOptions& options) {
   const sockaddr_in address = address_of(options);
   OwnedDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
-  // A server that is started again takes the port of the one before.
+  // A restarted server can reuse the port of the previous one.
   (void)::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(socket.get(), 32) != 0)
@@ -158,7 +159,7 @@ class PageServer::Thread {
     }
   }
 
-  /// Nobody is served any more; the rest of the process goes on.
+  /// Stops serving after a failure of the thread; the rest of the process continues.
   void leave_all() noexcept {
     sessions_.clear();
     connections_.clear();
@@ -170,7 +171,8 @@ class PageServer::Thread {
       OwnedDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
       if (socket.get() < 0 && (errno == EINTR || errno == ECONNABORTED)) continue;
       if (socket.get() < 0) {
-        // Where the process has no descriptor left, the connection goes on waiting: a look at once would find it again.
+        // Without a free descriptor the connection stays pending: accepting at once would fail
+        // again.
         if (errno != EAGAIN && errno != EWOULDBLOCK) accepts_from_ = now + full_for;
         return;
       }
@@ -203,7 +205,7 @@ class PageServer::Thread {
     one.send(now);
   }
 
-  /// What a message brings about is not the server's: where that fails, who sent it is left.
+  /// A handler's failure must not stop the server: it closes the connection of the sender.
   void receive(Connection& one, std::string_view message) {
     try {
       receive_(message);
@@ -244,7 +246,7 @@ class PageServer::Thread {
     }
   }
 
-  /// None: nothing stands there. What is made of it later holds nobody up who puts another file.
+  /// Null if the path has no file. The shared pointer allows put() to replace a file in use.
   std::shared_ptr<const PageFile> file_at(std::string_view path) {
     const std::scoped_lock lock(files_lock_);
     const auto file = files_.find(path);
@@ -339,9 +341,9 @@ class PageServer::Thread {
   std::map<std::string, std::shared_ptr<const PageFile>, std::less<>> files_;
   OnWatcherMessage receive_;
 
-  std::list<Connection> connections_;                  // of the thread, as what follows
-  std::map<Connection*, FoxgloveSession> sessions_;    // of those that speak Foxglove's protocol
-  std::int64_t left_messages_ = 0, left_dropped_ = 0;  // of those that have left
+  std::list<Connection> connections_;                  // of the thread, like the members below
+  std::map<Connection*, FoxgloveSession> sessions_;    // of clients with Foxglove's protocol
+  std::int64_t left_messages_ = 0, left_dropped_ = 0;  // of closed sessions
   ServeCounts now_counts_;
   Time pinged_{}, accepts_from_{};
 
@@ -351,7 +353,7 @@ class PageServer::Thread {
   Connection::Bytes newest_;
   std::int64_t newest_number_ = 0;
   std::atomic<bool> done_{false};
-  ServiceThread thread_{"the page's server"};  // last: it uses all of it
+  ServiceThread thread_{"the page's server"};  // last: it uses all other members
 };
 
 PageServer::PageServer(const ServeOptions& options, PageFiles files, FoxgloveFeed* topics,

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double arrow_length = 0.4, mark_size = 0.15, line_width = 0.02, letter_height = 0.15,
                  name_above = 0.3;                    // [m]
-constexpr double cone_least = 0.5, cone_most = 10.0;  // length of a view that is drawn [m]
+constexpr double cone_least = 0.5, cone_most = 10.0;  // length of a drawn view [m]
 constexpr int cone_sides = 16;
 
 Colour colour_of(std::string_view hex, float alpha) {
@@ -27,7 +27,7 @@ Colour colour_of(std::string_view hex, float alpha) {
   return {part(16), part(8), part(0), alpha};
 }
 
-/// From the sensor as far as the target, as wide as its limit.
+/// Cone of a view, from the sensor to `length`, with the half-angle of its limit.
 std::vector<Vec3<double>> cone(const Observation& view, const Sight<double>& observer, double length) {
   const SensorMount& mount = view.mount;
   const Rotation B =

@@ -1,4 +1,4 @@
-/// What a flight looks like, as simple bodies to be drawn: pure, no messages.
+/// Scene of a flight as drawable primitives, without messages.
 #pragma once
 
 #include <optional>
@@ -13,39 +13,39 @@
 
 namespace sightline {
 
-/// Each from 0 to 1.
+/// Components from 0 to 1.
 struct Colour {
   float r = 0, g = 0, b = 0, a = 1;
 };
 
-/// One body, in G. Numbers of `form` are those of visualization_msgs/Marker.
+/// One primitive, in G. Values of `form` are those of visualization_msgs/Marker.
 struct Drawn {
   enum Form { arrow = 0, sphere = 2, line = 4, text = 9, triangles = 11 };
-  std::string_view group;  ///< of bodies that are shown and hidden together
-  int id = 0;              ///< in its group, the same at all times
+  std::string_view group;  ///< primitives that are shown and hidden together
+  int id = 0;              ///< unique in its group and constant over time
   Form form = sphere;
   Colour colour{};
-  Vec3<double> p{};            ///< [m]
-  Quaternion q{};              ///< its axes in G
-  Vec3<double> size{1, 1, 1};  ///< along its axes [m]; of a line, x is its width; of a text, z its height
-  std::vector<Vec3<double>> points{};  ///< of lines, and of triangles three each [m]
-  std::string words{};                 ///< of a text
+  Vec3<double> p{};                    ///< [m]
+  Quaternion q{};                      ///< orientation in G
+  Vec3<double> size{1, 1, 1};          ///< along its axes [m]; x: width of a line; z: height of a text
+  std::vector<Vec3<double>> points{};  ///< of lines; of triangles, three each [m]
+  std::string words{};                 ///< content of a text
 };
 
-/// Draws robots, targets and obstacles with their hard distance, who is to see whom, and how far those are from each other that are
-/// coupled.
+/// Draws robots, targets and obstacles with their hard distances, the views of observers, and the
+/// distances of coupled bodies.
 class Scene {
  public:
   explicit Scene(const Scenario& scenario);
 
-  /// @param bodies  how each body is seen, in the order of the team; none: not known yet, and nothing of it is drawn
+  /// @param bodies  sight of each body, in the order of the team; none: unknown and not drawn
   /// @param t       [s]
   std::vector<Drawn> draw(std::span<const std::optional<Sight<double>>> bodies, double t) const;
 
-  /// Two bodies with a coupling between them.
+  /// Two coupled bodies.
   struct Pair {
     BodyId a, b;
-    std::optional<Observation> view{};  ///< a is to see b
+    std::optional<Observation> view{};  ///< a observes b
   };
   const std::vector<Pair>& pairs() const { return pairs_; }
 
@@ -56,7 +56,7 @@ class Scene {
 
   Team team_;
   std::vector<Pair> pairs_;
-  std::vector<double> d_hard_;  // of each body that is no robot [m]; 0: nobody keeps one
+  std::vector<double> d_hard_;  // of each body that is no robot [m]; 0: none
 };
 
 }  // namespace sightline

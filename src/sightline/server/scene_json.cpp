@@ -24,7 +24,7 @@ namespace {
 
 using SceneValue = nlohmann::ordered_json;
 
-/// A list or an object that grows, written at its end; a page needs no more than these digits.
+/// Writer of a growing list or object, with the few digits that a page needs.
 class JsonText {
  public:
   void number(double value, int digits) {
@@ -42,7 +42,7 @@ class JsonText {
     }
   }
   void quoted(std::string_view words) { text_ += json_text(SceneValue(words)); }
-  /// A comma where something stands before.
+  /// Adds a comma unless it is the first entry.
   void next() {
     if (text_.back() != '[' && text_.back() != '{') text_ += ',';
   }
@@ -51,7 +51,7 @@ class JsonText {
     fmt::format_to(std::back_inserter(text_), "\"{}\":", name);
   }
   void raw(std::string_view words) { text_ += words; }
-  /// All of a list by a function that writes one.
+  /// Writes a list with a function that writes one entry.
   template <class List, class Write>
   void list(const List& all, Write&& write) {
     text_ += '[';
@@ -90,18 +90,19 @@ SceneValue mounted(const SensorMount& mount) {
   return {{"pitch", mount.pitch}, {"offset", mount.offset}, {"on_body", mount.frame == MountFrame::body}};
 }
 
-/// The surfaces of a scene's limits, each once.
+/// Surfaces of a scene's limits, each once.
 class SceneSurfaces {
  public:
   explicit SceneSurfaces(const Team& team) : team_(team) {}
 
-  /// @return its number in `all`, null where there is none
+  /// @return its index in `all`; null if there is none
   SceneValue of_pair(const Observation& pair) {
     Known& known = find(pair.potential, pair.mount, LimitSurface::Goes::with_sensor);
     const bool goes = known.surface.goes == LimitSurface::Goes::with_sensor;
     return number(known, goes, pair.potential, between(pair.observer, pair.target));
   }
-  /// A text that is no view: around the second body, or before the first one's sensor.
+  /// Adds the region of a text potential that is no view: around the second body, or in front of
+  /// the first one's sensor.
   void add_zone(const Coupling& c) {
     const Potential& potential = c.term.potential;
     if (potential.as<Region>() == nullptr || observes(potential)) return;
@@ -124,9 +125,9 @@ class SceneSurfaces {
   struct Known {
     SensorMount mount;
     LimitSurface::Goes rather;
-    std::vector<double> looks;  // what its limit is at some places
+    std::vector<double> looks;  // values of the limit at sample poses
     LimitSurface surface;
-    int number = -1;  // in `all`
+    int number = -1;  // index in `all`
   };
 
   std::string between(BodyId a, BodyId b) const {
@@ -154,7 +155,7 @@ class SceneSurfaces {
     return known.number;
   }
 
-  /// Equal limits are looked at once.
+  /// Computes equal limits once.
   Known& find(const Potential& potential, const SensorMount& mount, LimitSurface::Goes rather) {
     std::vector<double> looks;
     for (int i = 0; i < 40; ++i) {

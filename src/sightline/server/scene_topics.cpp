@@ -23,7 +23,7 @@ constexpr double scene_step = 0.1;  // [s]
 constexpr std::string_view between_definitions =
     "================================================================================\n";
 
-/// Header, Time, Pose, Point and Quaternion, as poses have them; and Vector3.
+/// Definitions of Header, Time, Pose, Point and Quaternion, as in poses; and of Vector3.
 std::string pose_definitions() {
   const std::string pose = pose_schema().text;
   return pose.substr(pose.find(between_definitions)) + std::string(between_definitions) +
@@ -81,7 +81,7 @@ void put_vector(CdrEncoder& to, const Vec3<double>& v) { to.put(v.x).put(v.y).pu
 void put_turn(CdrEncoder& to, const Quaternion& q) { to.put(q.x).put(q.y).put(q.z).put(q.w); }
 void put_count(CdrEncoder& to, std::size_t count) { to.put(static_cast<std::uint32_t>(count)); }
 
-/// One that is drawn, until one of the same group and id comes.
+/// A marker; it stays until one with the same group and id replaces it.
 void put_marker(CdrEncoder& to, std::uint64_t time, const Drawn& drawn, std::int32_t action) {
   put_stamp(to, time, frame_of_G);
   to.put(drawn.group);
@@ -90,7 +90,7 @@ void put_marker(CdrEncoder& to, std::uint64_t time, const Drawn& drawn, std::int
   put_turn(to, drawn.q);
   put_vector(to, drawn.size);
   to.put(drawn.colour.r).put(drawn.colour.g).put(drawn.colour.b).put(drawn.colour.a);
-  to.put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});  // lifetime: for ever; not frame_locked
+  to.put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});  // lifetime, frame_locked
   put_count(to, drawn.points.size());
   for (const Vec3<double>& point : drawn.points) put_vector(to, point);
   put_count(to, 0);                              // colors
@@ -122,7 +122,7 @@ Reported reported_of_solver(const ShownState& state) {
   return reported;
 }
 
-/// @param robot  its number among the robots
+/// @param robot  its index among the robots
 Reported reported_of_robot(const ShownState& state, BodyId body, std::size_t robot, const std::string& name) {
   const std::string_view level = size(body.index) < state.levels.size() ? state.levels[size(body.index)]
                                                                         : to_string(FallbackLevel::valid);
@@ -179,7 +179,7 @@ void SceneTopics::send_scene(const ShownState& state) {
   const std::vector<Drawn> drawn = scene_.draw(seen_, state.time);
   CdrEncoder to(bytes_);
   put_count(to, drawn.size() + 1);
-  put_marker(to, nanoseconds(state.time), {}, action_delete_all);  // what is there no more
+  put_marker(to, nanoseconds(state.time), {}, action_delete_all);  // removes the previous markers
   for (const Drawn& one : drawn) put_marker(to, nanoseconds(state.time), one, action_add);
   send(markers_, state.time);
 }

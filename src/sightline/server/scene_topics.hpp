@@ -1,4 +1,4 @@
-/// A flight as Foxglove and rviz draw and judge it.
+/// Topics of a flight for Foxglove and rviz.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace sightline {
 
-/// Makes, of states that are shown,
+/// Publishes, from the states of a flight,
 ///
-///   /tf           tf2_msgs/msg/TFMessage: where robots, targets and obstacles are in "map", each state
-///   /scene        visualization_msgs/msg/MarkerArray: what Scene draws, each 0.1 s
+///   /tf           tf2_msgs/msg/TFMessage: poses of robots, targets, obstacles in "map", each state
+///   /scene        visualization_msgs/msg/MarkerArray: the primitives of Scene, each 0.1 s
 ///   /diagnostics  diagnostic_msgs/msg/DiagnosticArray: of the solver and of each robot, each 0.1 s
 ///
-/// in the layouts that the bridge of ROS 2 publishes.
+/// in the layouts of the ROS 2 bridge.
 class SceneTopics {
  public:
-  /// Opens the topics. `to` outlives this.
+  /// Opens the topics. `to` must outlive this object.
   SceneTopics(const Scenario& scenario, MessageSink& to);
 
   void add(const ShownState& state);
@@ -37,8 +37,8 @@ class SceneTopics {
   std::vector<BodyId> robots_;
   MessageSink& to_;
   McapChannel transforms_, markers_, diagnostics_;
-  std::int64_t tenth_ = -1;                         // of simulated time, that the last state was in
-  std::vector<std::optional<Sight<double>>> seen_;  // that are finite
+  std::int64_t tenth_ = -1;                         // index of the 0.1 s interval of the last state
+  std::vector<std::optional<Sight<double>>> seen_;  // only finite ones
   std::vector<std::byte> bytes_;
 };
 

@@ -39,7 +39,7 @@ Json json_of_node(const toml::node& node) {
   return Json::parse(text.str());
 }
 
-/// Of a document as a JSON object, "agent"; empty where it has none.
+/// A section of a document as a JSON object, "agent"; empty if it is missing.
 Json section_of(const TomlDocument& document, std::string_view key) {
   const toml::node* const node = document.root.get(key);
   return node != nullptr ? json_of_node(*node) : Json::object();
@@ -52,13 +52,14 @@ TomlDocument expanded(const Scenario& scenario) {
   return document;
 }
 
-/// The only entry of an object that chooses one by its name; none where it is no such.
+/// The only entry of an object that selects a part by name; null for any other value.
 const Json::object_t::value_type* chosen(const Json& choice) {
   if (!choice.is_object() || choice.size() != 1) return nullptr;
   return &*choice.get_ref<const Json::object_t&>().begin();
 }
 
-/// The numbers that the words of a part's bounds say: "0.05 to 10", "in (0, pi/2)", ">= 0". No number where they say none.
+/// Bounds in the text of a parameter's range: "0.05 to 10", "in (0, pi/2)", ">= 0"; null for an
+/// absent bound.
 std::pair<Json, Json> bounds_in(std::string_view words) {
   const auto number = [](std::string_view text) -> Json {
     while (!text.empty() && std::string_view(" ([>=in").find(text.front()) != std::string_view::npos)
@@ -137,7 +138,7 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
       const std::string name = list[i].value("name", place);
       const auto found =
           std::find_if(of_team.begin(), of_team.end(), [&](const auto& t) { return t.name == name; });
-      if (found == of_team.end()) continue;  // a limit, which has no weight
+      if (found == of_team.end()) continue;  // a limit without a weight
       Term& term = now_.terms.emplace_back(Term{kind,
                                                 name,
                                                 place,
@@ -162,7 +163,7 @@ Tuner::Tuner(const Scenario& scenario) : scenario_(scenario), script_(scenario.s
   }
   const Vec3<double>& wind = scenario_.simulation.disturbances.wind;
   now_.wind = {wind.x, wind.y, wind.z};
-  try {  // of a file that writes its events as one array nothing can stand behind
+  try {  // no table can follow in a file with its events in one array
     (void)parse_toml(scenario_.text + "\n[[event]]\nat = 0.0\n", scenario_.file.native());
   } catch (const ScenarioError& error) {
     throw_invalid(
@@ -179,7 +180,7 @@ Tuner::Term& Tuner::Values::term(const std::string& kind, const std::string& nam
   return *found;
 }
 
-/// The keys of the event beside `at`.
+/// Keys of the event except `at`.
 std::string Tuner::keys_of(const Json& change, double ramp) const {
   if (!change.is_object() || change.empty())
     throw_invalid("event = {}, expected an object with one of {}", json_text(change),
@@ -202,7 +203,7 @@ std::string Tuner::keys_of(const Json& change, double ramp) const {
   return text + fmt::format("ramp = {}\n", toml_of(Json(ramp)));
 }
 
-/// With those parameters of a potential that are left out as they are now.
+/// Adds the present values of the parameters that a potential's change omits.
 Json Tuner::completed(const Json& change) const {
   Json whole = change;
   if (!whole.is_object() || !whole.contains("retune") || !whole["retune"].is_object()) return whole;
@@ -227,7 +228,7 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
     throw_invalid("{} changes of one flight, expected no more: write it, and fly that", TunedScript::room);
   const Json whole = completed(change);
   std::string keys = keys_of(whole, ramp);
-  // As it would stand in the scenario, behind what was tuned before.
+  // As text of the scenario, behind the earlier changes.
   std::string text = scenario_.text;
   double at = std::max(0.0, now);
   for (std::size_t i = 0; i < tuned.size(); ++i) {
@@ -253,7 +254,7 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
   next.take(whole, event);
   std::string name = event.name;
   tuned.add(std::move(event), std::move(keys));
-  now_ = std::move(next);  // what is flown is what is kept
+  now_ = std::move(next);  // only now: the values must agree with the events
   return name;
 }
 

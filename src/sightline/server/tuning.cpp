@@ -24,7 +24,7 @@ namespace {
 
 using Message = nlohmann::ordered_json;
 
-constexpr std::chrono::milliseconds look_after{50};  // what became of the events
+constexpr std::chrono::milliseconds look_after{50};  // interval of checks for occurred events
 constexpr std::string_view expected_message =
     R"(expected one object as {"id": "1", "event": {"retune": {"couple": "couple[0]", "weight": 0.4}}})";
 
@@ -142,7 +142,7 @@ class Tuning::Thread {
       said.sentence = sentence_of(error);
       ++refused;
     }
-    write_files(false);  // before its answer: who reads that one finds the change in the files
+    write_files(false);  // before the answer, so that its receiver finds the change in the files
     const std::scoped_lock lock(lock_);
     said.number = answered_++;
     answers_.push_back(std::move(said));
@@ -187,7 +187,7 @@ class Tuning::Thread {
     return "flies on";
   }
 
-  /// Where something new came about.
+  /// Writes the files if a change was added, came into force or was ignored.
   void write_files(bool first) {
     std::size_t became = 0;
     for (std::size_t i = 0; i < tuned_->size(); ++i)
@@ -198,7 +198,7 @@ class Tuning::Thread {
     try {
       files = tuned_files();
     } catch (const std::exception& error) {
-      // The tuning goes on; what stood there would not be what is flown.
+      // The tuning continues, but outdated files would not match the flight.
       for (const char* path : {"/tuned.toml", "/final.toml"})
         files[path] = {"text/plain; charset=utf-8",
                        fmt::format("# not written, as it could not be made: {}\n", sentence_of(error))};
@@ -240,7 +240,7 @@ class Tuning::Thread {
   std::deque<Answer> answers_;
   PageFiles files_;
   bool done_ = false;
-  ServiceThread thread_{"the tuning"};  // last: it uses all of it
+  ServiceThread thread_{"the tuning"};  // last: it uses all other members
 };
 
 Tuning::Tuning(const Scenario& scenario, TuningControls controls)

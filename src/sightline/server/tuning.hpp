@@ -1,4 +1,4 @@
-/// A flight that is tuned by those who look on: what they ask for by a page's WebSocket, and what becomes of it.
+/// Tuning of a flight by watchers: requests over the page's WebSocket, and their answers.
 #pragma once
 
 #include <cstdint>
@@ -13,51 +13,53 @@
 
 namespace sightline {
 
-/// What else than the team can be asked for.
+/// Controls of the flight besides changes of the team.
 struct TuningControls {
-  PacedClock* clock = nullptr;  ///< that can be paused; none: the flight keeps a time of its own
-  /// Ends this flight and begins another one with that seed; none: it cannot be.
+  PacedClock* clock = nullptr;  ///< clock that can be paused; null: the flight cannot be paused
+  /// Ends this flight and starts another one with that seed; none: not possible.
   std::function<void(std::uint64_t seed)> restart{};
 };
 
-/// A message is one JSON object, with one of event, pause, step, seed:
+/// Handles the messages of watchers. A message is one JSON object with one of event, pause, step,
+/// seed:
 ///
-///   {"id": "7", "event": {"retune": {"couple": "view", "weight": 0.4}}, "ramp": 0.5}    tuner.hpp says the events; ramp may be left out
+///   {"id": "7", "event": {"retune": {"couple": "view", "weight": 0.4}}, "ramp": 0.5}
 ///   {"id": "8", "pause": true}     {"id": "9", "step": 1}     {"id": "10", "seed": 7}
 ///
-/// Each is answered to all who look on, with the next states: "answers": [[number, id, accepted, sentence]], the last of them. A change
-/// that is refused says why, as `sightline check` does.
+/// tuner.hpp lists the events; ramp is optional. All watchers receive the latest answers with each
+/// state: "answers": [[number, id, accepted, sentence]]. The answer to a refused change has the
+/// reason, as `sightline check` prints it.
 ///
-/// A thread of its own reads them and makes events of them (TunedScript), so that neither the loop nor the server waits. Of messages that
-/// come while `waiting_max` wait, none is heard.
+/// A thread parses the messages and produces the events (TunedScript), so that neither the loop nor
+/// the server waits. Messages are discarded while `waiting_max` wait.
 class Tuning {
  public:
   static constexpr std::size_t waiting_max = 64;
   static constexpr std::size_t answers_reported = 32;  ///< with each state
   static constexpr std::size_t id_size_max = 64;
-  static constexpr int steps_max = 1000;  ///< at once
+  static constexpr int steps_max = 1000;  ///< per message
 
-  /// @param scenario  with `tuned`
+  /// @param scenario  must have `tuned`
   /// @throws std::invalid_argument as Tuner
   Tuning(const Scenario& scenario, TuningControls controls);
   ~Tuning();
   Tuning(const Tuning&) = delete;
   Tuning& operator=(const Tuning&) = delete;
 
-  /// Of any thread.
+  /// Queues a message of a watcher. For any thread.
   void receive(std::string_view message);
-  /// Time of the flight [s]. Of any thread.
+  /// Time of the flight [s]. For any thread.
   void set_time(double t) noexcept;
-  /// Nothing is changed any more. Of any thread.
+  /// Refuses all later requests except a seed. For any thread.
   void end() noexcept;
 
-  /// Another one whenever there is something new to be told. Of any thread.
+  /// Increases with each new answer or file. For any thread.
   std::uint64_t version() const noexcept;
-  /// For the end of a state's object: `,"answers":[...],"paused":false`.
+  /// Suffix of a state's JSON object: `,"answers":[...],"paused":false`.
   std::string reported() const;
-  /// /tune.json, what may be tuned; /tuned.toml and /final.toml, the scenario with what was (tuner.hpp).
+  /// /tune.json, the tunable values; /tuned.toml and /final.toml, the tuned scenarios (tuner.hpp).
   PageFiles files() const;
-  /// Messages that were refused, and those that nobody heard.
+  /// Messages that were refused, and messages that were discarded.
   std::int64_t refused() const noexcept;
   std::int64_t stale() const noexcept;
 

@@ -30,7 +30,7 @@ void add_block(Sha1& h, const unsigned char* block) {
   h[0] += a, h[1] += b, h[2] += c, h[3] += d, h[4] += e;
 }
 
-/// Not a secret here: the protocol asks for it so that no other server answers by chance.
+/// Not for secrecy: the protocol requires it so that other servers do not accept by chance.
 std::string sha1(std::string_view text) {
   std::string padded(text);
   padded += '\x80';
@@ -104,7 +104,8 @@ std::optional<WebsocketReader::Frame> WebsocketReader::next() {
   const auto at = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(bytes_[i])); };
   if (fault_ || bytes_.size() < 2) return std::nullopt;
   const unsigned op = at(0) & 0x0fU, said = at(1) & 0x7fU;
-  // Reserved bits, unknown kinds, frames that are not masked, control frames in parts or of more than 125 bytes.
+  // Faults: reserved bits, unknown opcodes, unmasked frames, control frames in fragments or above
+  // 125 bytes.
   const bool control = op >= 8;
   if ((at(0) & 0x70U) != 0 || !is_known(op) || (at(1) & 0x80U) == 0 ||
       (control && ((at(0) & 0x80U) == 0 || said > 125))) {

@@ -1,4 +1,5 @@
-/// WebSocket (RFC 6455) on the server's side: the answer to a key, frames to a client, and frames from it within bounds.
+/// Server side of WebSocket (RFC 6455): handshake key, frames to a client, and bounded frames from
+/// it.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,7 @@ enum class WebsocketOp : std::uint8_t {
   pong = 0xA
 };
 
-/// Why a connection is closed.
+/// Reason to close a connection.
 enum class WebsocketClose : std::uint16_t {
   normal = 1000,
   going_away = 1001,
@@ -27,31 +28,31 @@ enum class WebsocketClose : std::uint16_t {
   too_long = 1009
 };
 
-/// What Sec-WebSocket-Accept says to a key; its length and alphabet are the caller's to check.
+/// Value of Sec-WebSocket-Accept for a key. The caller must check its length and alphabet.
 std::string websocket_accept(std::string_view key);
 /// Whether a key is 16 bytes in base64.
 bool is_websocket_key(std::string_view key);
 
-/// A whole message to a client, in one frame.
+/// A complete message to a client, in one frame.
 std::string websocket_frame(WebsocketOp op, std::string_view payload);
 std::string websocket_close(WebsocketClose why);
 
-/// Cuts what a client sends into frames. Holds no more than one frame of `limit` bytes.
+/// Splits the bytes of a client into frames; bounds each payload by `limit` bytes.
 class WebsocketReader {
  public:
   struct Frame {
     WebsocketOp op{};
     std::string payload{};
-    bool last = true;  ///< of its message
+    bool last = true;  ///< whether it ends its message
   };
-  /// @param limit  longest payload [B], at least that of a control frame, 125
+  /// @param limit  longest payload [B], at least 125, that of a control frame
   explicit WebsocketReader(std::size_t limit) : limit_(limit) {}
   void set_limit(std::size_t limit) { limit_ = limit; }
 
   void take(std::string_view bytes) { bytes_ += bytes; }
-  /// The next whole frame; none where more is to come, or where it can not go on.
+  /// The next complete frame; none if bytes are missing or a fault occurred.
   std::optional<Frame> next();
-  /// Why it can not go on; none where it can.
+  /// The fault that stopped the reader; none: it can continue.
   std::optional<WebsocketClose> fault() const { return fault_; }
 
  private:

@@ -14,9 +14,9 @@ namespace sightline {
 namespace {
 
 constexpr std::size_t yaw = 3;
-constexpr double yaw_part = 0.7;  // of a random step: heading turns more than one has room for otherwise
+constexpr double yaw_part = 0.7;  // of a random step: a full step would turn the heading too far
 
-/// 3-2-1-1 of one input after another.
+/// 3-2-1-1 of each input in turn.
 std::array<double, 4> three_two_one_one(double t) {
   constexpr double unit = 0.3, pattern = 7 * unit, span = 2 * pattern;
   const double at = std::fmod(t, 4 * span), within = std::fmod(at, span);
@@ -29,8 +29,8 @@ std::array<double, 4> three_two_one_one(double t) {
   return u;
 }
 
-/// A sine of each input whose frequency rises from f0 to f1 and begins anew, twice in all; each is a quarter of a sweep
-/// behind the one before.
+/// A sine for each input. Its frequency rises from f0 to f1 in two sweeps; each input is a quarter
+/// of a sweep ahead of the one before.
 std::array<double, 4> chirp(double t, double seconds) {
   constexpr double f0 = 0.15, f1 = 2.5, part = 0.6;
   const double span = 0.5 * seconds, rate = std::log(f1 / f0) / span;
@@ -42,14 +42,14 @@ std::array<double, 4> chirp(double t, double seconds) {
   return u;
 }
 
-/// What leads a robot back to where it began: a command for each input, as parts of their limits.
+/// Feedback towards the start: a command for each input as a fraction of its limit.
 class WayBack {
  public:
   WayBack(const FlownMotion& of, const SeenMotion& start, const ExcitationOptions& options)
       : tilts_(of.commands == Commands::tilt), u_max_(of.u_max), start_(start), options_(options) {}
 
   /// @param vertical  velocity [m/s]
-  /// @return whether the excitation has to wait
+  /// @return whether the excitation must wait
   bool returns(const SeenMotion& now, double vertical) {
     constexpr double ahead = 1.0, inside = 0.4;
     const Vec2<double> v = rotate<double>({std::cos(now.psi), std::sin(now.psi)}, {now.v_f, now.v_s});
@@ -67,7 +67,7 @@ class WayBack {
     const double more = alone ? 1.0 : 0.4;
     std::array<double, 4> u;
     if (tilts_) {
-      // As a spring of 0.4 1/s^2 and a damper of 0.9 1/s would, for b = 2 m/s^2.
+      // Equals a spring of 0.4 1/s^2 and a damper of 0.9 1/s for b = 2 m/s^2.
       u = {more * (0.2 * to_start.x - 0.45 * now.v_f), -more * (0.2 * to_start.y - 0.45 * now.v_s),
            more * 0.8 * r.z, 0.0};
     } else {
@@ -86,7 +86,7 @@ class WayBack {
   bool returning_ = false;
 };
 
-/// The scenario with the robot at the height where it is to begin.
+/// The scenario with the robot at its initial height of the excitation.
 Scenario raised(Scenario scenario, AgentId robot, const ExcitationOptions& options) {
   const int p_z = roles_of(scenario.team.model(robot)).position[2];
   if (p_z >= 0) {
@@ -125,7 +125,7 @@ std::array<double, 4> ExcitationSignal::at(double t) {
 
 namespace {
 
-/// As much of what was asked for as there is room for around the place.
+/// Reduces radius and climb to the room around the position p.
 ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, AgentId robot,
                          const Vec3<double>& p) {
   constexpr double beyond = 1.5, least_radius = 0.5, least_climb = 0.2;
@@ -180,14 +180,14 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
     const std::int64_t k = std::min(clock.wait(next), periods - 1);
     if (stop != nullptr && *stop)
       throw_invalid("the excitation was ended, expected {} s of it", options.seconds);
-    // Periods that were missed passed under the command before.
+    // Missed periods pass under the previous command.
     for (; next < k; ++next) motion.add(model, nullptr, no_value, nullptr, command);
     const double t = static_cast<double>(k) * period;
     const Measured now = world.measure(t);
     motion.add(model, &now.measured[x], t - now.stamps[sightline::at(robot)],
                now.truth.empty() ? nullptr : &now.truth[x], command);
     const auto last = std::find_if(motion.measured.rbegin(), motion.measured.rend(), is_seen);
-    // On a link the first pose may be from before the first period.
+    // On a link the first pose may predate the first period.
     const bool is_known = last != motion.measured.rend();
     if (!is_known && (room == Room::free || t > first_seen_by))
       throw_invalid("{} was not seen at {} s, expected a measurement", motion.robot, t);
@@ -197,7 +197,7 @@ FlownMotion excite(const Scenario& scenario, AgentId robot, const ExcitationOpti
         back.emplace(motion, *last, options), last_height = last->p.z;
       }
 
-      // The climb from the height, over about a tenth of a second.
+      // Vertical velocity by a low-pass filter with a time constant of about 0.1 s.
       const double share = std::min(1.0, period / 0.1);
       const double vertical = (last->p.z - last_height) / 0.1;
       last_height += share * (last->p.z - last_height);

@@ -16,9 +16,9 @@ namespace sightline {
 namespace {
 
 constexpr SeenMotion unseen = {{no_value, no_value, no_value}, no_value, no_value, no_value};
-constexpr double at_the_period = 1e-3;  // of a period
+constexpr double at_the_period = 1e-3;  // fraction of a period
 
-/// @param before  the last of this kind that was seen, for the turns of the heading
+/// @param before  earlier rows of this kind, to unwrap the heading
 SeenMotion seen(const Model& model, const double* x, const std::array<double, 4>& u,
                 const std::vector<SeenMotion>& before) {
   const Sight<double> s = model.sight(x, u.data());
@@ -110,7 +110,7 @@ FlownMotion motion_of(const RecordedFlight& flight, double period, const std::st
   const std::size_t x = size(team.state_offset(agent)), u = size(team.input_offset(agent));
   std::int64_t next = flight.periods().empty() ? 0 : flight.number(flight.periods().front().time);
   for (const RecordedPeriod& row : flight.periods()) {
-    // Periods that were missed passed under the commands before.
+    // Missed periods pass under the previous commands.
     for (; next < flight.number(row.time) && motion.size() > 0; ++next) {
       motion.u.push_back(motion.u.back());
       motion.measured.push_back(unseen);

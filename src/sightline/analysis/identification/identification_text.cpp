@@ -14,9 +14,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double shortest_delay = 0.001;  // worth a key [s]
+constexpr double shortest_delay = 0.001;  // the least delay with a key [s]
 
-/// A number to 4 digits, with a point as TOML has it.
+/// A number with 4 digits, with a decimal point as in TOML.
 std::string digits(double value) {
   std::string text = fmt::format("{:.4g}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";

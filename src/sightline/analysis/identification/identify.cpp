@@ -12,7 +12,7 @@ namespace {
 
 constexpr double seconds_min = 5.0, judged_min = 2.0, worse = 1.03;
 
-/// The farthest that it was from where it was first seen, in metres and radians.
+/// Greatest distance from the first measured pose [m, rad].
 double way(const FlownMotion& motion) {
   const SeenMotion* first = nullptr;
   double most = 0.0;
@@ -80,7 +80,8 @@ Identification identify(const FlownMotion& motion, std::optional<ExcitationKind>
     found.candidates.push_back({structure, prediction_error(motion, rest, structure, fitted.numbers)});
   }
   const auto error_of = [&](std::size_t i) { return found.candidates[i].error.whole(); };
-  // The Coriolis term has no number of its own; a robot under tilt commands has it unless the flight says otherwise.
+  // The Coriolis term has no number of its own. A robot under tilt commands has it unless another
+  // structure predicts better.
   const auto rank = [&](std::size_t i) {
     const ModelStructure& s = found.candidates[i].structure;
     return 2 * fitted_numbers(s).size() + (s.coriolis == (s.commands == Commands::tilt) ? 0 : 1);

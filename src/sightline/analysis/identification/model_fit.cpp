@@ -15,7 +15,7 @@ constexpr std::array<std::size_t, channels> kind_of = {0, 0, 1, 2, 3, 3};
 constexpr std::size_t kinds = 4;  // plane, height, heading, velocity
 using Sigmas = std::array<double, kinds>;
 constexpr Sigmas first_sigma = {0.005, 0.005, 0.01, 0.03}, least_sigma = {1e-4, 1e-4, 1e-4, 1e-3};
-constexpr double normal_95 = 1.96;  // quantile of 97.5 %
+constexpr double normal_95 = 1.96;  // 97.5 % quantile
 
 using Channels = std::array<double, channels>;
 Channels channels_of(const SeenMotion& m) { return {m.p.x, m.p.y, m.p.z, m.psi, m.v_f, m.v_s}; }
@@ -25,7 +25,7 @@ SeenMotion moved(SeenMotion m, std::size_t channel, double by) {
   return m;
 }
 
-/// Residuals of a window over sigma, sample by sample; 0 where nothing was measured.
+/// Residuals of a window over sigma, sample by sample; 0 if nothing was measured.
 void residuals(const FlownMotion& motion, const MotionPrediction& prediction, const Sigmas& sigma,
                std::size_t k, std::size_t samples, const SeenMotion& start, std::vector<double>& r) {
   r.clear();
@@ -52,7 +52,7 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-/// Columns of the residuals over the state at the start, by differences.
+/// Derivatives of the residuals with respect to the initial state, by finite differences.
 std::vector<std::vector<double>> columns_of_start(const FlownMotion& motion,
                                                   const MotionPrediction& prediction, const Sigmas& sigma,
                                                   std::size_t k, std::size_t samples, const SeenMotion& start,
@@ -66,7 +66,7 @@ std::vector<std::vector<double>> columns_of_start(const FlownMotion& motion,
   return columns;
 }
 
-/// The first that was measured in a window, as a first guess of where it begins.
+/// The first measurement of a window, as the initial guess of its start.
 SeenMotion first_seen(const FlownMotion& motion, std::size_t k, std::size_t samples) {
   for (std::size_t j = k; j <= k + samples; ++j) {
     if (is_seen(motion.measured[j])) return motion.measured[j];
@@ -76,7 +76,7 @@ SeenMotion first_seen(const FlownMotion& motion, std::size_t k, std::size_t samp
 
 class FitProblem {
  public:
-  /// @param only  the key of the one number that is fitted; empty: all
+  /// @param only  key of the only free number; empty: all numbers are free
   FitProblem(const FlownMotion& motion, const Stretch& stretch, const ModelStructure& structure,
              const ModelNumbers& first = {}, std::string_view only = {})
       : motion_(motion),
@@ -96,7 +96,7 @@ class FitProblem {
     }
   }
 
-  /// Steps until nothing is gained. @return the sum of squares over sigma
+  /// Steps until the cost no longer decreases. @return the sum of squares over sigma
   double descend() {
     double cost = cost_of(numbers_, starts_), damping = 1e-3;
     constexpr int steps_max = 40, tries_max = 8;
@@ -121,7 +121,7 @@ class FitProblem {
     return cost;
   }
 
-  /// From several delays, where there is one: the cost has more than one minimum over it.
+  /// Starts from several delays if the structure has one: the cost has several minima over it.
   void find() {
     const std::vector<SeenMotion> starts = starts_;
     FitProblem best = *this;
@@ -155,11 +155,12 @@ class FitProblem {
   }
 
  private:
-  /// What a window says at the present numbers: the normal equations of its start, and its part of those of the numbers.
+  /// Normal equations of a window: those of its start, and its contribution to those of the
+  /// numbers.
   struct Window {
     Symmetric start{channels};               // factored
     std::vector<std::vector<double>> mixed;  // [number][channel]
-    std::vector<double> start_slope, slope;  // by channel; by number, without the start
+    std::vector<double> start_slope, slope;  // by channel; by number, with the start eliminated
   };
 
   void take(const FitProblem& other) { numbers_ = other.numbers_, starts_ = other.starts_; }
@@ -203,7 +204,7 @@ class FitProblem {
         for (std::size_t b = 0; b <= a; ++b) part.start.at(a, b) = product(S[a], S[b]);
       }
       part.start.factor();
-      // The numbers' part, less what another start would do as well.
+      // Schur complement: eliminates the start from the numbers' equations.
       const std::vector<double> own = part.start.solve(part.start_slope);
       for (std::size_t i = 0; i < n; ++i) {
         std::vector<double>& row = part.mixed.emplace_back();
@@ -242,7 +243,7 @@ class FitProblem {
     }
   }
 
-  /// sigma of each kind from its residuals.
+  /// Estimates sigma of each kind from its residuals.
   void weigh() {
     const MotionPrediction prediction(motion_, structure_, numbers_);
     Sigmas sum{};
@@ -257,7 +258,7 @@ class FitProblem {
     }
     const double all = count[0] + count[1] + count[2] + count[3];
     const double estimated = static_cast<double>(free_.size() + channels * windows_.size());
-    const double share = std::max(0.1, 1 - estimated / std::max(all, 1.0));  // of degrees of freedom
+    const double share = std::max(0.1, 1 - estimated / std::max(all, 1.0));  // degrees of freedom
     for (std::size_t kind = 0; kind < kinds; ++kind)
       sigma_[kind] = std::max(least_sigma[kind], std::sqrt(sum[kind] / std::max(1.0, share * count[kind])));
   }
@@ -286,9 +287,9 @@ class FitProblem {
   const FlownMotion& motion_;
   ModelStructure structure_;
   ModelNumbers first_, numbers_;
-  std::size_t samples_;  // of a window
+  std::size_t samples_;  // per window
   std::vector<FittedNumber> free_;
-  std::vector<std::size_t> windows_;  // periods in which they begin
+  std::vector<std::size_t> windows_;  // first period of each window
   std::vector<SeenMotion> starts_;
   Sigmas sigma_ = first_sigma;
   Symmetric H_{0};

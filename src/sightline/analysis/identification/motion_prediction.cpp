@@ -12,7 +12,7 @@ constexpr double longest_step = 0.005;  // [s]
 
 using Row = std::array<double, 4>;
 
-/// The integral of the commands from the first period to t [s]; before, it is 0.
+/// Integral of the commands from the first period to t [s]; 0 for earlier t.
 Row integral(const FlownMotion& motion, const std::vector<Row>& sums, double t) {
   const double rows = t / motion.period;
   if (rows <= 0) return {};
@@ -23,18 +23,18 @@ Row integral(const FlownMotion& motion, const std::vector<Row>& sums, double t) 
   return value;
 }
 
-/// What follows a command with a lag, or at once.
+/// First-order lag of a command; without a lag it follows at once.
 class Follower {
  public:
   Follower(double tau, bool lags, double h)
       : keeps_(lags ? std::exp(-h / tau) : 0.0), share_(lags ? (1 - keeps_) * tau / h : 0.0) {}
-  /// Its mean over a step under a held command.
+  /// Mean over a step under a constant command.
   double operator()(double command) {
     const double off = value_ - command;
     value_ = command + keeps_ * off;
     return command + share_ * off;
   }
-  /// Where it is at the end of that step.
+  /// Value at the end of that step.
   double value() const { return value_; }
 
  private:

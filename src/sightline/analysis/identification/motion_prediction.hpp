@@ -1,4 +1,4 @@
-/// How a flight goes on from any of its periods, by a model of the vehicle and the commands that were given.
+/// Predicts a flight from any of its periods, by a model of the vehicle and the recorded commands.
 #pragma once
 
 #include <array>
@@ -10,17 +10,19 @@
 
 namespace sightline {
 
-/// Tilt, climb and yaw rate follow from the commands of the whole record, at rest before it; after `forgotten` seconds
-/// nothing is left of how it began. A delay is any time >= 0: a step takes the mean of the delayed commands, from their
-/// integral, so a prediction moves smoothly with it.
+/// Tilt, climb and yaw rate follow from the commands of the whole record, from rest before it.
+/// After `forgotten` seconds this initial state has no effect. A delay is any time >= 0: a step
+/// uses the mean of the delayed commands, from their integral, so a prediction is continuous in the
+/// delay.
 class MotionPrediction {
  public:
   static constexpr double forgotten = 0.6;  // [s]
 
-  /// @param motion  outlives this
+  /// @param motion  must outlive this object
   MotionPrediction(const FlownMotion& motion, const ModelStructure& structure, const ModelNumbers& numbers);
 
-  /// From `start` at period k on: gives seen(j, motion) for each period k + j, j = 0 ... samples.
+  /// Predicts from the state `start` at period k: calls seen(j, motion) for the periods k + j, j =
+  /// 0 ... samples.
   template <class Seen>
   void run(std::size_t k, std::size_t samples, SeenMotion start, Seen&& seen) const {
     seen(std::size_t{0}, start);
@@ -31,7 +33,7 @@ class MotionPrediction {
   }
 
  private:
-  /// Means over a step that the motion in the plane does not change.
+  /// Means over a step of the quantities that do not depend on the motion in the plane.
   struct Forced {
     double push_f, push_s, climb, rate;
   };
@@ -40,8 +42,8 @@ class MotionPrediction {
   ModelStructure structure_;
   double a_f_, a_s_;
   Vec2<double> wind_;  // acceleration in G [m/s^2]
-  std::size_t parts_;  // steps of a period
-  double h_;           // of a step [s]
+  std::size_t parts_;  // steps per period
+  double h_;           // length of a step [s]
   std::vector<Forced> forced_;
 };
 

@@ -1,4 +1,4 @@
-/// How far a model's predictions are from a flight.
+/// Error of a model's predictions of a flight.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace sightline {
 
-/// Over predictions of a second from every third period of a stretch on. Where the truth is known they begin in it and
-/// are compared with it; else they begin in the state that half a second of measurements before is nearest to, and the
-/// measurements' noise counts.
+/// Errors of predictions over 1 s from every third period of a stretch on. If the truth is known,
+/// predictions start from it and are compared with it. Otherwise they start from the best fit to
+/// the preceding half second of measurements, and the error includes the measurement noise.
 struct PredictionError {
   std::size_t predictions = 0;
   double r2 =
@@ -18,10 +18,11 @@ struct PredictionError {
   double height = 0.0;        ///< after 1 s, RMS [m]
   double heading = 0.0;       ///< after 1 s, RMS [rad]
   double velocity = 0.0;      ///< in the plane after 1 s, RMS [m/s]
-  double acceleration = 0.0;  ///< that is left in the plane over 0.1 s, of 99.9 % at most [m/s^2]
+  double acceleration = 0.0;  ///< remaining in the plane over 0.1 s, 99.9 % quantile [m/s^2]
   bool of_truth = false;
 
-  /// One number, to compare models by: position, height, velocity times 1 s and heading times 1 m together [m].
+  /// Root of the sum of squares of position, height, velocity times 1 s and heading times 1 m [m];
+  /// one number to compare models.
   double whole() const;
 };
 
