@@ -11,7 +11,7 @@ namespace sightline {
 namespace dds {
 namespace {
 
-constexpr int receive_priority = 15;  // below the control thread's
+constexpr int fleet_receive_priority = 15;  // below the control thread's
 
 std::shared_ptr<Domain> domain_of(const Scenario& scenario, std::optional<int> priority, Identity who) {
   return std::make_shared<Domain>(scenario.fleet ? scenario.fleet->network : FleetNetwork{}, priority, who);
@@ -20,9 +20,9 @@ std::shared_ptr<Domain> domain_of(const Scenario& scenario, std::optional<int> p
 class DdsBridge final : public Bridge {
  public:
   std::unique_ptr<LinkedWorld> connect(const Scenario& scenario) const override {
-    const bool may = may_be_realtime(receive_priority);
+    const bool may = may_be_realtime(fleet_receive_priority);
     std::shared_ptr<Domain> domain =
-        domain_of(scenario, may ? std::optional(receive_priority) : std::nullopt, Identity::flyer);
+        domain_of(scenario, may ? std::optional(fleet_receive_priority) : std::nullopt, Identity::flyer);
     refuse_second_flyer(scenario, *domain);
     return std::make_unique<DdsWorld>(scenario, std::move(domain));
   }

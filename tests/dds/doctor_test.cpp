@@ -303,7 +303,8 @@ TEST(Doctor, FramesEstimatorsAndOriginsOfVehiclesAreFound) {
   EXPECT_TRUE(fleet.finds(1, Aspect::checks, Light::red, "its failsafe acts"));
   EXPECT_TRUE(fleet.finds(1, Aspect::state, Light::red, "it is not on the ground"));
   EXPECT_TRUE(fleet.finds(1, Aspect::battery, Light::unknown, "it does not report a battery"));
-  EXPECT_TRUE(fleet.finds(1, Aspect::pilot, Light::unknown, "does not report whether it receives a pilot's transmitter"));
+  EXPECT_TRUE(fleet.finds(1, Aspect::pilot, Light::unknown,
+                          "does not report whether it receives a pilot's transmitter"));
   EXPECT_TRUE(fleet.finds(1, Aspect::topics, Light::red,
                           "rt/px4_1/fmu/in/trajectory_setpoint: it has no subscriber"));
   EXPECT_TRUE(Ward::found_by(fleet.doctor, "", Aspect::origins, Light::red, "uav2 began ["));

@@ -1,10 +1,9 @@
-#include "sightline/solver/newton/newton_riccati.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <optional>
 
+#include "sightline/solver/newton/newton_riccati.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"

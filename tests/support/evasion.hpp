@@ -31,7 +31,7 @@ inline EvasionTrace evade(const Scenario& scenario, const EvasionPlan& plan = se
 /// uav0 1 to 1.8 m beside the target, too low to see it, which is within 60 degrees of its nose; the hand enters
 /// 4 m from the target, anywhere, at 0.2 m/s to `speed_max`.
 inline Scenario with_drawn_start(Scenario scenario, Random& random, double speed_max) {
-  constexpr double pi = std::numbers::pi;
+  using std::numbers::pi;
   const Vec3<double> target{0.04, -0.05, 0.96};
   const double range = uniform(random, 1.0, 1.8), azimuth = uniform(random, -pi, pi);
   const double heading = azimuth + uniform(random, -pi / 3, pi / 3);

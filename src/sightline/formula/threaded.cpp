@@ -21,7 +21,7 @@ enum class Link {
   multiply_add,      ///< a b + r
   subtract_product,  ///< r - a b
 };
-constexpr int links = 5, longest = 3;
+constexpr int links = 5, longest_chain = 3;
 constexpr int shapes = (static_cast<int>(firsts.size()) + links) * links * links;
 
 /// A value is an input or a constant, by its row, or the result of instruction i: first_scratch +
@@ -295,7 +295,7 @@ Threaded<W>::Threaded(const Program& program, std::span<const int> inputs, std::
       step.run = in_chain == firsts.end() ? of_code[static_cast<std::size_t>(first.code)] : nullptr;
       ++k;
       if (step.run == nullptr) {
-        for (int length = 1; length < longest; ++length)
+        for (int length = 1; length < longest_chain; ++length)
           shape = shape * links + (k <= chain.last ? link(k++) : static_cast<int>(Link::none));
         step.run = of_chain[at(shape)];
       }
