@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Shows that the fast tests notice when what they guard is broken:  scripts/mutants.sh [BUILD_DIR | --check] [GROUP...]
-# --check builds nothing: it only shows that each mutant changes its file. Each mutant is one substitution in a copy of its sources; a line tells which test killed it. Nothing in the tree
-# changes. Ends with 1 if a mutant survives or does not build. BUILD_DIR holds a built library (build/release by default). The groups are
+# Each mutant is one substitution in a copy of its sources; a line names the test that killed it. Nothing in the tree changes.
+# --check builds nothing: it shows that each mutant changes its file. Ends with 1 if a mutant survives or does not build. BUILD_DIR holds a built library (build/release by default). The groups are
 # barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign) and gate (what is measured and
 # what is applied); all if none is named.
 set -uo pipefail

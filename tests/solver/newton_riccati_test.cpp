@@ -7,12 +7,14 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 #include "cli/allocations.hpp"
 #include "examples/own_potential.hpp"
 #include "sightline/solver/continuation/hamiltonian.hpp"
 #include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/solver/newton/update.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
@@ -447,6 +449,54 @@ TEST(NewtonRiccati, AnOptionOutOfItsRangeIsNamed) {
   EXPECT_THROW(NewtonRiccati(team, default_horizon, {.tolerance = 0.0}), std::invalid_argument);
   EXPECT_THROW(NewtonRiccati(team, default_horizon, {.step_cap = -1.0}), std::invalid_argument);
   EXPECT_THROW(NewtonRiccati(team, default_horizon, {.deadline = std::nan("")}), std::invalid_argument);
+}
+
+TEST(NewtonRiccati, IsTheUpdateAndNothingElse) {
+  const Team team = chain(3, paper::Variant::masked);
+  newton::Workspace workspace(Ocp(team, default_horizon), {});
+  NewtonRiccati solver(team, default_horizon);
+  fly(solver, chain_start(3), 50, [&](double t, const std::vector<double>& x, const Solution& s) {
+    const Solution own = newton::update(workspace, t, x);
+    ASSERT_TRUE(std::equal(s.u.begin(), s.u.end(), own.u.begin()));
+    ASSERT_EQ(s.residual, own.residual);
+    ASSERT_EQ(s.status, own.status);
+  });
+}
+
+TEST(NewtonRiccati, CompiledAndInterpretedFunctionsGiveTheSameBits) {
+  const Team team = paper::team(paper::Variant::joint);
+  NewtonRiccati compiled(team, {}), interpreted(team, {}, {.kernels = KernelChoice::interpreted});
+  fly(compiled, paper::saturating_start(), 300,
+      [&](double t, const std::vector<double>& x, const Solution& s) {
+        const Solution other = interpreted.solve(t, x);
+        for (std::size_t i = 0; i < s.u.size(); ++i) ASSERT_EQ(s.u[i], other.u[i]) << t;
+        ASSERT_EQ(s.residual, other.residual) << t;
+      });
+}
+
+TEST(NewtonRiccati, MovedItFliesOnBitForBit) {
+  const Team team = chain(5, paper::Variant::joint);
+  NewtonRiccati stays(team, default_horizon);
+  std::vector<NewtonRiccati> solvers;
+  const auto make = [&] {
+    NewtonRiccati made(team, default_horizon);
+    std::vector<double> x = chain_start(5);
+    (void)made.solve(0.0, x);
+    return std::optional<NewtonRiccati>(std::move(made));
+  };
+  for (int i = 0; i < 5; ++i) solvers.push_back(std::move(*make()));  // the list grows, and moves them all
+  std::swap(solvers[1], solvers[3]);
+  std::vector<double> x = chain_start(5);
+  (void)stays.solve(0.0, x);
+  for (int k = 1; k < 50; ++k) {
+    const Solution expected = stays.solve(0.01 * k, x);
+    for (NewtonRiccati& solver : solvers) {
+      const Solution s = solver.solve(0.01 * k, x);
+      ASSERT_TRUE(std::equal(s.u.begin(), s.u.end(), expected.u.begin()));
+      ASSERT_EQ(s.residual, expected.residual);
+    }
+    advance(team, x, expected.u, 0.01);
+  }
 }
 
 }  // namespace
