@@ -256,10 +256,12 @@ int merge(const CampaignCommand& command, const Registry& registry) {
   try {
     // The scenario with the [campaign] that draws; the table holds the files of its own scenario
     // only.
+    const auto parsed = [&](const std::string& text, const ScenarioChanges& changes) {
+      return parse_scenario(with_present_names(text, scenario_file.native()).text, scenario_file, registry,
+                            changes);
+    };
     const Scenario scenario =
-        about.plan.empty() ? parse_scenario(with_present_names(about.text, scenario_file.native()).text,
-                                            scenario_file, registry, {.files = about.files})
-                           : parse_scenario(about.plan, scenario_file, registry);
+        about.plan.empty() ? parsed(about.text, {.files = about.files}) : parsed(about.plan, {});
     const std::string words =
         fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));

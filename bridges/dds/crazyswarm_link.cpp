@@ -138,8 +138,8 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
 /// The server may execute requests out of order, so the second request waits for the answer to the
 /// first. A vehicle that never flew is disarmed.
 void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
-  const bool said = last_status_.arrived > requested_at_;
-  if (landing_ == Landing::requested && said && !has(is_flying) && has(is_armed) && !has(arms_itself) &&
+  const bool answered = last_status_.arrived > requested_at_;
+  if (landing_ == Landing::requested && answered && !has(is_flying) && has(is_armed) && !has(arms_itself) &&
       !std::exchange(disarms_, true)) {
     const crazyflie_interfaces_srv_dds__Arm_Request_ disarm{false};
     (void)arm_.call(&disarm);

@@ -101,12 +101,11 @@ TEST(BarrierAgainstSeveral, APlanThatClimbsLagsByWhatTheRateAllowsAtMost) {
 TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
   const Barrier filter = test::barrier_of_encirclements();
   const State x = {0, 0, 1, 1, 0, 0.4, 0};
-  const Neighbour nearest_threats{.p = {1.75, 0, 1}, .d_hard = 0.6, .speed_max = 1.0};
+  const Neighbour threat{.p = {1.75, 0, 1}, .d_hard = 0.6, .speed_max = 1.0};
   for (const Vec3<double>& beside : {Vec3<double>{-10.5, 0, 1}, {0, 11, 1}, {6, 0.5, 1}, {5, -0.5, 2}}) {
-    const std::array<Neighbour, 2> both = {nearest_threats,
-                                           Neighbour{.p = beside, .d_hard = 0.6, .speed_max = 1.0}};
+    const std::array<Neighbour, 2> both = {threat, Neighbour{.p = beside, .d_hard = 0.6, .speed_max = 1.0}};
     Command alone = {1, 0, 0, 0.1}, u = alone;
-    const BarrierResult one = filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, alone),
+    const BarrierResult one = filter.filter(x, std::span(&threat, 1), lowest, highest, alone),
                         two = filter.filter(x, both, lowest, highest, u);
     EXPECT_TRUE(one.active);
     EXPECT_EQ(u, alone);

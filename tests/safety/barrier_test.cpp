@@ -219,9 +219,9 @@ TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
   const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0});
   for (const double side : {1.0, -1.0}) {  // at the floor with one above, and at the ceiling with one below
     State x = {0, 0, side > 0 ? 0.3 : 2.0, 1, 0, 0, 0};
-    const Neighbour nearest_threats{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
+    const Neighbour threat{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
     Command u = {0, 0, 0, 0};
-    EXPECT_TRUE(filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, u).conflict);
+    EXPECT_TRUE(filter.filter(x, std::span(&threat, 1), lowest, highest, u).conflict);
     const double z = x[2];
     test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
     EXPECT_GE(side * x[2], side * z - 1e-9);
@@ -236,10 +236,10 @@ TEST(Barrier, KeepsTheBoundsOfTheWorldBeforeADistanceThatIsLost) {
     State x = {4.6 * outward.x, 4.6 * outward.y, 1.0, 1, 0, 0.9 * outward.x, 0.9 * outward.y};
     int conflicts = 0;
     for (int k = 0; k < 300; ++k) {
-      const Neighbour nearest_threats{
+      const Neighbour threat{
           .p = {x[0] - 0.5 * outward.x, x[1] - 0.5 * outward.y, 1.0}, .d_hard = 0.6, .speed_max = 0.0};
       Command u = {outward.x, outward.y, 0, 0};
-      conflicts += filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, u).conflict;
+      conflicts += filter.filter(x, std::span(&threat, 1), lowest, highest, u).conflict;
       test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         EXPECT_LE(outward.x * p.x + outward.y * p.y, world + 1e-9);
       });
@@ -289,11 +289,11 @@ TEST(Barrier, HeedsThePressingOnesOfAHundred) {
     for (int i = 0; i < 100; ++i) {
       threats.push_back({.p = position(x) + uniform(random, 12, 20) * test::any_direction(random, true)});
     }
-    const Neighbour nearest_threats = uncooperative_at(filter, x, 0.0, random);
+    const Neighbour threat = uncooperative_at(filter, x, 0.0, random);
     const std::size_t at = random() % threats.size();
-    threats[at] = nearest_threats;
-    Command alone = test::towards(x, nearest_threats.p), u = alone;
-    const BarrierResult one = filter.filter(x, std::span(&nearest_threats, 1), lowest, highest, alone);
+    threats[at] = threat;
+    Command alone = test::towards(x, threat.p), u = alone;
+    const BarrierResult one = filter.filter(x, std::span(&threat, 1), lowest, highest, alone);
     const BarrierResult result = filter.filter(x, threats, lowest, highest, u);
     EXPECT_EQ(u, alone);
     EXPECT_EQ(result.reserve, one.reserve);

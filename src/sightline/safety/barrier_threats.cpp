@@ -175,12 +175,11 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     within[k] = this->within(tube);
     most_of_least = std::min(most_of_least, within[k].most);
   }
-  std::size_t nearest_threats = 0;
+  std::size_t kept = 0;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
-    if (all || !within[k].quiet || within[k].least <= most_of_least + found_to)
-      chosen[nearest_threats++] = chosen[k];
+    if (all || !within[k].quiet || within[k].least <= most_of_least + found_to) chosen[kept++] = chosen[k];
   }
-  add_threats(self, neighbours, {chosen.begin(), nearest_threats}, rows);
+  add_threats(self, neighbours, {chosen.begin(), kept}, rows);
   return all_known;
 }
 

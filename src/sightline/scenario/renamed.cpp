@@ -128,10 +128,6 @@ RenamedText with_present_names(std::string_view text, const std::string& file) {
     if (const auto at = byte_of(text, found.place.begin, found.old)) all.emplace_back(*at, found);
   });
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  // A name in an inherited table is found once for each table that inherits it.
-  all.erase(
-      std::unique(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
-      all.end());
   RenamedText renamed;
   std::size_t copied = 0;
   for (const auto& [at, found] : all) {
