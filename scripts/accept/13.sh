@@ -2,7 +2,7 @@
 # The figures of flights over DDS, section by section:  scripts/accept/13.sh [--short] [SECTION ...]
 # What is finished stays in out/accept/13/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
 # release preset with Cyclone DDS. `timing` judges this machine: run it where nothing else does.
-# --short is for CI: fewer vehicles, shorter flights, and the limits of a machine that others use too.
+# --short is for CI: fewer vehicles, shorter flights, and times that are shown and not judged.
 # DOMAIN=228 names another domain of DDS.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
@@ -75,7 +75,7 @@ figure() { jq -r "$2" "$1/flown/summary.json"; }  # $1: folder; $2: of its summa
 
 # 2, 8 and 16 vehicles for 180 s: periods, wake-ups, latencies, CPU and allocations of the flyer.
 timing() {
-  local n folder fifo late apart bad=0 seconds=180
+  local n folder shown fifo late apart bad=0 seconds=180
   local -a fleets=(2 8 16)
   whole || fleets=(2) seconds=6
   for n in "${fleets[@]}"; do
@@ -87,17 +87,16 @@ timing() {
       echo 1 >"$folder/done"
     fi
     grep -m 1 'real time' "$folder/fly.txt"
-    # Without SCHED_FIFO, or beside other work, latencies are those of the others.
-    fifo=''
-    { whole && grep -q 'real time: SCHED_FIFO' "$folder/fly.txt"; } || fifo=wanted
-    apart=$((n > 2 ? 12 : 10)) late=2
-    [[ -n $fifo ]] && apart=15 || late=0.2
-    judge "$n vehicles: missed periods" "$(figure "$folder" '100 * .real_time.missed / .real_time.periods')" "<= $late" % || bad=1
+    # Times are judged in the whole form, on a machine that does nothing else; beside other work they are those of the others.
+    shown='' fifo='' late=0.2 apart=$((n > 2 ? 12 : 10))
+    whole || shown=wanted
+    { whole && grep -q 'real time: SCHED_FIFO' "$folder/fly.txt"; } || fifo=wanted late=2 apart=15
+    judge "$n vehicles: missed periods" "$(figure "$folder" '100 * .real_time.missed / .real_time.periods')" "<= $late" % $shown || bad=1
     judge "$n vehicles: wake-up p99" "$(figure "$folder" '.real_time.wake_us.p99 / 1000')" '<= 0.5' ms $fifo || bad=1
     judge "$n vehicles: stamp to reader p99" "$(figure "$folder" '.real_time.arrival_us.p99 / 1000')" '<= 1' ms $fifo || bad=1
     judge "$n vehicles: stamp to received command, p99 less median" "$(sed -n \
       's/.* answers \([0-9.]*\) ms after the pose at the median, \([0-9.]*\) at 99 %.*/\1 \2/p' "$folder/vehicles.txt" |
-      awk '{ d = $2 - $1; if (d > w) w = d } END { print w }')" "<= $apart" ms || bad=1
+      awk '{ d = $2 - $1; if (d > w) w = d } END { print w }')" "<= $apart" ms $shown || bad=1
     echo "$n vehicles: stamp to received command $(sed -n 's/.* answers \([0-9.]* ms\).*, \([0-9.]*\) at 99 %.*/\1 (p99 \2)/p' "$folder/vehicles.txt" | head -n 1)"
     judge "$n vehicles: CPU" "$(figure "$folder" '100 * .real_time.cpu')" '<= 10' '% of one core' $fifo || bad=1
     judge "$n vehicles: allocations in an update" "$(figure "$folder" .allocations_per_update)" '== 0' '' || bad=1
