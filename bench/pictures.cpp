@@ -54,7 +54,7 @@ struct Errors {
   double yaw_sigma() const { return std::sqrt(mean(yaw)); }
 };
 
-struct Place {
+struct CameraView {
   int faces;        // of the body
   double above;     // angle at which the camera points down [deg]
   double turned;    // of the nearest face about the vertical, from facing the camera [deg]
@@ -77,7 +77,7 @@ class Stage {
   }
 
   /// Adds one picture of a place: the body anywhere in the picture, both bodies slightly tilted.
-  void look(Place& place) {
+  void look(CameraView& place) {
     const auto uniform = [&](double low, double high) { return low + (high - low) * chance_.uniform(); };
     const Rotation eye = compose(turn_by({0, (place.above + 2 * chance_.normal()) * degree, 0}),
                                  turn_by({3 * chance_.normal() * degree, 0, 0}));
@@ -112,8 +112,8 @@ class Stage {
   std::array<Detection, 1> found_;
 };
 
-std::vector<Place> places() {
-  std::vector<Place> all;
+std::vector<CameraView> camera_views() {
+  std::vector<CameraView> all;
   const auto add = [&](int faces, double above, std::initializer_list<double> angles) {
     for (const double turned : angles) {
       for (const double d : {1.0, 1.5, 2.0, 2.5, 3.0}) all.push_back({faces, above, turned, d});
@@ -125,7 +125,7 @@ std::vector<Place> places() {
   return all;
 }
 
-void print(const Place& at) {
+void print(const CameraView& at) {
   const Errors &r = at.rendered, &d = at.drawn;
   fmt::print(
       "| {} | {:.0f}° | {:.0f}° | {} m | {:.0f}, {:.0f} % | {:+.2f}, {:+.2f} % | {:.2f}, {:.2f} % | "
@@ -140,11 +140,11 @@ void print(const Place& at) {
 
 int main(int argc, char** argv) {
   const int pictures = argc > 1 ? std::atoi(argv[1]) : 100;
-  std::vector<Place> all = places();
+  std::vector<CameraView> all = camera_views();
   const auto begin = std::chrono::steady_clock::now();
   for (const int faces : {1, 4}) {
     Stage stage(faces);
-    for (Place& place : all) {
+    for (CameraView& place : all) {
       if (place.faces != faces) continue;
       for (int k = 0; k < pictures; ++k) stage.look(place);
     }
@@ -154,7 +154,7 @@ int main(int argc, char** argv) {
       "| plates | from above | turned | distance | found | bias of range | range | bearing | yaw | NEES | "
       "other solution |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const Place& place : all) print(place);
+  for (const CameraView& place : all) print(place);
   fmt::print(stderr, "{:.1f} ms a picture of 320 x 240\n",
              1e3 * seconds / (pictures * static_cast<double>(all.size())));
   return 0;

@@ -18,7 +18,7 @@ constexpr std::size_t message_size = 1000;
 
 // State of the MuJoCo call in progress on this thread. MuJoCo's error handler must not return.
 thread_local std::jmp_buf* way_back = nullptr;
-thread_local std::array<char, message_size> message{};
+thread_local std::array<char, message_size> last_message{};
 
 void (*errors_before)(const char*) = nullptr;
 void (*warnings_before)(const char*) = nullptr;
@@ -30,7 +30,7 @@ void on_error(const char* text) {
     std::fprintf(stderr, "%s\n", text);
     std::exit(1);
   }
-  std::strncpy(message.data(), text, message_size - 1);
+  std::strncpy(last_message.data(), text, message_size - 1);
   std::longjmp(*way_back, 1);
 }
 
@@ -133,7 +133,7 @@ bool tried(void (*calls)(void*), void* argument) noexcept {
   return came_back([&] { calls(argument); });
 }
 
-const char* last_error() noexcept { return message.data(); }
+const char* last_error() noexcept { return last_message.data(); }
 
 const char* warning(const mjData& data) noexcept {
   for (const int kind : fatal) {

@@ -38,7 +38,7 @@ namespace {
 using nlohmann::json;
 
 template <class... Args>
-[[noreturn]] void throw_invalid(fmt::format_string<Args...> sentence, Args&&... args) {
+[[noreturn]] void throw_unreadable(fmt::format_string<Args...> sentence, Args&&... args) {
   throw std::runtime_error(fmt::format(sentence, std::forward<Args>(args)...));
 }
 
@@ -79,8 +79,8 @@ void read_team(const json& team, Recording& run) {
                                or_no_value(entry.at("d_min")),
                                or_no_value(entry.at("d_max"))};
     if (pair.observer >= run.bodies.size() || pair.target >= run.bodies.size()) {
-      throw_invalid("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
-                    run.bodies.size());
+      throw_unreadable("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
+                       run.bodies.size());
     }
     run.pairs.push_back(pair);
   }
@@ -88,15 +88,15 @@ void read_team(const json& team, Recording& run) {
     const auto& robots = run.swarms.emplace_back(entry.get<std::vector<std::size_t>>());
     for (const std::size_t robot : robots) {
       if (robot >= run.bodies.size())
-        throw_invalid("a swarm names body {}, expected one of {}", robot, run.bodies.size());
+        throw_unreadable("a swarm names body {}, expected one of {}", robot, run.bodies.size());
     }
   }
   for (const json& entry : team.value("couplings", json::array())) {
     const Recording::Coupled coupled{entry.at("between").at(0), entry.at("between").at(1),
                                      entry.at("felt").at(0), entry.at("felt").at(1)};
     if (coupled.first >= run.bodies.size() || coupled.second >= run.bodies.size()) {
-      throw_invalid("a coupling names body {}, expected one of {}", std::max(coupled.first, coupled.second),
-                    run.bodies.size());
+      throw_unreadable("a coupling names body {}, expected one of {}",
+                       std::max(coupled.first, coupled.second), run.bodies.size());
     }
     run.couplings.push_back(coupled);
   }
@@ -163,8 +163,8 @@ class RowReader {
     try {
       place->second(message);
     } catch (const json::exception&) {
-      throw_invalid("a message of {} is no JSON, or a value of it is missing or of another kind",
-                    message.topic);
+      throw_unreadable("a message of {} is no JSON, or a value of it is missing or of another kind",
+                       message.topic);
     }
   }
 
@@ -256,14 +256,14 @@ class RowReader {
   /// Checks that a message is the first of its kind in its period; its column has `rows` rows.
   void check_first(std::size_t rows, const McapMessage& message) const {
     if (rows >= run_.time.size())
-      throw_invalid("two messages of {} at {:.6g} s, expected one", message.topic,
-                    1e-9 * static_cast<double>(message.log_time));
+      throw_unreadable("two messages of {} at {:.6g} s, expected one", message.topic,
+                       1e-9 * static_cast<double>(message.log_time));
   }
   /// Checks that each column has a row for each period.
   void check_whole() const {
     const auto check = [this](std::size_t rows, std::string_view of, std::string_view what) {
       if (rows < run_.time.size())
-        throw_invalid("no message of /{}{} at {:.6g} s, expected one", of, what, run_.time[rows]);
+        throw_unreadable("no message of /{}{} at {:.6g} s, expected one", of, what, run_.time[rows]);
     };
     for (const Recording::Body& body : run_.bodies) {
       check(body.p.size(), body.name, "/state");
@@ -280,8 +280,8 @@ class RowReader {
       check_whole();
       const double time = parsed(message).at("time");
       if (!(time > last_time_))
-        throw_invalid("a message of {} at {:.6g} s after one at {:.6g} s, expected a later one",
-                      message.topic, time, last_time_);
+        throw_unreadable("a message of {} at {:.6g} s after one at {:.6g} s, expected a later one",
+                         message.topic, time, last_time_);
       run_.time.push_back(last_time_ = time);
     }
     check_first(body.p.size(), message);
@@ -292,19 +292,19 @@ class RowReader {
   }
   static void pose(Recording::Body& body, const McapMessage& message) {
     const auto pose = decode_pose(message.bytes);
-    if (!pose || body.p.empty()) throw_invalid("a message of {} is no pose of a state", message.topic);
+    if (!pose || body.p.empty()) throw_unreadable("a message of {} is no pose of a state", message.topic);
     body.p.back() = {pose->p[0], pose->p[1], pose->p[2]};
     body.heading.back() = std::atan2(pose->d[1], pose->d[0]);
   }
   static void twist(Recording::Body& body, const McapMessage& message) {
     const auto twist = decode_twist(message.bytes);
-    if (!twist || body.v.empty()) throw_invalid("a message of {} is no twist of a state", message.topic);
+    if (!twist || body.v.empty()) throw_unreadable("a message of {} is no twist of a state", message.topic);
     body.v.back() = {twist->linear[0], twist->linear[1], twist->linear[2]};
   }
   static void attitude(Recording::Body& body, const McapMessage& message) {
     const auto attitude = decode_attitude(message.bytes);
     if (!attitude || body.lean.empty())
-      throw_invalid("a message of {} is no attitude of a state", message.topic);
+      throw_unreadable("a message of {} is no attitude of a state", message.topic);
     const auto& [x, y, z, w] = attitude->q;
     body.lean.back() = lean(rotation({w, x, y, z}));
     body.leans = true;
@@ -312,7 +312,7 @@ class RowReader {
   /// Keeps the planned pose at PlannedAhead::ahead later, interpolated between two stages.
   static void path(Recording::Body& body, const McapMessage& message) {
     const auto path = decode_path(message.bytes);
-    if (!path) throw_invalid("a message of {} is no path", message.topic);
+    if (!path) throw_unreadable("a message of {} is no path", message.topic);
     constexpr double nanosecond = 1e-9;  // [s]
     const auto time_of = [&](const StampedPose& pose) { return nanosecond * static_cast<double>(pose.time); };
     const double then = nanosecond * static_cast<double>(message.log_time) + PlannedAhead::ahead;
@@ -332,7 +332,7 @@ class RowReader {
   void input(Recording::Body& body, const McapMessage& message) const {
     const json values = parsed(message).at("u");
     if (values.size() != body.u.size()) {
-      throw_invalid("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
+      throw_unreadable("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
     }
     if (!body.u.empty()) check_first(body.u.front().size(), message);
     for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(or_no_value(values[i]));
@@ -354,7 +354,7 @@ class RowReader {
   }
   static void camera(Recording::Body& body, const McapMessage& message) {
     body.camera = decode_camera_info(message.bytes);
-    if (!body.camera) throw_invalid("a message of {} is no camera", message.topic);
+    if (!body.camera) throw_unreadable("a message of {} is no camera", message.topic);
   }
   void detection(Recording::Body& body, const McapMessage& message) const {
     const json values = parsed(message);
@@ -362,7 +362,7 @@ class RowReader {
     const auto seen = std::find_if(run_.bodies.begin(), run_.bodies.end(),
                                    [&](const Recording::Body& one) { return one.name == target; });
     if (seen == run_.bodies.end())
-      throw_invalid("{} names {}, expected a body of the team", message.topic, target);
+      throw_unreadable("{} names {}, expected a body of the team", message.topic, target);
     const json& q = values.at("q");
     body.sighted.push_back(
         {or_no_value(values.at("stamp")),
@@ -371,7 +371,7 @@ class RowReader {
          {or_no_value(q.at(0)), or_no_value(q.at(1)), or_no_value(q.at(2)), or_no_value(q.at(3))}});
   }
   static void localization(Recording::Body& body, const McapMessage& message) {
-    if (body.p.empty()) throw_invalid("a message of {} comes before any state", message.topic);
+    if (body.p.empty()) throw_unreadable("a message of {} comes before any state", message.topic);
     LogText text;
     text.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
     const PoseEstimate estimate = estimate_of(text);
@@ -436,7 +436,7 @@ class TimingReader {
   /// Keeps the longest time of each `stride` rows.
   TimingReader(const std::filesystem::path& path, std::size_t controllers, std::size_t stride)
       : path_(path.string()), controllers_(controllers), stride_(stride), file_(opened(path)) {
-    if (!file_) throw_invalid("{} cannot be read, expected the measured times of a run", path_);
+    if (!file_) throw_unreadable("{} cannot be read, expected the measured times of a run", path_);
   }
 
   void read_on(std::vector<double>& solve_us) {
@@ -468,7 +468,7 @@ class TimingReader {
       at = next;
     }
     if (row.size() != columns)
-      throw_invalid("{}: \"{}\", expected {} numbers with commas between them", path_, line, columns);
+      throw_unreadable("{}: \"{}\", expected {} numbers with commas between them", path_, line, columns);
     return std::accumulate(row.begin() + 2, row.begin() + 2 + static_cast<std::ptrdiff_t>(controllers_), 0.0);
   }
 
@@ -509,7 +509,7 @@ Number number_of(const McapWords& words, const char* key) {
   const std::string& text = words.at(key);
   Number value{};
   if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc()) {
-    throw_invalid("{} = \"{}\", expected a number", key, text);
+    throw_unreadable("{} = \"{}\", expected a number", key, text);
   }
   return value;
 }
@@ -521,10 +521,10 @@ class RecordingReader::Files {
   Files(const std::filesystem::path& of, std::size_t stride)
       : folder(of), path((of / "run.mcap").string()), log(path) {
     run.stride = stride;
-    if (!log.ok()) throw_invalid("{}", log.error());
+    if (!log.ok()) throw_unreadable("{}", log.error());
     const auto found = log.metadata().find("sightline");
     if (found == log.metadata().end())
-      throw_invalid("{} is no log of a run, expected the words \"sightline\"", path);
+      throw_unreadable("{} is no log of a run, expected the words \"sightline\"", path);
     const McapWords& words = found->second;
     try {
       run.name = words.at("name");
@@ -537,7 +537,7 @@ class RecordingReader::Files {
       read_team(json::parse(words.at("team")), run);
       reader.emplace(run, number_of<std::size_t>(words, "controllers"));
     } catch (const std::exception& e) {
-      throw_invalid("{} is no sound log of a run: {}", path, sentence_of(e));
+      throw_unreadable("{} is no sound log of a run: {}", path, sentence_of(e));
     }
   }
 
@@ -548,7 +548,7 @@ class RecordingReader::Files {
         if (visitor) visitor(message);
       });
     });
-    if (!log.ok()) throw_invalid("{}", log.error());
+    if (!log.ok()) throw_unreadable("{}", log.error());
     run.complete = !log.truncated();
     if (!timing) timing.emplace(folder / "timing.csv", run.controllers.size(), run.stride);
     timing->read_on(run.solve_us);
@@ -572,7 +572,7 @@ class RecordingReader::Files {
     try {
       read();
     } catch (const std::exception& e) {
-      throw_invalid("{} is no sound log of a run: {}", path, sentence_of(e));
+      throw_unreadable("{} is no sound log of a run: {}", path, sentence_of(e));
     }
   }
 };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sightline/base/index.hpp"
+#include "sightline/base/no_value.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {
@@ -49,7 +49,6 @@ double top_speed(const Model& model, std::span<const double> u_min, std::span<co
   constexpr double step = 0.02, time = 60.0;  // [s]
   constexpr double still_grows = 1e-3;        // relative growth of a speed within the last half of the time
   constexpr std::size_t inputs_max = 8;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const std::size_t nu = u_min.size();
   if (nu > inputs_max) return infinity;
   const int yaw = yaw_input(model);

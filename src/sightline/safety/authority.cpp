@@ -101,7 +101,7 @@ Strength strength(const Columns& c, const Vec2<double>& other, std::span<const d
 }
 
 /// A state reached from rest in some heading under diverse commands, and the thrusts there.
-struct Place {
+struct ResponseSample {
   Vec2<double> v, drift, heading;
   double climb = 0.0, brake = 0.0;  // vertical speed [m/s], and its derivative without commands [m/s^2]
   double turn = 0.0;                // turn rate without commands [rad/s]
@@ -110,10 +110,11 @@ struct Place {
   double rise = 0.0;    // of all inputs together [m/s]
 };
 
-std::vector<Place> places(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
+std::vector<ResponseSample> response_samples(const Model& model, std::span<const double> u_min,
+                                             std::span<const double> u_max) {
   constexpr int headings = 8, stops = 8;
   constexpr double pace = 0.05, longest = 1.2;  // [s]
-  std::vector<Place> found;
+  std::vector<ResponseSample> found;
   for (int i = 0; i < headings; ++i) {
     const double psi = 0.1 + 2 * std::numbers::pi * i / headings;
     Motion at{std::vector<double>(static_cast<std::size_t>(model.nx())), {}};
@@ -150,20 +151,20 @@ std::vector<Place> places(const Model& model, std::span<const double> u_min, std
   return found;
 }
 
-Vec2<double> in_frame(const Place& place, std::size_t k, bool turns) {
-  const Vec2<double> back = {place.heading.x, -place.heading.y};
-  return turns ? rotate(back, place.columns.thrust[k]) : place.columns.thrust[k];
+Vec2<double> in_frame(const ResponseSample& sample, std::size_t k, bool turns) {
+  const Vec2<double> back = {sample.heading.x, -sample.heading.y};
+  return turns ? rotate(back, sample.columns.thrust[k]) : sample.columns.thrust[k];
 }
 
-/// Writes the thrusts in V, or else in G, if they are equal at all places; writes none if they are
+/// Writes the thrusts in V, or else in G, if they are equal in all samples; writes none if they are
 /// constant in neither.
-void add_thrusts(const std::vector<Place>& all, double part, std::span<const double> u_min,
+void add_thrusts(const std::vector<ResponseSample>& all, double part, std::span<const double> u_min,
                  std::span<const double> u_max, Authority& authority) {
   constexpr double same = 1e-3;  // relative to a thrust
   for (const bool turns : {true, false}) {
-    const bool fixed = std::all_of(all.begin(), all.end(), [&](const Place& place) {
+    const bool fixed = std::all_of(all.begin(), all.end(), [&](const ResponseSample& sample) {
       for (std::size_t k = 0; k < u_min.size(); ++k) {
-        const Vec2<double> g = in_frame(all.front(), k, turns), h = in_frame(place, k, turns);
+        const Vec2<double> g = in_frame(all.front(), k, turns), h = in_frame(sample, k, turns);
         if (norm(g.x - h.x, g.y - h.y) > same * (norm(g.x, g.y) + rounding)) return false;
       }
       return true;
@@ -182,15 +183,15 @@ void add_thrusts(const std::vector<Place>& all, double part, std::span<const dou
 
 /// tau of a vertical speed that follows its commands with one lag; 0 if it follows at once [s].
 /// @throws std::invalid_argument if it follows in another way
-double climb_lag_of(const Model& model, const std::vector<Place>& all) {
+double climb_lag_of(const Model& model, const std::vector<ResponseSample>& all) {
   constexpr double fast = 1e-2, same = 1e-3;  // [m/s]; relative to the lag
-  const auto late = [](const Place& place) { return place.columns.climbs_late; };
+  const auto late = [](const ResponseSample& sample) { return sample.columns.climbs_late; };
   if (std::none_of(all.begin(), all.end(), late)) return 0.0;
   double lag = 0.0;
   bool one = std::all_of(all.begin(), all.end(), late);
-  for (const Place& place : all) {
-    if (std::abs(place.climb) < fast) continue;
-    const double here = -place.climb / place.brake;
+  for (const ResponseSample& sample : all) {
+    if (std::abs(sample.climb) < fast) continue;
+    const double here = -sample.climb / sample.brake;
     if (lag == 0) lag = here;
     one = one && here > 0 && std::abs(here - lag) <= same * lag;
   }
@@ -227,33 +228,33 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
         fmt::format("barrier: \"{}\" has {} inputs and {} states, expected at most {} and {}", model.name(),
                     model.nu(), model.nx(), most_inputs, most_states));
   }
-  const std::vector<Place> all = places(model, u_min, u_max);
+  const std::vector<ResponseSample> all = response_samples(model, u_min, u_max);
   Authority authority;
   authority.climb_lag = climb_lag_of(model, all);
   authority.climb = infinity;
   double along = 0.0, speed = 0.0;
-  for (const Place& place : all) {
-    along -= dot(place.drift, place.v);
-    speed += dot(place.v, place.v);
-    authority.climbs = authority.climbs || place.columns.climbs || place.columns.climbs_late;
+  for (const ResponseSample& sample : all) {
+    along -= dot(sample.drift, sample.v);
+    speed += dot(sample.v, sample.v);
+    authority.climbs = authority.climbs || sample.columns.climbs || sample.columns.climbs_late;
     double climb = 0.0;
     for (std::size_t k = 0; k < u_min.size(); ++k) {
-      const double rises = place.columns.climb[k] + authority.climb_lag * place.columns.climb_later[k];
+      const double rises = sample.columns.climb[k] + authority.climb_lag * sample.columns.climb_later[k];
       climb += std::abs(rises) * std::max(0.0, std::min(u_max[k], -u_min[k]));
     }
     authority.climb = std::min(authority.climb, climb);
   }
   authority.drag = speed > rounding ? std::max(along / speed, 0.0) : 0.0;
   Strength all_have = {infinity, 1.0};
-  double at_rest = 0.0;  // radius of the disc at the first place [m/s^2]
-  for (const Place& place : all) {
+  double at_rest = 0.0;  // radius of the disc in the first sample [m/s^2]
+  for (const ResponseSample& sample : all) {
     const double c = authority.drag;
-    const Vec2<double> other = {-c * place.v.x - place.drift.x, -c * place.v.y - place.drift.y};
-    const Strength here = strength(place.columns, other, u_min, u_max);
-    if (&place == all.data()) at_rest = here.disc;
+    const Vec2<double> other = {-c * sample.v.x - sample.drift.x, -c * sample.v.y - sample.drift.y};
+    const Strength here = strength(sample.columns, other, u_min, u_max);
+    if (&sample == all.data()) at_rest = here.disc;
     all_have = {std::min(all_have.disc, here.disc), std::min(all_have.part, here.part)};
-    authority.push = std::max(authority.push, norm(other.x, other.y) + norm(place.push.x, place.push.y));
-    authority.rise = std::max(authority.rise, place.rise);
+    authority.push = std::max(authority.push, norm(other.x, other.y) + norm(sample.push.x, sample.push.y));
+    authority.rise = std::max(authority.rise, sample.rise);
   }
   authority.acceleration = all_have.disc;
   authority.free = all_have.part;
@@ -263,7 +264,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
   // If the heading continues to turn, the corners of the thrusts turn with it; the disc does not.
-  const auto turns_on = [](const Place& place) { return std::abs(place.turn) > rounding; };
+  const auto turns_on = [](const ResponseSample& sample) { return std::abs(sample.turn) > rounding; };
   const bool turns = std::any_of(all.begin(), all.end(), turns_on);
   if (!(authority.acceleration > rounding) && turns && at_rest > rounding) {
     throw std::invalid_argument(fmt::format(

@@ -12,7 +12,7 @@ namespace sightline {
 namespace {
 
 constexpr double off_the_circle = 0.05;
-constexpr double ahead = 0.05;  // tolerance of a stamp after the present time [s]
+constexpr double ahead_max = 0.05;  // tolerance of a stamp after the present time [s]
 // A body counts as moved beyond these distances and turns.
 constexpr double moved_by = 0.02, turned_by = 0.05;  // [m], [rad]
 
@@ -50,7 +50,7 @@ MeasurementFault Track::take(std::span<const double> x, double stamp, double now
     streak_ = 0;
     return reason;
   };
-  if (stamp > now + ahead || stamp < now - limits_.oldest) return fault(MeasurementFault::time);
+  if (stamp > now + ahead_max || stamp < now - limits_.oldest) return fault(MeasurementFault::time);
   last_stamp_ = stamp;
   if (const MeasurementFault reason = implausible(x); reason != MeasurementFault::none) return fault(reason);
   if (frozen(x, stamp, history)) return fault(MeasurementFault::frozen);

@@ -72,7 +72,7 @@ std::optional<toml::table> value_of(std::string_view text, const TomlLayer& laye
   return std::nullopt;
 }
 
-bool is_word(std::string_view text) {
+bool is_bare_word(std::string_view text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const auto may_follow = [&](char c) {
     return is_letter(c) || (c >= '0' && c <= '9') ||
@@ -101,7 +101,7 @@ void set_value(toml::table& root, const TomlLayer& layer) {
     refuse_layer(layer, "KEY=VALUE with a key as couple[0].weight");
   const std::string_view text = trimmed(assignment.substr(equals + 1));
   std::optional<toml::table> parsed = value_of(text, layer);
-  if (!parsed && is_word(text)) parsed = value_of(fmt::format("\"{}\"", text), layer);
+  if (!parsed && is_bare_word(text)) parsed = value_of(fmt::format("\"{}\"", text), layer);
   if (!parsed)
     refuse_layer(layer, "one value as in TOML: a number, \"a text\", true, [an, array], { a = 1 }");
   const toml::source_region place = parsed->get("value")->source();

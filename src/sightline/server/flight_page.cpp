@@ -104,8 +104,8 @@ class FlightPage::Thread {
   bool reports_more() {
     if (tuning_ == nullptr) return false;
     tuning_->set_time(newest_.time);
-    const std::uint64_t version = tuning_->version();
-    if (std::exchange(reported_, version) == version) return false;
+    const std::uint64_t tuned = tuning_->version();
+    if (std::exchange(reported_, tuned) == tuned) return false;
     for (auto& [path, file] : tuning_->files()) server_.put(path, std::move(file));
     return true;
   }
