@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "cli/allocations.hpp"
+#include "sightline/world/rotorcraft.hpp"
 #include "tests/mujoco/team.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/error.hpp"

@@ -10,6 +10,7 @@
 #include "sightline/model/ground_robots.hpp"
 #include "sightline/model/hover_multirotor.hpp"
 #include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/world/rotorcraft.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/hexacopter.hpp"

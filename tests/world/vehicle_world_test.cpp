@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/model/robots.hpp"
+#include "sightline/world/fleet.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sightline/mujoco.hpp"
+#include "sightline/world/fleet.hpp"
 #include "worlds/mujoco/engine.hpp"
 
 namespace sightline {

@@ -9,6 +9,7 @@
 
 #include "sightline/base/service_thread.hpp"
 #include "sightline/base/throw_invalid.hpp"
+#include "sightline/judge/run_evaluator.hpp"
 
 namespace sightline {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/variant.hpp"
-#include "sightline/judge/run_evaluator.hpp"
+#include "sightline/judge/run_result.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {

@@ -17,7 +17,7 @@
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/judge/run_evaluator.hpp"
+#include "sightline/judge/run_result.hpp"
 
 namespace sightline {
 namespace {

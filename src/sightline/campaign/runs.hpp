@@ -11,7 +11,7 @@
 
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/success_map.hpp"
-#include "sightline/judge/run_evaluator.hpp"
+#include "sightline/judge/run_result.hpp"
 
 namespace sightline {
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/judge/run_result.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/scenario.hpp"
 
@@ -17,19 +18,6 @@ struct PoseError {
   double nees = 0.0;  ///< e^T P^-1 e of position and heading [-]
 };
 PoseError error_of(const PoseEstimate& estimate, const Vec3<double>& p, double psi) noexcept;
-
-/// Of one robot. NaN: no data, for example errors without a known truth.
-struct RobotLocalization {
-  std::string name;
-  double known_from;             ///< time of the first estimate [s]
-  double rmse, heading_rmse;     ///< of the estimate, after settle [m], [rad]
-  double anees;                  ///< mean of e^T P^-1 e of both, after settle [-]; 4 is consistent
-  double sigma_max;              ///< largest standard deviation of the position, after settle [m]
-  std::int64_t detections = 0;   ///< number of detections that the filter processed
-  std::int64_t rejected = 0;     ///< number of these beyond the gate
-  std::int64_t restarts = 0;     ///< number of restarts of the estimate
-  double longest_without_sight;  ///< longest time between two accepted detections [s]
-};
 
 /// Collects RobotLocalization from samples. One thread; add() allocates nothing.
 class LocalizationSummary {

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <functional>
 #include <list>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "sightline/record/folder_lock.hpp"
-#include "sightline/record/mcap.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
@@ -37,7 +37,7 @@ struct FlightOptions {
   std::int64_t (*allocations)() noexcept = nullptr;  ///< allocations so far of the calling thread, if counted
   const std::atomic<bool>* stop = nullptr;           ///< when true, the flight ends at the next period
   std::function<void(double)> written{};  ///< see Log; called by the log's thread with the simulated time [s]
-  McapWords flown{};                      ///< how it is flown, see Log
+  std::map<std::string, std::string> flown{};  ///< how it is flown, see Log
   /// Returns a sink that replaces the log's sink and forwards to it; `prototype` is one item of the
   /// log's sink. The returned sink must outlive the flight.
   std::function<Sink<Sample>&(Sink<Sample>& log, const Sample& prototype)> watched{};

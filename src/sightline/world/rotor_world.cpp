@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sightline/base/index.hpp"
+#include "sightline/world/fleet.hpp"
 
 namespace sightline {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "sightline/base/index.hpp"
 #include "sightline/base/throw_invalid.hpp"
+#include "sightline/world/fleet.hpp"
 
 namespace sightline {
 namespace {
@@ -56,6 +57,8 @@ VehicleWorld::VehicleWorld(std::string_view kind, const Team& team, std::vector<
 }
 
 VehicleWorld::~VehicleWorld() = default;
+
+const Rotorcraft* VehicleWorld::rotorcraft(BodyId robot) const { return fleet_->rotorcraft(robot); }
 
 void VehicleWorld::surround(const Surroundings& around) noexcept { world_->surround(around); }
 

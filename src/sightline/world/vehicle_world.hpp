@@ -8,10 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/world/fleet.hpp"
 #include "sightline/world/model_world.hpp"
+#include "sightline/world/plant.hpp"
+#include "sightline/world/vehicle.hpp"
 
 namespace sightline {
+
+class Fleet;
+class Rotorcraft;
 
 /// A ModelWorld whose vehicles a Fleet moves. Targets, obstacles and robots that are not vehicles
 /// move as in a ModelWorld. Delays, noise, faults and presence are also as there. Wind, gusts and
@@ -37,7 +41,7 @@ class VehicleWorld : public World {
   std::string ended() const override;
 
   /// The vehicle of this robot; nullptr for any other body.
-  const Rotorcraft* rotorcraft(BodyId robot) const { return fleet_->rotorcraft(robot); }
+  const Rotorcraft* rotorcraft(BodyId robot) const;
 
  protected:
   /// The contact that ended the world.
