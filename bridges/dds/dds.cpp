@@ -4,7 +4,7 @@
 
 #include "bridges/dds/doctor.hpp"
 #include "bridges/dds/first_flyer.hpp"
-#include "bridges/dds/vehicle_simulator.hpp"
+#include "bridges/dds/simulators/vehicle_simulator.hpp"
 #include "sightline/run/realtime.hpp"
 
 namespace sightline {

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/flight_publisher.hpp"
-#include "bridges/dds/goal_subscriber.hpp"
-#include "bridges/dds/link_end.hpp"
-#include "bridges/dds/link_telemetry.hpp"
-#include "bridges/dds/prediction_exchange.hpp"
+#include "bridges/dds/links/link_end.hpp"
+#include "bridges/dds/links/link_telemetry.hpp"
 #include "bridges/dds/preflight.hpp"
-#include "bridges/dds/seen_bodies.hpp"
-#include "bridges/dds/services.hpp"
+#include "bridges/dds/topics/flight_publisher.hpp"
+#include "bridges/dds/topics/goal_subscriber.hpp"
+#include "bridges/dds/topics/prediction_exchange.hpp"
+#include "bridges/dds/topics/seen_bodies.hpp"
+#include "bridges/dds/topics/services.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/scenario/bridge.hpp"
 

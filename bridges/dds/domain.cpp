@@ -8,7 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "bridges/dds/channel.hpp"
+#include "bridges/dds/topics/channel.hpp"
 #include "sightline/base/c_callback.hpp"
 
 namespace sightline::dds {

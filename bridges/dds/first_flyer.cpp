@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "bridges/dds/channel.hpp"
-#include "bridges/dds/prediction_exchange.hpp"
+#include "bridges/dds/topics/channel.hpp"
+#include "bridges/dds/topics/prediction_exchange.hpp"
 
 namespace sightline::dds {
 namespace {

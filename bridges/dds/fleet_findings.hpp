@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bridges/dds/link_end.hpp"
-#include "bridges/dds/surroundings.hpp"
-#include "bridges/dds/tag_subscriber.hpp"
+#include "bridges/dds/links/link_end.hpp"
+#include "bridges/dds/topics/surroundings.hpp"
+#include "bridges/dds/topics/tag_subscriber.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline::dds {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bridges/dds/fleet_findings.hpp"
-#include "bridges/dds/seen_bodies.hpp"
-#include "bridges/dds/surroundings.hpp"
+#include "bridges/dds/topics/seen_bodies.hpp"
+#include "bridges/dds/topics/surroundings.hpp"
 
 namespace sightline::dds {
 

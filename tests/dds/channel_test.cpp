@@ -1,4 +1,4 @@
-#include "bridges/dds/channel.hpp"
+#include "bridges/dds/topics/channel.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <type_traits>
 
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/goal_subscriber.hpp"
-#include "bridges/dds/link_telemetry.hpp"
-#include "bridges/dds/pose_subscriber.hpp"
-#include "bridges/dds/services.hpp"
-#include "bridges/dds/tag_subscriber.hpp"
+#include "bridges/dds/links/link_telemetry.hpp"
+#include "bridges/dds/topics/goal_subscriber.hpp"
+#include "bridges/dds/topics/pose_subscriber.hpp"
+#include "bridges/dds/topics/services.hpp"
+#include "bridges/dds/topics/tag_subscriber.hpp"
 #include "sightline/base/failure.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/page_client.hpp"

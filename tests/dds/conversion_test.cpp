@@ -1,4 +1,4 @@
-#include "bridges/dds/conversion.hpp"
+#include "bridges/dds/topics/conversion.hpp"
 
 #include <gtest/gtest.h>
 

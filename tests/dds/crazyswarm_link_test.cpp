@@ -1,9 +1,9 @@
-#include "bridges/dds/crazyswarm_link.hpp"
+#include "bridges/dds/links/crazyswarm_link.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridges/dds/crazyflie_vehicle.hpp"
+#include "bridges/dds/simulators/crazyflie_vehicle.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/child.hpp"
 

@@ -11,7 +11,7 @@
 #include <random>
 #include <thread>
 
-#include "bridges/dds/ros2_rover.hpp"
+#include "bridges/dds/simulators/ros2_rover.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/delay_histogram.hpp"
+#include "bridges/dds/topics/delay_histogram.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/diagnostics.hpp"
+#include "bridges/dds/topics/diagnostics.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
-#include "bridges/dds/px4_layout.hpp"
-#include "bridges/dds/ros2_rover.hpp"
+#include "bridges/dds/links/px4_layout.hpp"
+#include "bridges/dds/simulators/ros2_rover.hpp"
 #include "sightline/base/now.hpp"
 #include "tests/dds/rig.hpp"
 

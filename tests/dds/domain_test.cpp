@@ -9,9 +9,9 @@
 #include <random>
 #include <thread>
 
-#include "bridges/dds/channel.hpp"
-#include "bridges/dds/mailbox.hpp"
-#include "bridges/dds/px4_release.hpp"
+#include "bridges/dds/links/px4_release.hpp"
+#include "bridges/dds/topics/channel.hpp"
+#include "bridges/dds/topics/mailbox.hpp"
 #include "cli/allocations.hpp"
 #include "sightline/base/now.hpp"
 #include "tests/dds/own_domain.hpp"

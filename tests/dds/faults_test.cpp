@@ -1,4 +1,4 @@
-#include "bridges/dds/faults.hpp"
+#include "bridges/dds/simulators/faults.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

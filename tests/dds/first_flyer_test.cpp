@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridges/dds/channel.hpp"
+#include "bridges/dds/topics/channel.hpp"
 #include "tests/dds/fly.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/scenario_text.hpp"

@@ -1,4 +1,4 @@
-#include "bridges/dds/flatness.hpp"
+#include "bridges/dds/links/flatness.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/flight_publisher.hpp"
+#include "bridges/dds/topics/flight_publisher.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "bridges/dds/frame_anchor.hpp"
+#include "bridges/dds/links/frame_anchor.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <set>
 
-#include "bridges/dds/px4_layout.hpp"
-#include "bridges/dds/service.hpp"
+#include "bridges/dds/links/px4_layout.hpp"
+#include "bridges/dds/topics/service.hpp"
 #include "sightline/base/index.hpp"
 #include "tests/dds/garbler.hpp"
 #include "tests/dds/rig.hpp"

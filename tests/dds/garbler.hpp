@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "bridges/dds/channel.hpp"
+#include "bridges/dds/topics/channel.hpp"
 #include "sightline/base/now.hpp"
 
 namespace sightline::dds {

@@ -1,4 +1,4 @@
-#include "bridges/dds/goal_subscriber.hpp"
+#include "bridges/dds/topics/goal_subscriber.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

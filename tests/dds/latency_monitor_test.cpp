@@ -1,4 +1,4 @@
-#include "bridges/dds/latency_monitor.hpp"
+#include "bridges/dds/topics/latency_monitor.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/link_machine.hpp"
+#include "bridges/dds/links/link_machine.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/link_telemetry.hpp"
+#include "bridges/dds/links/link_telemetry.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "bridges/dds/channel.hpp"
+#include "bridges/dds/topics/channel.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/command.hpp"
 

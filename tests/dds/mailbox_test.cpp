@@ -1,4 +1,4 @@
-#include "bridges/dds/mailbox.hpp"
+#include "bridges/dds/topics/mailbox.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/message_type.hpp"
+#include "bridges/dds/topics/message_type.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "bridges/dds/px4_release.hpp"
-#include "bridges/dds/sha256.hpp"
+#include "bridges/dds/links/px4_release.hpp"
+#include "bridges/dds/topics/sha256.hpp"
 #include "tests/support/tree.hpp"
 
 extern "C" {

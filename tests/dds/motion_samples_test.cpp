@@ -1,4 +1,4 @@
-#include "bridges/dds/motion_samples.hpp"
+#include "bridges/dds/links/motion_samples.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/operator_calls.hpp"
+#include "bridges/dds/topics/operator_calls.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "bridges/dds/channel.hpp"
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/ros_message.hpp"
-#include "bridges/dds/services.hpp"
+#include "bridges/dds/topics/channel.hpp"
+#include "bridges/dds/topics/ros_message.hpp"
+#include "bridges/dds/topics/services.hpp"
 #include "tests/support/child.hpp"
 
 extern "C" {

@@ -1,4 +1,4 @@
-#include "bridges/dds/pose_subscriber.hpp"
+#include "bridges/dds/topics/pose_subscriber.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

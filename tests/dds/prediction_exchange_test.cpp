@@ -1,4 +1,4 @@
-#include "bridges/dds/prediction_exchange.hpp"
+#include "bridges/dds/topics/prediction_exchange.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

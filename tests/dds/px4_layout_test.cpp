@@ -1,8 +1,8 @@
-#include "bridges/dds/px4_layout.hpp"
+#include "bridges/dds/links/px4_layout.hpp"
 
 #include <gtest/gtest.h>
 
-#include "bridges/dds/px4_release.hpp"
+#include "bridges/dds/links/px4_release.hpp"
 #include "tests/support/refusal.hpp"
 
 extern "C" {

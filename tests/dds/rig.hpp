@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "bridges/dds/dds_world.hpp"
-#include "bridges/dds/px4_vehicle.hpp"
+#include "bridges/dds/simulators/px4_vehicle.hpp"
 #include "cli/allocations.hpp"
 #include "cli/linked_sink.hpp"
 #include "sightline/scenario/closed_loop.hpp"

@@ -1,4 +1,4 @@
-#include "bridges/dds/robot_state.hpp"
+#include "bridges/dds/links/robot_state.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

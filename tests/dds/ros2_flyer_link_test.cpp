@@ -1,9 +1,9 @@
-#include "bridges/dds/ros2_flyer_link.hpp"
+#include "bridges/dds/links/ros2_flyer_link.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridges/dds/ros2_flyer.hpp"
+#include "bridges/dds/simulators/ros2_flyer.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/child.hpp"
 

@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/px4_layout.hpp"
-#include "bridges/dds/px4_link.hpp"
-#include "bridges/dds/service.hpp"
+#include "bridges/dds/links/px4_layout.hpp"
+#include "bridges/dds/links/px4_link.hpp"
+#include "bridges/dds/topics/service.hpp"
 #include "sightline/base/now.hpp"
 #include "tests/dds/fly.hpp"
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <thread>
 
-#include "bridges/dds/channel.hpp"
 #include "bridges/dds/dds_world.hpp"
+#include "bridges/dds/topics/channel.hpp"
 #include "tests/dds/fly.hpp"
 #include "tests/dds/keys.hpp"
 #include "tests/support/refusal.hpp"

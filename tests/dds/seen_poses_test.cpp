@@ -1,4 +1,4 @@
-#include "bridges/dds/seen_poses.hpp"
+#include "bridges/dds/topics/seen_poses.hpp"
 
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "bridges/dds/service.hpp"
+#include "bridges/dds/topics/service.hpp"
 
 #include <gtest/gtest.h>
 

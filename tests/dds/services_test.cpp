@@ -1,4 +1,4 @@
-#include "bridges/dds/services.hpp"
+#include "bridges/dds/topics/services.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

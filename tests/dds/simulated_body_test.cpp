@@ -1,4 +1,4 @@
-#include "bridges/dds/simulated_body.hpp"
+#include "bridges/dds/simulators/simulated_body.hpp"
 
 #include <gtest/gtest.h>
 

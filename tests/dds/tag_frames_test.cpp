@@ -1,4 +1,4 @@
-#include "bridges/dds/tag_frames.hpp"
+#include "bridges/dds/topics/tag_frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/tag_subscriber.hpp"
+#include "bridges/dds/topics/tag_subscriber.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "bridges/dds/domain.hpp"
-#include "bridges/dds/tag_frames.hpp"
+#include "bridges/dds/topics/tag_frames.hpp"
 #include "sightline/base/now.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/command.hpp"

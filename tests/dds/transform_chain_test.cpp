@@ -1,4 +1,4 @@
-#include "bridges/dds/transform_chain.hpp"
+#include "bridges/dds/topics/transform_chain.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridges/dds/vehicle_simulator.hpp"
+#include "bridges/dds/simulators/vehicle_simulator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

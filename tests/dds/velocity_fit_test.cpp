@@ -1,4 +1,4 @@
-#include "bridges/dds/velocity_fit.hpp"
+#include "bridges/dds/links/velocity_fit.hpp"
 
 #include <gtest/gtest.h>
 

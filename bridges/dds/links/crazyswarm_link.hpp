@@ -1,0 +1,96 @@
+/// Link to a Crazyflie behind the Crazyswarm2 server.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "bridges/dds/links/link_end.hpp"
+#include "bridges/dds/topics/channel.hpp"
+#include "bridges/dds/topics/mailbox.hpp"
+#include "bridges/dds/topics/pose_subscriber.hpp"
+#include "bridges/dds/topics/service.hpp"
+#include "sightline/scenario/link.hpp"
+
+namespace sightline::dds {
+
+/// Bits of supervisor_info, as in the firmware.
+enum SupervisorBit : std::uint16_t {
+  can_be_armed = 1,
+  is_armed = 2,
+  arms_itself = 4,  ///< the firmware arms itself after its checks: Crazyflies with brushed motors
+  can_fly = 8,
+  is_flying = 16,  ///< until 2 s after the motors last lifted
+  is_tumbled = 32,
+  is_locked = 64,
+  is_crashed = 128,
+};
+/// Values of pm_state. Flight is allowed only in on_battery; the others are charging, charged, low,
+/// shutting down.
+inline constexpr std::uint8_t on_battery = 0;
+inline constexpr std::uint8_t battery_low = 3;
+
+/// A Crazyflie has no flight modes and no exclusive controller: the last command received is in
+/// force. The mode is therefore the last requested one, if the status agrees.
+/// Set-points lock out the take-off and landing commander until a request ends them.
+class CrazyswarmLinkEnd final : public LinkEnd {
+ public:
+  /// @throws std::runtime_error if a topic cannot be created
+  CrazyswarmLinkEnd(Port participant, const Link& link);
+
+  bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
+  LinkFacts facts(Nanoseconds now) noexcept override;
+  void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
+  void watch(std::span<const SeenWriter> writers) override;
+  void examine(const Surroundings& around, FindingList& to) override;
+  PoseSubscriber& subscriber() noexcept override { return poses_; }
+  std::string counts() const override;
+
+ private:
+  struct Status {
+    Nanoseconds arrived = 0;
+    std::uint16_t supervisor = 0;
+    std::uint8_t pm_state = 0;
+    float voltage = 0.0F;
+  };
+  enum class Phase : std::uint8_t { ground, arming, takeoff, setpoints, landing };
+  /// Landing sequence: the set-points end first, then the land request follows.
+  enum class Landing : std::uint8_t { none, setpoints_end, requested };
+
+  bool has(SupervisorBit bit) const noexcept { return (last_status_.supervisor & bit) != 0; }
+  bool battery_is_good() const noexcept {
+    return last_status_.pm_state == on_battery && last_status_.voltage >= crazyflie_.battery_min;
+  }
+  double height() noexcept { return poses_.newest().motion.p.z - origin_.p.z; }
+  void examine_battery(FindingList& to) const;
+  void request(Request request, Nanoseconds now) noexcept;
+  void go_on_landing(Nanoseconds now) noexcept;
+  void send_state(const TrajectoryPoint& point) noexcept;
+
+  Crazyswarm2Link crazyflie_;
+  PosesFrom from_;
+  LinkOrigin origin_;
+
+  Mailbox<Status> status_;  // filled by the receive thread
+
+  std::atomic<bool> received_{false};  // set by watch()
+  std::atomic<int> rivals_{0};
+  int looks_ = 0;
+
+  // Control thread only.
+  Status last_status_{};
+  Phase phase_ = Phase::ground;
+  Landing landing_ = Landing::none;
+  Nanoseconds requested_at_ = 0;
+  double land_from_ = 0.0;  // height at the landing request [m]
+  bool holds_ = false, down_ = false, disarms_ = false;
+  TrajectoryPoint hold_{};  // pose at the hold request
+  int speakers_ = -1;       // status writers matched at the arm request; -1: none requested yet
+
+  std::unique_ptr<RawWriter> full_state_;
+  ServiceCaller takeoff_, land_, arm_, setpoints_stop_, emergency_;
+  PoseSubscriber poses_;
+  std::unique_ptr<RawReader> status_reader_;  // last member: destroyed before the members it fills
+};
+
+}  // namespace sightline::dds

@@ -1,0 +1,55 @@
+/// Local end of the link to one robot, independent of its protocol.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bridges/dds/links/link_machine.hpp"
+#include "bridges/dds/links/robot_state.hpp"
+#include "bridges/dds/topics/channel.hpp"
+#include "bridges/dds/topics/delay_histogram.hpp"
+#include "bridges/dds/topics/pose_subscriber.hpp"
+#include "bridges/dds/topics/surroundings.hpp"
+
+namespace sightline::dds {
+
+/// look(), facts() and send() run on the control thread: they do not allocate, lock, throw or
+/// print. The other functions may.
+class LinkEnd {
+ public:
+  virtual ~LinkEnd() = default;
+
+  /// Copies the newest motion. @return false if there is none yet
+  virtual bool look(SeenMotion& seen) noexcept = 0;
+  virtual LinkFacts facts(Nanoseconds now) noexcept = 0;
+  /// Sends `output`; `command` applies to Setpoint::task.
+  virtual void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept = 0;
+
+  /// Updates the knowledge of other writers; a few times per second, on one thread.
+  virtual void watch(std::span<const SeenWriter> writers) = 0;
+  /// Findings before a flight: the topics the robot is flown by, and the reasons that prevent
+  /// arming. Runs on the examining thread; may allocate.
+  virtual void examine(const Surroundings& around, FindingList& to) = 0;
+  /// Ends the readers and writers that only examine() needs; called before arming.
+  virtual void stop_examining() {}
+  /// Subscriber of the robot's pose and motion.
+  virtual PoseSubscriber& subscriber() noexcept = 0;
+  /// Geodetic origin of its local frame, if the robot reports one.
+  virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
+  /// Counts of received and rejected messages, as text.
+  virtual std::string counts() const = 0;
+  /// Delays from pose stamp to arrival, if the robot shares the local clock; null otherwise.
+  virtual const DelayHistogram* arrivals() const noexcept { return nullptr; }
+};
+
+/// Creates the end for the kind of the link.
+/// @throws std::invalid_argument if the link does not support the model, std::runtime_error if a
+///   topic cannot be created
+std::unique_ptr<LinkEnd> made_end(const Port& at, const Link& link, std::string_view name, const Model& model,
+                                  const FleetNetwork& network);
+
+}  // namespace sightline::dds

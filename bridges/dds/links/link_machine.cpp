@@ -1,0 +1,280 @@
+#include "bridges/dds/links/link_machine.hpp"
+
+#include <algorithm>
+
+namespace sightline::dds {
+namespace {
+
+template <std::size_t n, class Enum>
+std::string_view word_of(const std::array<std::string_view, n>& words, Enum value) {
+  const auto place = static_cast<std::size_t>(value);
+  return place < n ? words[place] : "?";
+}
+
+/// Condition of a row.
+enum class When {
+  emergency,  // orders from here
+  handed_over,
+  to_land,
+  to_take_off,  // and the minimum time in ready has passed
+  to_hold,
+  to_task,
+  ready,  // facts from here
+  armed,
+  armed_to_land,
+  disarmed,
+  disarmed_on_ground,
+  refused,
+  failsafe,
+  taken,  // another mode is active
+  taken_after_takeoff,
+  not_offboard,
+  offboard,
+  contested,
+  restarted,
+  unfit,
+  lost,
+  late,        // the maximum time of the state has passed
+  unanswered,  // offboard was requested and its time limit has passed
+};
+
+}  // namespace
+
+std::string_view to_string(LinkState state) {
+  static constexpr std::array<std::string_view, link_states> words = {
+      "waiting", "ready", "arming", "taking_off", "flying", "holding", "landing", "done", "pilot"};
+  return word_of(words, state);
+}
+
+std::string_view to_string(LinkReason reason) {
+  static constexpr std::array<std::string_view, link_reasons> words = {
+      "as asked",
+      "it was not ready in time",
+      "it refused to arm",
+      "it did not arm in time",
+      "it refused the request",
+      "it took too long",
+      "it was disarmed",
+      "nothing came from it any more",
+      "a pilot has it",
+      "its failsafe has it",
+      "it waited too long for its task",
+      "its task had no end",
+      "it did not land in time",
+      "it is left to its autopilot",
+      "another program writes set-points to it",
+      "it was restarted, or another one speaks in its place",
+      "its battery is low",
+      "its estimator is not valid",
+      "its estimator jumped too far",
+      "its motors were stopped by the operator"};
+  return word_of(words, reason);
+}
+
+struct LinkMachine::Row {
+  LinkState from;
+  When when;
+  LinkState to;
+  LinkReason why;
+};
+
+bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, double t) const noexcept {
+  switch (row.when) {
+    case When::emergency:
+      return order == LinkOrder::emergency;
+    case When::handed_over:
+      return order == LinkOrder::hand_over;
+    case When::to_land:
+      return order == LinkOrder::land;
+    case When::to_take_off:
+      return t - since_ >= times_.received && order >= LinkOrder::take_off && order < LinkOrder::land;
+    case When::to_hold:
+      return order == LinkOrder::hold;
+    case When::to_task:
+      return order == LinkOrder::task;
+    case When::ready:
+      return f.there && f.checked && !f.armed && !f.contested;
+    case When::armed:
+      return f.armed;
+    case When::armed_to_land:
+      return f.armed && order == LinkOrder::land;
+    case When::disarmed:
+      return !f.armed;
+    case When::disarmed_on_ground:
+      return !f.armed && f.landed;
+    case When::refused:
+      return f.refused;
+    case When::failsafe:
+      return f.failsafe;
+    case When::taken:
+      return f.mode == AutopilotMode::other && (state_ != LinkState::landing || !f.landed);
+    case When::taken_after_takeoff:
+      return took_off_ && f.mode == AutopilotMode::other;
+    case When::not_offboard:
+      return f.mode != AutopilotMode::offboard;
+    case When::offboard:
+      return requested(Request::offboard) && f.mode == AutopilotMode::offboard;
+    case When::restarted:
+      return f.restarted;
+    case When::contested:
+      return f.contested;
+    case When::unfit:
+      return f.unfit != LinkReason::as_requested;
+    case When::lost:
+      return !f.there;
+    case When::late:
+      return t - since_ >= longest(state_);
+    case When::unanswered:
+      return requested(Request::offboard) && t - requested_at_ >= times_.offboard;
+  }
+  return false;
+}
+
+double LinkMachine::longest(LinkState state) const noexcept {
+  switch (state) {
+    case LinkState::waiting:
+      return times_.ready;
+    case LinkState::ready:
+      return times_.called;
+    case LinkState::arming:
+      return times_.arming;
+    case LinkState::taking_off:
+      return times_.takeoff;
+    case LinkState::flying:
+      return times_.task;
+    case LinkState::holding:
+      return times_.holding;
+    case LinkState::landing:
+      return times_.landing;
+    default:
+      return 0.0;
+  }
+}
+
+void LinkMachine::request(Request request, double t, LinkOutput& output) noexcept {
+  requested_[static_cast<std::size_t>(request)] = true;
+  requested_at_ = t;
+  output.request = request;
+}
+
+// The first row whose condition holds is taken. No row leaves done or pilot.
+const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
+  using S = LinkState;
+  using R = LinkReason;
+  return std::array<Row, 65>{{
+      {S::waiting, When::emergency, S::done, R::as_requested},
+      {S::waiting, When::handed_over, S::done, R::handed_over},
+      {S::waiting, When::to_land, S::done, R::as_requested},
+      {S::waiting, When::ready, S::ready, R::as_requested},
+      {S::waiting, When::late, S::done, R::not_ready},
+
+      {S::ready, When::emergency, S::done, R::as_requested},
+      {S::ready, When::handed_over, S::done, R::handed_over},
+      {S::ready, When::to_land, S::done, R::as_requested},
+      {S::ready, When::lost, S::done, R::silent},
+      {S::ready, When::armed, S::pilot, R::pilot},
+      {S::ready, When::contested, S::done, R::contested},
+      {S::ready, When::to_take_off, S::arming, R::as_requested},
+      {S::ready, When::late, S::done, R::no_task},
+
+      {S::arming, When::emergency, S::done, R::emergency},
+      {S::arming, When::handed_over, S::done, R::handed_over},
+      {S::arming, When::restarted, S::done, R::restarted},
+      {S::arming, When::armed_to_land, S::landing, R::as_requested},
+      {S::arming, When::armed, S::taking_off, R::as_requested},
+      {S::arming, When::refused, S::done, R::arming_refused},
+      {S::arming, When::late, S::done, R::no_answer},
+
+      {S::taking_off, When::emergency, S::done, R::emergency},
+      {S::taking_off, When::handed_over, S::done, R::handed_over},
+      {S::taking_off, When::restarted, S::done, R::restarted},
+      {S::taking_off, When::disarmed, S::done, R::disarmed},
+      {S::taking_off, When::failsafe, S::pilot, R::failsafe},
+      {S::taking_off, When::taken_after_takeoff, S::pilot, R::pilot},
+      {S::taking_off, When::to_land, S::landing, R::as_requested},
+      {S::taking_off, When::refused, S::landing, R::refused},
+      {S::taking_off, When::contested, S::landing, R::contested},
+      {S::taking_off, When::unfit, S::landing, R::as_requested},
+      {S::taking_off, When::lost, S::landing, R::silent},
+      {S::taking_off, When::offboard, S::holding, R::as_requested},
+      {S::taking_off, When::unanswered, S::landing, R::refused},
+      {S::taking_off, When::late, S::landing, R::too_long},
+
+      {S::holding, When::emergency, S::done, R::emergency},
+      {S::holding, When::handed_over, S::done, R::handed_over},
+      {S::holding, When::restarted, S::done, R::restarted},
+      {S::holding, When::disarmed, S::done, R::disarmed},
+      {S::holding, When::failsafe, S::pilot, R::failsafe},
+      {S::holding, When::not_offboard, S::pilot, R::pilot},
+      {S::holding, When::to_land, S::landing, R::as_requested},
+      {S::holding, When::contested, S::landing, R::contested},
+      {S::holding, When::unfit, S::landing, R::as_requested},
+      {S::holding, When::lost, S::landing, R::silent},
+      {S::holding, When::to_task, S::flying, R::as_requested},
+      {S::holding, When::late, S::landing, R::no_task},
+
+      {S::flying, When::emergency, S::done, R::emergency},
+      {S::flying, When::handed_over, S::done, R::handed_over},
+      {S::flying, When::restarted, S::done, R::restarted},
+      {S::flying, When::disarmed, S::done, R::disarmed},
+      {S::flying, When::failsafe, S::pilot, R::failsafe},
+      {S::flying, When::not_offboard, S::pilot, R::pilot},
+      {S::flying, When::to_land, S::landing, R::as_requested},
+      {S::flying, When::contested, S::landing, R::contested},
+      {S::flying, When::unfit, S::landing, R::as_requested},
+      {S::flying, When::lost, S::landing, R::silent},
+      {S::flying, When::to_hold, S::holding, R::as_requested},
+      {S::flying, When::late, S::landing, R::no_end},
+
+      {S::landing, When::emergency, S::done, R::emergency},
+      {S::landing, When::handed_over, S::done, R::handed_over},
+      {S::landing, When::restarted, S::done, R::restarted},
+      {S::landing, When::disarmed_on_ground, S::done, R::as_requested},
+      {S::landing, When::disarmed, S::done, R::disarmed},
+      {S::landing, When::taken, S::pilot, R::pilot},
+      {S::landing, When::late, S::done, R::did_not_land},
+  }};
+}();
+
+LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) noexcept {
+  if (!begun_) since_ = t;
+  begun_ = true;
+  took_off_ |= state_ == LinkState::taking_off && facts.mode == AutopilotMode::takeoff;
+  LinkOutput output;
+  const auto row = std::find_if(table.begin(), table.end(),
+                                [&](const Row& r) { return r.from == state_ && holds(r, facts, order, t); });
+  if (row != table.end()) {
+    if (row->why == LinkReason::emergency) request(Request::emergency, t, output);
+    state_ = row->to;
+    since_ = t;
+    if (reason_ == LinkReason::as_requested) reason_ = row->when == When::unfit ? facts.unfit : row->why;
+    if (state_ == LinkState::arming) request(Request::arm, t, output);
+    if (state_ == LinkState::taking_off) request(Request::take_off, t, output);
+    if (state_ == LinkState::landing) request(Request::land, t, output);
+  }
+  const bool offboard = facts.mode == AutopilotMode::offboard;
+  switch (state_) {
+    case LinkState::taking_off:
+      if (facts.airborne && order >= LinkOrder::hold && !requested(Request::offboard))
+        request(Request::offboard, t, output);
+      break;
+    case LinkState::landing:
+      if (facts.mode != AutopilotMode::land && t - requested_at_ >= times_.land_again)
+        request(Request::land, t, output);
+      if (offboard) output.setpoint = Setpoint::zero;
+      break;
+    case LinkState::holding:
+      output.setpoint = Setpoint::zero;
+      break;
+    case LinkState::flying:
+      output.setpoint = Setpoint::task;
+      break;
+    default:
+      break;
+  }
+  const bool lands_by_itself = state_ == LinkState::landing && facts.mode == AutopilotMode::land;
+  output.heartbeat = (state_ == LinkState::ready || in_our_hands()) && !lands_by_itself;
+  return output;
+}
+
+}  // namespace sightline::dds

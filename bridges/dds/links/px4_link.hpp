@@ -1,0 +1,143 @@
+/// Link to a PX4 vehicle behind its uXRCE-DDS agent, releases 1.14 to 1.18.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "bridges/dds/links/frame_anchor.hpp"
+#include "bridges/dds/links/link_end.hpp"
+#include "bridges/dds/links/px4_diagnostics.hpp"
+#include "bridges/dds/links/px4_release.hpp"
+#include "bridges/dds/topics/channel.hpp"
+#include "bridges/dds/topics/mailbox.hpp"
+#include "sightline/scenario/link.hpp"
+
+namespace sightline::dds {
+
+// PX4's values of states and commands.
+enum class NavState : std::uint8_t { position = 2, hold = 4, takeoff = 17, land = 18, offboard = 14 };
+inline constexpr std::uint8_t px4_disarmed = 1, px4_armed = 2;
+enum class Px4Command : std::uint32_t { land = 21, takeoff = 22, set_mode = 176, arm_disarm = 400 };
+inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F;
+inline constexpr float px4_force = 21196.0F;  // param2 of arm_disarm: also in the air
+inline constexpr std::uint8_t px4_frame_ned = 1, px4_velocity_body = 3;
+inline constexpr std::uint8_t px4_battery_good = 0, px4_battery_critical = 2;  // BatteryStatus.warning
+
+/// Source of the stamps of sent messages.
+enum class Stamps { none, of_this_machine };
+
+class Px4LinkEnd final : public LinkEnd {
+ public:
+  /// @param stamps  of_this_machine if the agent runs on this machine; PX4 treats a message without
+  ///   stamp as current
+  /// @throws std::runtime_error if a topic cannot be created
+  Px4LinkEnd(Port participant, const Link& link, Stamps stamps);
+  ~Px4LinkEnd() override;
+
+  bool look(SeenMotion& seen) noexcept override;
+  LinkFacts facts(Nanoseconds now) noexcept override;
+  void send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept override;
+  void watch(std::span<const SeenWriter> writers) override;
+  void examine(const Surroundings& around, FindingList& to) override;
+  PoseSubscriber& subscriber() noexcept override { return poses(); }
+  std::optional<GeoPoint> reference() const override;
+  void stop_examining() override { aside_.reset(); }
+  std::string counts() const override;
+  const DelayHistogram* arrivals() const noexcept override {
+    return stamps_ == Stamps::of_this_machine ? &latency_ : nullptr;
+  }
+
+ private:
+  struct Status {
+    Nanoseconds arrived = 0;
+    std::uint8_t arming = 0, nav = 0, system = 0;
+    bool failsafe = false, preflight = false;
+  };
+  struct Position {
+    Nanoseconds arrived = 0;
+    std::array<bool, 4> valid{};  // in the order of valid_names
+    bool global = false;
+    GeoPoint reference{};
+
+    bool good() const noexcept { return std::find(valid.begin(), valid.end(), false) == valid.end(); }
+  };
+  static constexpr std::array<std::string_view, 4> valid_names = {"xy", "z", "v_xy", "v_z"};
+  /// Alignment of the vehicle's estimator; true for all if it does not report any.
+  struct Alignment {
+    Nanoseconds arrived = 0;
+    bool tilt = true, heading = true;
+  };
+  struct Landed {
+    Nanoseconds arrived = 0;
+    bool landed = false;
+  };
+  struct Ack {
+    Nanoseconds arrived = 0;
+    std::uint32_t command = 0;
+    std::uint8_t result = 0;
+  };
+  struct Ends;
+
+  void read_state(dds_entity_t participant);
+  void read_poses(dds_entity_t participant);
+  bool has_valid_estimate() const noexcept;
+  LinkReason unfit() const noexcept;
+  void on_odometry(const void* message, const Arrival& arrival);
+  PoseSubscriber& poses() noexcept { return seen_ ? *seen_ : odometry_; }
+  const PoseSubscriber& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
+  double turned_from_seen() noexcept;
+  bool is_seen_well() noexcept;
+  void examine_topics(const Surroundings& around, FindingList& to) const;
+  void examine_writers(const Surroundings& around, FindingList& to) const;
+  void examine_estimator(FindingList& to) const;
+  void examine_state(FindingList& to);
+  std::uint64_t stamp() const noexcept;
+  void command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept;
+
+  Px4Link px4_;
+  PosesFrom from_;
+  LinkOrigin origin_;
+  int release_;
+  Stamps stamps_;
+
+  // Filled by the receive thread.
+  Mailbox<Status> status_;
+  Mailbox<Position> position_;
+  Mailbox<Alignment> alignment_;
+  Mailbox<Landed> landed_;
+  Mailbox<Px4Battery> battery_;
+  Mailbox<Ack> ack_;
+  Mailbox<std::uint64_t> sampled_;  // stamp of the newest pose, vehicle clock [us]
+  FrameAnchor anchor_;
+  DelayHistogram latency_;
+
+  std::atomic<bool> says_offboard_{false};  // according to the newest status
+
+  // Set by watch().
+  std::atomic<bool> received_{false};  // the vehicle's reader is matched with our writers
+  std::atomic<int> rivals_{0};
+
+  // Control thread: last values, for reads that collide with a write.
+  Status last_status_{};
+  Position last_position_{};
+  Alignment last_alignment_{};
+  Landed last_landed_{};
+  Px4Battery last_battery_{};
+  Ack last_ack_{};
+  Px4Command requested_{};
+  Nanoseconds requested_at_ = 0, beat_at_ = 0;
+  std::uint64_t answered_ = 0;                        // sampled_ of the pose that the next command answers
+  std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
+  int speakers_ = -1;  // status writers matched at the arm request; -1: none requested yet
+
+  PoseSubscriber odometry_;
+  std::unique_ptr<PoseSubscriber> seen_;   // poses from others, if the link uses them
+  std::unique_ptr<Px4Diagnostics> aside_;  // until arming
+  std::unique_ptr<Ends> ends_;             // last member: readers end before the members they fill
+};
+
+}  // namespace sightline::dds

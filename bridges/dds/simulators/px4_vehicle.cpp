@@ -1,0 +1,305 @@
+#include "bridges/dds/simulators/px4_vehicle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sightline/base/now.hpp"
+
+extern "C" {
+#include "px4.h"
+}
+
+namespace sightline::dds {
+namespace {
+
+constexpr std::int64_t vehicle_second = 1'000'000'000;
+constexpr std::int64_t checks_take = vehicle_second;    // after its start
+constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
+constexpr double fastest = 10.0;                        // limit of a set-point [m/s]
+enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
+
+std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
+
+}  // namespace
+
+struct Px4Vehicle::Ends {
+  explicit Ends(int release)
+      : status_layout("VehicleStatus", release),
+        position_layout("VehicleLocalPosition", release),
+        ack_layout("VehicleCommandAck", release) {}
+
+  Px4Layout status_layout, position_layout, ack_layout;
+  std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position;
+  std::unique_ptr<RawReader> command, setpoint, heartbeat;
+};
+
+Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setup& setup, Faults& faults)
+    : release_(px4_first + static_cast<int>(link.release)),
+      setup_(setup),
+      booted_(monotonic_now()),
+      body_(setup.p, setup.heading, setup.rotors),
+      faults_(faults),
+      aside_(participant, link, faults),
+      ends_(std::make_unique<Ends>(release_)) {
+  const auto topic = [&](Px4Side side, std::string_view message) {
+    return px4_topic(link.name_space, side, message, release_);
+  };
+  const auto writer = [&](std::string_view message) {
+    return std::make_unique<FaultyWriter>(participant, Px4Layout(message, release_).descriptor(),
+                                          topic(Px4Side::out, message), of_px4_output, faults_);
+  };
+  const auto reader = [&](std::string_view message, int depth, const auto& taking) {
+    const Px4Layout layout(message, release_);
+    return std::make_unique<RawReader>(participant, layout.descriptor(), topic(Px4Side::in, message),
+                                       Quality{.depth = depth}, layout.size(), Writers::all, taking(layout));
+  };
+  ends_->odometry = writer("VehicleOdometry");
+  ends_->landed = writer("VehicleLandDetected");
+  ends_->status = writer("VehicleStatus");
+  ends_->ack = writer("VehicleCommandAck");
+  ends_->position = writer("VehicleLocalPosition");
+  send_status();  // readers from before its start learn at once that it is disarmed
+  ends_->command = reader("VehicleCommand", 16, [this](const Px4Layout& in) {
+    return [this, command = in.place("command"), param1 = in.place("param1"), param2 = in.place("param2"),
+            target = in.place("target_system"),
+            source = in.place("source_system")](const void* m, const Arrival&) {
+      on_command(read_at<std::uint32_t>(m, command), read_at<float>(m, param1), read_at<float>(m, param2),
+                 read_at<std::uint8_t>(m, target), read_at<std::uint8_t>(m, source));
+    };
+  });
+  ends_->setpoint = reader("TrajectorySetpoint", 2, [this](const Px4Layout&) {
+    return [this](const void* m, const Arrival&) { on_setpoint(m); };
+  });
+  ends_->heartbeat = reader("OffboardControlMode", 2, [this](const Px4Layout& in) {
+    return [this, velocity = in.place("velocity")](const void* m, const Arrival&) {
+      on_heartbeat(read_at<bool>(m, velocity));
+    };
+  });
+}
+
+Px4Vehicle::~Px4Vehicle() = default;
+
+void Px4Vehicle::set_nav(NavState nav) {
+  nav_ = nav;
+  send_status();
+}
+
+void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
+                            std::uint8_t source) {
+  const std::scoped_lock lock(lock_);
+  if (target != 0 && target != setup_.system) return;  // for another system: no acknowledgement
+  const bool ready = checks_ && monotonic_now() - booted_ > checks_take;
+  std::uint8_t result = unsupported;
+  switch (static_cast<Px4Command>(command)) {
+    case Px4Command::arm_disarm:
+      if (param1 > 0.5F) {
+        ++reported_.arm_requests;
+        result = ready ? accepted : temporarily_rejected;
+        if (ready) arming_ = px4_armed;
+      } else {
+        const bool forced = param2 == px4_force;
+        reported_.kills += forced ? 1 : 0;
+        result = landed_ || forced ? accepted : denied;
+        if (result == accepted) arming_ = px4_disarmed;
+      }
+      break;
+    case Px4Command::takeoff:
+      result = arming_ == px4_armed ? accepted : temporarily_rejected;
+      if (arming_ == px4_armed) nav_ = NavState::takeoff;
+      break;
+    case Px4Command::set_mode:
+      if (param1 == px4_custom_mode && param2 == px4_mode_offboard) {
+        ++reported_.offboard_requests;
+        const bool received = monotonic_now() - heartbeat_at_ < offboard_loss;
+        result = received ? accepted : temporarily_rejected;
+        if (received) nav_ = NavState::offboard, v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
+      }
+      break;
+    case Px4Command::land:
+      result = accepted;
+      nav_ = NavState::land;
+      break;
+  }
+  acknowledge(command, result, source);
+  send_status();
+}
+
+void Px4Vehicle::on_setpoint(const void* message) {
+  const auto& s = *static_cast<const px4_msgs_msg_dds__TrajectorySetpoint_*>(message);
+  const std::scoped_lock lock(lock_);
+  ++reported_.setpoints;
+  if (nav_ != NavState::offboard) ++reported_.setpoints_outside;
+  // A zero velocity (hold) answers no pose.
+  const bool answers = s.velocity[0] != 0 || s.velocity[1] != 0 || s.velocity[2] != 0;
+  if (answers && s.timestamp > 0 && s.timestamp < last_microsecond)
+    answers_.add(1e-9 * static_cast<double>(realtime_now() - of_microseconds(s.timestamp)));
+  for (const float v : s.velocity) {
+    if (!std::isfinite(v) || std::abs(v) > fastest) {
+      ++reported_.bad_setpoints;
+      return;
+    }
+  }
+  const auto given = [](float v) { return std::isfinite(v) ? double{v} : 0.0; };
+  const Motion local = {.p = turned_over(Vec3<double>{given(s.acceleration[0]), given(s.acceleration[1]),
+                                                      given(s.acceleration[2])}),
+                        .v = turned_over(Vec3<double>{s.velocity[0], s.velocity[1], s.velocity[2]})};
+  const Motion wanted = in_G({{}, setup_.origin.heading}, local);
+  v_sp_ = wanted.v, a_sp_ = wanted.p, r_sp_ = -given(s.yawspeed);
+}
+
+void Px4Vehicle::on_heartbeat(bool velocity) {
+  const std::scoped_lock lock(lock_);
+  ++reported_.heartbeats;
+  if (velocity) heartbeat_at_ = monotonic_now();
+}
+
+void Px4Vehicle::move() {
+  Vec3<double> v{}, a{};
+  double r = 0.0;
+  const double height = body_.motion().p.z;
+  if (nav_ == NavState::offboard) v = v_sp_, a = a_sp_, r = r_sp_;
+  if (nav_ == NavState::takeoff) v.z = takeoff_speed(height, setup_.altitude);
+  if (nav_ == NavState::land) v.z = landing_speed(height);
+  if (arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0))
+    body_.rest();
+  else
+    body_.follow(v, a, r);
+  landed_ = body_.on_ground() && nav_ != NavState::takeoff;
+  if (arming_ == px4_armed && nav_ == NavState::takeoff && body_.motion().p.z > setup_.altitude - 0.05)
+    set_nav(NavState::hold);
+  if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
+    arming_ = px4_disarmed;
+    failsafe_ = false;
+    nav_ = NavState::hold;  // as before take-off: PX4 does not arm in the land mode
+    send_slow();
+    send_status();
+  }
+}
+
+void Px4Vehicle::step(std::int64_t number) {
+  const std::scoped_lock lock(lock_);
+  if (nav_ == NavState::offboard && arming_ == px4_armed && monotonic_now() - heartbeat_at_ > offboard_loss) {
+    reported_.failsafe_after = 1e-9 * static_cast<double>(monotonic_now() - heartbeat_at_);
+    failsafe_ = true;
+    set_nav(NavState::land);
+  }
+  suffer();
+  send_odometry();  // the motion before this step, stamped now
+  move();
+  if (number % 20 == 0) send_status();
+  if (number % 10 == 5) send_slow();
+  if (number % 100 == 50) aside_.send();
+}
+
+void Px4Vehicle::suffer() {
+  using K = LinkFaultKind;
+  const auto begins = [&](K kind) { return faults_.changed(kind) && faults_.on(kind); };
+  if (begins(K::pilot)) set_nav(NavState::position);
+  if (begins(K::disarm)) {
+    arming_ = px4_disarmed;
+    send_status();
+  }
+  if (faults_.changed(K::battery_low)) aside_.send();
+  if (faults_.changed(K::estimator_invalid)) send_slow();
+}
+
+void Px4Vehicle::send_odometry() {
+  const Motion local = in_local(setup_.origin, faults_.said(body_.motion()));
+  px4_msgs_msg_dds__VehicleOdometry_ m{};
+  m.timestamp = m.timestamp_sample = microseconds();
+  m.pose_frame = m.velocity_frame = px4_frame_ned;
+  const Vec3<double> p = turned_over(local.p), v = turned_over(local.v);
+  const Quaternion q = turned_over(local.q);
+  const std::array<double, 3> ps = {p.x, p.y, p.z}, vs = {v.x, v.y, v.z};
+  const std::array<double, 4> qs = {q.w, q.x, q.y, q.z};
+  for (std::size_t k = 0; k < 3; ++k)
+    m.position[k] = static_cast<float>(ps[k]), m.velocity[k] = static_cast<float>(vs[k]),
+    m.position_variance[k] = 1e-4F;
+  for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(qs[k]);
+  m.angular_velocity[2] = static_cast<float>(-body_.motion().r);
+  m.reset_counter = static_cast<std::uint8_t>(faults_.resets());
+  ends_->odometry->write(&m);
+}
+
+void Px4Vehicle::send_status() {
+  Px4Message m(ends_->status_layout);
+  m.set("timestamp", microseconds());
+  m.set("arming_state", arming_);
+  for (const std::string_view nav : {"nav_state", "nav_state_user_intention"})
+    m.set(nav, static_cast<std::uint8_t>(nav_));
+  m.set("vehicle_type", std::uint8_t{1});
+  m.set("system_type", std::uint8_t{2});
+  m.set("system_id", setup_.system);
+  m.set("component_id", std::uint8_t{1});
+  m.set("failsafe", failsafe_);
+  m.set("pre_flight_checks_pass", checks_ && monotonic_now() - booted_ > checks_take);
+  ends_->status->write(m.data());
+}
+
+void Px4Vehicle::send_slow() {
+  px4_msgs_msg_dds__VehicleLandDetected_ landed{};
+  landed.timestamp = microseconds();
+  landed.landed = landed.ground_contact = landed_;
+  ends_->landed->write(&landed);
+  Px4Message m(ends_->position_layout);
+  for (const std::string_view stamp : {"timestamp", "timestamp_sample"}) m.set(stamp, microseconds());
+  const bool valid =
+      monotonic_now() - booted_ > checks_take / 2 && !faults_.on(LinkFaultKind::estimator_invalid);
+  for (const std::string_view of : {"xy_valid", "z_valid", "v_xy_valid", "v_z_valid"}) m.set(of, valid);
+  const Vec3<double> p = turned_over(in_local(setup_.origin, body_.motion()).p);
+  m.set("x", static_cast<float>(p.x));
+  m.set("y", static_cast<float>(p.y));
+  m.set("z", static_cast<float>(p.z));
+  m.set("heading_good_for_control", true);
+  ends_->position->write(m.data());
+}
+
+void Px4Vehicle::acknowledge(std::uint32_t command, std::uint8_t result, std::uint8_t source) {
+  Px4Message m(ends_->ack_layout);
+  m.set("timestamp", microseconds());
+  m.set("command", command);
+  m.set("result", result);
+  m.set("target_system", source);
+  ends_->ack->write(m.data());
+}
+
+Px4VehicleCounts Px4Vehicle::reported() const {
+  const std::scoped_lock lock(lock_);
+  Px4VehicleCounts reported = reported_;
+  reported.answer_median = answers_.within(0.5), reported.answer_p99 = answers_.within(0.99);
+  return reported;
+}
+Motion Px4Vehicle::motion() const {
+  const std::scoped_lock lock(lock_);
+  return body_.motion();
+}
+bool Px4Vehicle::armed() const {
+  const std::scoped_lock lock(lock_);
+  return arming_ == px4_armed;
+}
+bool Px4Vehicle::is_steered() const {
+  const std::scoped_lock lock(lock_);
+  return arming_ == px4_armed && nav_ == NavState::offboard;
+}
+void Px4Vehicle::fail_checks(bool fails) {
+  const std::scoped_lock lock(lock_);
+  checks_ = !fails;
+  send_status();
+}
+std::string Px4Vehicle::counts() const {
+  const Px4VehicleCounts n = reported();
+  const Motion m = motion();
+  return fmt::format(
+      "{} set-points ({} outside offboard, {} bad), {} heartbeats, {} requests to arm, {} for offboard, {}, "
+      "at [{:.2f}, {:.2f}, "
+      "{:.2f}] m, answers {:.3f} ms after the pose at the median, {:.3f} at 99 %{}",
+      n.setpoints, n.setpoints_outside, n.bad_setpoints, n.heartbeats, n.arm_requests, n.offboard_requests,
+      armed() ? "armed" : "disarmed", m.p.x, m.p.y, m.p.z, 1e3 * n.answer_median, 1e3 * n.answer_p99,
+      n.failsafe_after > 0 ? fmt::format(", failsafe {:.3f} s after the last heartbeat", n.failsafe_after)
+                           : "");
+}
+
+}  // namespace sightline::dds

@@ -1,0 +1,202 @@
+#include "bridges/dds/simulators/vehicle_simulator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "bridges/dds/links/px4_release.hpp"
+#include "bridges/dds/simulators/crazyflie_vehicle.hpp"
+#include "bridges/dds/simulators/px4_vehicle.hpp"
+#include "bridges/dds/simulators/ros2_flyer.hpp"
+#include "bridges/dds/simulators/ros2_rover.hpp"
+#include "sightline/base/index.hpp"
+#include "sightline/base/now.hpp"
+
+namespace sightline::dds {
+namespace {
+
+constexpr double lowest_takeoff = 0.5;  // [m]
+
+const Scenario& of_fleet(const Scenario& scenario) {
+  if (!scenario.fleet)
+    throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
+  return scenario;
+}
+
+}  // namespace
+
+std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
+                                                 const Link& link, Faults& faults) {
+  const Team& team = scenario.team;
+  const Model& model = team.model(link.robot);
+  const std::vector<double> rest(size(model.nu()));
+  const Sight<double> start = model.sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
+  const Vec3<double> below = {start.p.x, start.p.y, 0.0};
+  const double heading = std::atan2(start.d.y, start.d.x), altitude = std::max(lowest_takeoff, start.p.z);
+  // A vision-localized robot has an odometry frame at its start pose: the flyer must not know the
+  // position.
+  const bool drives = model.rolls();
+  const LinkOrigin origin =
+      link.poses.estimated() ? LinkOrigin{drives ? start.p : below, heading} : link.origin;
+  std::optional<Vehicle> rotors;
+  for (const RobotVehicle& vehicle : scenario.vehicles)
+    if (vehicle.robot == link.robot) rotors = vehicle.vehicle;
+  if (const auto* ros2 = std::get_if<Ros2Link>(&link.kind)) {
+    check_commands(*ros2, team.name(link.robot), model);
+    if (ros2->flies())
+      return std::make_unique<Ros2Flyer>(participant, *ros2,
+                                         Ros2Flyer::Setup{origin, below, heading, altitude, rotors}, faults);
+    const std::span<const std::string_view> states = model.states();
+    return std::make_unique<Ros2Rover>(
+        participant, *ros2,
+        Ros2Rover::Setup{.origin = origin,
+                         .start = {start.p, upright(start.d), {}, 0.0},
+                         .sideward = std::find(states.begin(), states.end(), "v_s") != states.end()},
+        faults);
+  }
+  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
+    return std::make_unique<CrazyflieVehicle>(
+        participant, *crazyflie,
+        CrazyflieVehicle::Setup{.origin = origin,
+                                .p = below,
+                                .heading = heading,
+                                .rotors = rotors.value_or(Vehicle::crazyflie())},
+        faults);
+  const auto& px4 = std::get<Px4Link>(link.kind);
+  return std::make_unique<Px4Vehicle>(
+      participant, px4,
+      Px4Vehicle::Setup{.origin = origin,
+                        .p = below,
+                        .heading = heading,
+                        .altitude = altitude,
+                        .system = static_cast<std::uint8_t>(
+                            px4.target_system > 0 ? px4.target_system : 1 + link.robot.index % 255),
+                        .rotors = rotors},
+      faults);
+}
+
+DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain)
+    : scenario_(of_fleet(scenario)), domain_(std::move(domain)), poses_(domain_->participant(), scenario_) {
+  for (const Link& link : scenario_.fleet->links) {
+    Robot& robot = robots_.emplace_back(link, std::string(scenario_.team.name(link.robot)),
+                                        scenario_.simulation.seed + robots_.size());
+    for (const LinkFault& fault : scenario_.fleet->faults)
+      if (fault.robot == link.robot) plan_.push_back({fault, &robot});
+  }
+  std::vector<Faults*> faults;
+  for (Robot& robot : robots_) faults.push_back(&robot.faults);
+  cameras_ = std::make_unique<SimulatedCameras>(domain_->participant(), scenario_, faults);
+  follow_plan(0, {});  // faults that are active from the start
+  for (Robot& robot : robots_) make(robot);
+}
+
+void DdsVehicleSimulators::make(Robot& robot) {
+  using K = LinkFaultKind;
+  (void)robot.faults.changed(K::restart), (void)robot.faults.changed(K::wrong_release);
+  Link link = robot.link;
+  if (auto* px4 = std::get_if<Px4Link>(&link.kind); px4 != nullptr && robot.faults.on(K::wrong_release)) {
+    const int wanted = static_cast<int>(robot.faults.size(K::wrong_release));
+    const int own = px4_first + static_cast<int>(px4->release);
+    const int next = own < px4_last ? own + 1 : px4_first;
+    px4->release = static_cast<Px4Release>((wanted >= px4_first ? wanted : next) - px4_first);
+  }
+  robot.vehicle_simulator = made_simulator(domain_->participant(), scenario_, link, robot.faults);
+}
+
+void DdsVehicleSimulators::follow_plan(std::int64_t number, const PrintMessage& print) {
+  const double t = static_cast<double>(number) * VehicleSimulator::period;
+  constexpr double same = 1e-6;  // [s]
+  for (Planned& one : plan_) {
+    if (one.now == Planned::after) continue;
+    double from = one.fault.at;
+    if (one.fault.since == FaultClock::flight) {
+      if (!one.robot->steered_from) continue;
+      from += static_cast<double>(*one.robot->steered_from) * VehicleSimulator::period;
+    }
+    if (one.now == Planned::before && t > from - same) {
+      one.now = Planned::during;
+      one.robot->faults.begin(one.fault.kind, one.fault.size);
+      if (print) print(fmt::format("{}: {} begins", one.robot->name, text_of(one.fault.kind).name));
+    }
+    if (one.now == Planned::during && t > from + one.fault.duration - same) {
+      one.now = Planned::after;
+      one.robot->faults.end(one.fault.kind);
+      if (print) print(fmt::format("{}: {} ends", one.robot->name, text_of(one.fault.kind).name));
+    }
+  }
+}
+
+void DdsVehicleSimulators::step(Robot& robot, std::int64_t number) {
+  using K = LinkFaultKind;
+  const bool restarts = robot.faults.changed(K::restart) && robot.faults.on(K::restart),
+             reflashed = robot.faults.changed(K::wrong_release);
+  if ((restarts || reflashed) && robot.vehicle_simulator) {
+    robot.earlier.push_back(robot.vehicle_simulator->counts());
+    robot.vehicle_simulator.reset();
+    robot.begins_anew =
+        number + (restarts ? std::llround(robot.faults.size(K::restart) / VehicleSimulator::period) : 0);
+  }
+  if (restarts) robot.faults.end(K::restart);
+  if (!robot.vehicle_simulator && number >= robot.begins_anew) make(robot);
+  if (robot.vehicle_simulator) {
+    robot.vehicle_simulator->step(number);
+    if (!robot.steered_from && robot.vehicle_simulator->is_steered()) robot.steered_from = number;
+  }
+  robot.faults.pass_on();
+}
+
+void DdsVehicleSimulators::run(double duration, const Interrupts& interrupts, const PrintMessage& print) {
+  const std::int64_t period = std::llround(1e9 * VehicleSimulator::period);
+  const std::int64_t flown = std::llround(1e9 * scenario_.horizon.dt);
+  const std::int64_t steps = std::llround(std::min(duration, 1e9) / VehicleSimulator::period);
+  // Steps lie between the flyer's period starts, so that no race decides which pose a period uses.
+  const std::int64_t begin = next_multiple(monotonic_now(), flown) + std::min(period, flown) / 2;
+  for (std::int64_t k = 0; k < steps && interrupts == 0; ++k) {
+    sleep_until(begin + k * period);
+    follow_plan(k, print);
+    for (Robot& robot : robots_) step(robot, k);
+    motions_.clear();
+    places_.clear();
+    for (Robot& robot : robots_) {
+      if (robot.vehicle_simulator) robot.at = robot.vehicle_simulator->motion();
+      const bool by_others = robot.link.poses.by_others();
+      places_.push_back(robot.at);
+      motions_.push_back(by_others ? robot.faults.said(robot.at) : robot.at);
+    }
+    poses_.step(VehicleSimulator::period, motions_);
+    cameras_->step(k, places_, poses_.states());
+  }
+}
+
+std::string DdsVehicleSimulators::toggle(std::size_t robot, LinkFaultKind kind) {
+  const LinkFaultText& text = text_of(kind);
+  if (robot >= robots_.size())
+    return fmt::format("there is no robot {}, expected 1 to {}", robot + 1, robots_.size());
+  Robot& its = robots_[robot];
+  if (!can_have(its.link, kind))
+    return fmt::format("{}: no robot behind {} has the fault {}", its.name, its.link.kind_name(), text.name);
+  const bool begins = !its.faults.on(kind);
+  begins ? its.faults.begin(kind) : its.faults.end(kind);
+  return fmt::format("{}: {}{} {}", its.name, text.name,
+                     begins && !text.size.empty() ? fmt::format(" {}", text.fallback) : "",
+                     begins ? "begins" : "ends");
+}
+
+std::vector<std::string> DdsVehicleSimulators::counts() const {
+  std::vector<std::string> lines;
+  for (const Robot& robot : robots_) {
+    for (const std::string& words : robot.earlier)
+      lines.push_back(fmt::format("{}, before it began anew: {}", robot.name, words));
+    const std::string faults = in_words(robot.faults.counts());
+    lines.push_back(fmt::format("{}: {}{}{}", robot.name,
+                                robot.vehicle_simulator ? robot.vehicle_simulator->counts() : "gone",
+                                faults.empty() ? "" : "; ", faults));
+  }
+  for (std::string line : {poses_.counts(), cameras_->counts()})
+    if (!line.empty()) lines.push_back(std::move(line));
+  return lines;
+}
+
+}  // namespace sightline::dds

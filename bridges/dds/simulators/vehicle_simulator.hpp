@@ -1,0 +1,87 @@
+/// Vehicle simulators of a fleet, at the far ends of its links.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridges/dds/domain.hpp"
+#include "bridges/dds/simulators/faults.hpp"
+#include "bridges/dds/simulators/simulated_cameras.hpp"
+#include "bridges/dds/simulators/simulated_poses.hpp"
+#include "bridges/dds/topics/conversion.hpp"
+#include "sightline/scenario/bridge.hpp"
+
+namespace sightline::dds {
+
+/// One simulated robot: moves, and sends messages as its link's kind requires.
+class VehicleSimulator {
+ public:
+  static constexpr double period = 0.01;  // [s]
+
+  virtual ~VehicleSimulator() = default;
+  /// Advances by one period, and sends the messages due at this period number.
+  virtual void step(std::int64_t number) = 0;
+  /// Whether it has received commands.
+  virtual bool is_steered() const = 0;
+  virtual Motion motion() const = 0;  ///< in G
+  /// Counts of its commands and state, as text.
+  virtual std::string counts() const = 0;
+};
+
+/// Creates the simulator for a link.
+/// @param faults  of this robot; must outlive it. Messages go through FaultyWriter, poses through
+///   Faults::said(). The owner applies restarts and a wrong release
+/// @throws std::invalid_argument if no simulator exists for the kind
+std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
+                                                 const Link& link, Faults& faults);
+
+/// Simulators of all links, stepped by one thread.
+class DdsVehicleSimulators final : public VehicleSimulators {
+ public:
+  DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain);
+
+  void run(double duration, const Interrupts& interrupts, const PrintMessage& print) override;
+  std::string toggle(std::size_t robot, LinkFaultKind kind) override;
+  std::vector<std::string> counts() const override;
+  /// The reference is valid until the robot restarts.
+  VehicleSimulator& of(std::size_t robot) { return *robots_[robot].vehicle_simulator; }
+  Faults& faults(std::size_t robot) { return robots_[robot].faults; }
+
+ private:
+  struct Robot {
+    Robot(const Link& reached, std::string called, std::uint64_t seed)
+        : link(reached), name(std::move(called)), faults(seed) {}
+
+    Link link;
+    std::string name;
+    Faults faults;
+    std::unique_ptr<VehicleSimulator> vehicle_simulator;  // null until the robot restarts
+    Motion at{};                                          // current or last motion
+    std::vector<std::string> earlier;                     // counts of the instances before each restart
+    std::int64_t begins_anew = 0;                         // period number of the restart
+    std::optional<std::int64_t> steered_from;             // period number of the first command
+  };
+  struct Planned {
+    LinkFault fault;
+    Robot* robot;
+    enum { before, during, after } now = before;
+  };
+
+  void step(Robot& robot, std::int64_t number);
+  void follow_plan(std::int64_t number, const PrintMessage& print);
+  void make(Robot& robot);
+
+  Scenario scenario_;
+  std::shared_ptr<Domain> domain_;
+  std::deque<Robot> robots_;
+  std::vector<Planned> plan_;
+  std::vector<Motion> motions_;  // of each robot, as external sources report it
+  std::vector<Motion> places_;   // true motion of each robot
+  SimulatedPoses poses_;
+  std::unique_ptr<SimulatedCameras> cameras_;  // last member: its writers end before the faults they use
+};
+
+}  // namespace sightline::dds
