@@ -17,6 +17,7 @@
 #include "sightline/base/failure.hpp"
 #include "sightline/base/nearest.hpp"
 #include "sightline/base/sentence.hpp"
+#include "sightline/links.hpp"
 
 namespace sightline {
 namespace {
@@ -90,7 +91,7 @@ int command_line(int argc, char** argv, const Registry& registry) {
   report_failures_to([](std::string_view line) noexcept { write_message(line); });
   int code = 1;
   try {
-    code = execute(argc, argv, registry);
+    code = execute(argc, argv, with_links(registry));
   } catch (const std::exception& e) {
     tell("sightline: {}\n", sentence_of(e));
   }

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/fleet/bridge.hpp"
 #include "sightline/analysis/identification/excitation.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/run/clock.hpp"
-#include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/server/page_server.hpp"
 

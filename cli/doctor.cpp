@@ -8,15 +8,14 @@
 #include <numbers>
 #include <thread>
 
+#include "bridges/dds/fleet/bridge.hpp"
+#include "bridges/dds/fleet/loop_timing.hpp"
 #include "cli/commands.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
-#include "sightline/analysis/tag_size.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
-#include "sightline/scenario/bridge.hpp"
-#include "sightline/scenario/loop_timing.hpp"
 
 namespace sightline::cli {
 namespace {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "bridges/dds/fleet/link_fault.hpp"
 #include "sightline/base/service_thread.hpp"
-#include "sightline/scenario/link_fault.hpp"
 
 namespace sightline::cli {
 

@@ -3,8 +3,8 @@
 
 #include <atomic>
 
+#include "bridges/dds/fleet/bridge.hpp"
 #include "cli/commands.hpp"
-#include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/registry.hpp"
 
 namespace sightline::cli {

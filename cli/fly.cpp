@@ -5,6 +5,8 @@
 #include <atomic>
 #include <csignal>
 
+#include "bridges/dds/fleet/bridge.hpp"
+#include "bridges/dds/fleet/link.hpp"
 #include "cli/commands.hpp"
 #include "cli/fault_keys.hpp"
 #include "cli/fleet.hpp"
@@ -13,7 +15,6 @@
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/service_thread.hpp"
 #include "sightline/run/realtime.hpp"
-#include "sightline/scenario/bridge.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/registry.hpp"
 #include "sightline/solver/distributed/partition.hpp"
@@ -42,6 +43,12 @@ std::string partition_assignment(const FlyCommand& command, const Registry& part
                      "\"{}\"}}}}",
                      exchange.stale_after, exchange.speed_max, exchange.delay, exchange.jitter, exchange.loss,
                      exchange.offset, exchange.flown_by == MessagesBy::network ? "network" : "simulation");
+}
+
+void refuse_without_bridge(const Registry& parts) {
+  if (parts.bridge == nullptr)
+    throw std::invalid_argument(
+        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
 }
 
 /// Rejects a fleet with a partition if no part to plan is given.
@@ -92,12 +99,10 @@ void listen_to_interrupts() {
 
 Scenario read_fleet(const NamedScenario& fleet, const Registry& parts) {
   Scenario scenario = fleet.read(parts);
-  if (!scenario.fleet)
+  if (!scenario.links)
     throw std::invalid_argument(fmt::format(
         "{}:1: fleet is missing, expected a [fleet] with the links of the robots", fleet.file.native()));
-  if (parts.bridge == nullptr)
-    throw std::invalid_argument(
-        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
+  refuse_without_bridge(parts);
   return scenario;
 }
 
@@ -158,20 +163,19 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
 
 FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
                              const Registry& parts) {
-  if (parts.bridge == nullptr)
-    throw std::invalid_argument(
-        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
+  refuse_without_bridge(parts);
   if (options.height)
     throw std::invalid_argument(
         "--height of a robot on a link, expected none: it begins where it took off to");
-  const auto reached = std::find_if(fleet.fleet->links.begin(), fleet.fleet->links.end(),
-                                    [&](const Link& link) { return link.robot == BodyId(robot); });
-  if (reached != fleet.fleet->links.end() && reached->poses.estimated())
+  const std::vector<Link>& links = fleet_of(fleet).links;
+  const auto reached =
+      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.robot == BodyId(robot); });
+  if (reached != links.end() && reached->poses.estimated())
     throw std::invalid_argument(fmt::format(
         "agent.{}.localization = vision, expected \"global\": what it does is measured by its poses",
         fleet.team.name(BodyId(robot))));
   Scenario alone = fleet;
-  std::erase_if(alone.fleet->links, [&](const Link& link) { return link.robot != BodyId(robot); });
+  std::erase_if(own_fleet(alone).links, [&](const Link& link) { return link.robot != BodyId(robot); });
   const std::unique_ptr<LinkedWorld> world = parts.bridge->connect(alone);
   outlive_the_terminal();
   listen_to_interrupts();
@@ -199,7 +203,7 @@ int vehicles(const VehiclesCommand& command, const Registry& parts) {
     const Scenario scenario = read_fleet(command.fleet, parts);
     const std::unique_ptr<VehicleSimulators> vehicle_simulators = parts.bridge->vehicle_simulator(scenario);
     listen_to_interrupts();
-    say(fmt::format("{} simulated vehicles, until Ctrl-C", scenario.fleet->links.size()));
+    say(fmt::format("{} simulated vehicles, until Ctrl-C", fleet_of(scenario).links.size()));
     {
       const auto help = [] { tell("{}", fault_keys_help()); };
       const FaultKeys keys(

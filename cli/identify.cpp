@@ -76,7 +76,7 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
                                       .radius = command.radius};
       options.check();
       lock_in(fs::path("out") / scenario.name / "identify");
-      motion = scenario.fleet ? excite_over_link(scenario, robot, options, registry)
+      motion = scenario.links ? excite_over_link(scenario, robot, options, registry)
                               : fly_excitation(scenario, robot, options);
       found = in(command.of.file, [&] { return sightline::identify(motion, options.kind); });
     }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <atomic>
 
+#include "bridges/dds/fleet/bridge.hpp"
 #include "sightline/run/spsc_queue.hpp"
-#include "sightline/scenario/bridge.hpp"
 #include "sightline/server/flight_page.hpp"
 
 namespace sightline::cli {

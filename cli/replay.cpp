@@ -75,7 +75,7 @@ int replay(const ReplayCommand& command, const Registry& registry) {
     const std::filesystem::path log = log_of(command.folder);
     const FlownAs flown = flown_as(log);
     const Scenario scenario = flown_scenario(flown, log, registry, command.solver, command.set);
-    RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
+    RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, scenario.goals);
     if (flown.version != sightline::version || flown.compiler != compiler) {
       say(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ", flown.version,
                       flown.compiler, sightline::version, compiler));

@@ -9,7 +9,7 @@ set(headers sightline.hpp base/version.hpp model/text_robot.hpp run/loop.hpp saf
 set(components core)
 install(TARGETS sightline_core EXPORT sightline_core)
 if(TARGET sightline)
-  list(APPEND headers analysis/explain.hpp analysis/preflight.hpp campaign/campaign.hpp record/log.hpp
+  list(APPEND headers analysis/explain.hpp analysis/preflight.hpp campaign/campaign.hpp links.hpp record/log.hpp
     record/logged_flight.hpp record/recording.hpp record/replay.hpp judge/summary.hpp report/report.hpp scenario/closed_loop.hpp scenario/scenario.hpp)
   list(APPEND components sightline)
   install(TARGETS sightline EXPORT sightline_sightline)

@@ -4,11 +4,11 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "python/waited.hpp"
+#include "sightline/links.hpp"
 #include "sightline/record/logged_flight.hpp"
 #include "sightline/record/replay.hpp"
 #include "sightline/report/report.hpp"
 #include "sightline/scenario/file_kind.hpp"
-#include "sightline/scenario/registry.hpp"
 
 namespace sightline::python {
 namespace {
@@ -63,8 +63,8 @@ std::string replay(const fs::path& folder, const std::optional<std::string>& sol
       throw_invalid(
           "{}: flown in parts, {}; expected a solver for the whole team, or the command sightline replay",
           folder.native(), as.partition);
-    const Scenario scenario = flown_scenario(as, log, built_in_registry(), solver, set);
-    RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt, goals_of(scenario.fleet));
+    const Scenario scenario = flown_scenario(as, log, with_links(), solver, set);
+    RecordedFlight recorded(log, scenario.team, scenario.x0, scenario.horizon.dt, scenario.goals);
     const Controls controls(scenario);
     const Controllers controllers = controls.controllers();
     CommandComparison compared(recorded, sized_sample(recorded, controllers, controls.team_switcher()));

@@ -8,8 +8,8 @@
 #include "python/bindings.hpp"
 #include "sightline/analysis/explain.hpp"
 #include "sightline/analysis/preflight.hpp"
+#include "sightline/links.hpp"
 #include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline::python {
@@ -19,12 +19,12 @@ using Values = std::vector<std::string>;
 
 Scenario read(const std::filesystem::path& file, const Values& set) {
   const py::gil_scoped_release others_run;
-  return read_scenario(file, built_in_registry(), set);
+  return read_scenario(file, with_links(), set);
 }
 
 Scenario parse(const std::string& text, const std::filesystem::path& file, const Values& set) {
   const py::gil_scoped_release others_run;
-  return parse_scenario(text, file, built_in_registry(), {.set = set});
+  return parse_scenario(text, file, with_links(), {.set = set});
 }
 
 /// The result of `sightline check` for an accepted scenario.

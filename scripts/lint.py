@@ -71,7 +71,8 @@ def layer(source):
 def component(source):
     """Components know the library, and only programs and their own tests know a component."""
     owners = (("DDS", dds_header, ("bridges", "tests/dds")),
-              ("the bridge", re.compile(r"sightline/dds\.hpp|bridges/"), ("bridges", "tests/dds", "cli/main.cpp")),
+              ("the bridge", re.compile(r"sightline/dds\.hpp|bridges/(?!dds/fleet/)"), ("bridges", "tests/dds", "cli/main.cpp")),
+              ("fleets", re.compile(r"bridges/dds/fleet/"), ("bridges", "tests", "cli")),
               ("pybind11", re.compile(r"pybind11/|python/"), ("python",)),
               ("MuJoCo", re.compile(r"mujoco/"), ("worlds/mujoco",)),
               ("the world of MuJoCo", re.compile(r"sightline/mujoco\.hpp|worlds/"), ("worlds", "tests/mujoco", "bench", "cli/main.cpp")))

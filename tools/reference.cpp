@@ -6,12 +6,12 @@
 #include <string>
 #include <string_view>
 
+#include "bridges/dds/fleet/link.hpp"
+#include "bridges/dds/fleet/link_fault.hpp"
 #include "cli/arguments.hpp"
 #include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/filter_options.hpp"
 #include "sightline/safety/search.hpp"
-#include "sightline/scenario/link.hpp"
-#include "sightline/scenario/link_fault.hpp"
 #include "sightline/scenario/registry.hpp"
 #include "sightline/solver/distributed/simulated_messages.hpp"
 #include "sightline/world/camera.hpp"

@@ -5,6 +5,7 @@
 #include "bridges/dds/doctor.hpp"
 #include "bridges/dds/first_flyer.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
+#include "sightline/links.hpp"
 #include "sightline/run/realtime.hpp"
 
 namespace sightline {
@@ -14,7 +15,7 @@ namespace {
 constexpr int fleet_receive_priority = 15;  // below the control thread's
 
 std::shared_ptr<Domain> domain_of(const Scenario& scenario, std::optional<int> priority, Identity who) {
-  return std::make_shared<Domain>(scenario.fleet ? scenario.fleet->network : FleetNetwork{}, priority, who);
+  return std::make_shared<Domain>(fleet_of(scenario).network, priority, who);
 }
 
 class DdsBridge final : public Bridge {
@@ -40,6 +41,7 @@ class DdsBridge final : public Bridge {
 
 void add_dds(Registry& registry) {
   if (registry.bridge != nullptr) throw std::invalid_argument("there is a bridge already, expected one");
+  registry = with_links(std::move(registry));
   registry.bridge = std::make_shared<dds::DdsBridge>();
 }
 

@@ -21,13 +21,12 @@ constexpr std::int64_t looks_each = 200'000'000;  // examination interval before
 
 /// Rejects scenarios that the fleet cannot follow.
 const Scenario& flown(const Scenario& scenario) {
-  if (!scenario.fleet)
-    throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
+  const std::vector<BodyLink>& links = fleet_of(scenario).bodies;
   if (changes_in_flight(scenario))
     throw std::invalid_argument("event = the team changes in flight, which a fleet does not follow yet");
   for (const UncooperativeBody& body : scenario.uncooperative) {
-    const bool seen = std::any_of(scenario.fleet->bodies.begin(), scenario.fleet->bodies.end(),
-                                  [&](const BodyLink& link) { return link.body == body.body; });
+    const bool seen =
+        std::any_of(links.begin(), links.end(), [&](const BodyLink& link) { return link.body == body.body; });
     if (body.motion && !seen)
       throw std::invalid_argument(
           fmt::format("{} moves, and no topic has its pose, expected a link with poses, or a body at rest",
@@ -83,7 +82,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       stamps_(size(team_.bodies()), never_seen),
       period_(std::llround(1e9 * scenario.horizon.dt)),
       times_(times_of_task(times, scenario_)),
-      node_(scenario.fleet->network.node),
+      node_(fleet_of(scenario).network.node),
       domain_(std::move(domain)),
       robots_(made_robots(publish)),
       bodies_(scenario_, domain_->participant()),
@@ -93,7 +92,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
     talk_ = std::make_unique<PredictionExchange>(scenario_, domain_->participant());
   if (publish == PublishMode::on)
     services_ = std::make_unique<OperatorServices>(domain_->participant(), node_, calls_);
-  if (publish == PublishMode::on && scenario.fleet->network.topics)
+  if (publish == PublishMode::on && fleet_of(scenario).network.topics)
     topics_ = std::make_unique<FlightPublisher>(scenario, domain_->participant(),
                                                 [this](std::size_t i) { return robots_[i].end->counts(); });
   watcher_.start([this, list = WriterList(domain_->participant())]() mutable {
@@ -109,11 +108,11 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
 
 std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
   std::vector<Robot> robots;
-  for (const Link& link : scenario_.fleet->links) {
+  for (const Link& link : fleet_of(scenario_).links) {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
     std::unique_ptr<LinkEnd> end =
-        made_end({domain_->participant(), publish}, link, name, model, scenario_.fleet->network);
+        made_end({domain_->participant(), publish}, link, name, model, fleet_of(scenario_).network);
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
@@ -134,7 +133,7 @@ std::vector<PoseSubscriber*> DdsWorld::subscribers() const {
 std::vector<ExaminedRobot> DdsWorld::examined() const {
   std::vector<ExaminedRobot> all;
   for (std::size_t i = 0; i < robots_.size(); ++i)
-    all.push_back({robots_[i].name, &scenario_.fleet->links[i], robots_[i].end.get(), telemetry_.tags()});
+    all.push_back({robots_[i].name, &fleet_of(scenario_).links[i], robots_[i].end.get(), telemetry_.tags()});
   return all;
 }
 

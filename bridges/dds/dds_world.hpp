@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
+#include "bridges/dds/fleet/bridge.hpp"
 #include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/links/link_telemetry.hpp"
 #include "bridges/dds/preflight.hpp"
@@ -19,7 +20,6 @@
 #include "bridges/dds/topics/seen_bodies.hpp"
 #include "bridges/dds/topics/services.hpp"
 #include "sightline/base/service_thread.hpp"
-#include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
 

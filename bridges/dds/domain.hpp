@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/security.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

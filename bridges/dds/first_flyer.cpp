@@ -34,7 +34,6 @@ bool flies(std::string_view topic, const Link& link) {
 }  // namespace
 
 void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
-  if (!scenario.fleet) return;
   std::string part;  // prediction topic of our own part
   if (plans_apart(scenario)) part = wire_topic(prediction_topic(scenario.name, scenario.partition->part));
   WriterList list(domain.participant());
@@ -47,7 +46,7 @@ void refuse_second_flyer(const Scenario& scenario, const Domain& domain) {
       throw std::runtime_error(fmt::format(
           "partition.part = \"{}\", which another program plans already, expected one for each part",
           scenario.partition->part));
-    for (const Link& link : scenario.fleet->links) {
+    for (const Link& link : fleet_of(scenario).links) {
       const auto other = std::find_if(writers.begin(), writers.end(),
                                       [&](const SeenWriter& writer) { return flies(writer.topic, link); });
       if (other != writers.end())

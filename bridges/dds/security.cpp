@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/security_plugins.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 namespace {

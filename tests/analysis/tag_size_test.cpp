@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bridges/dds/fleet/finding.hpp"
 #include "sightline/analysis/preflight.hpp"
 #include "tests/support/scenario_text.hpp"
 

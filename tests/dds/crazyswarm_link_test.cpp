@@ -105,7 +105,7 @@ TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {
 
 TEST(CrazyswarmLink, WithoutAServerItSaysWhatIsMissing) {
   const Scenario scenario = crazyflies(1, 1.0);
-  DdsWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network), {.ready = 0.5});
+  DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network), {.ready = 0.5});
   const Interrupts none{0};
   Fields reported;
   EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
@@ -189,8 +189,8 @@ TEST(CrazyswarmLink, WithoutItsFlyerItLevelsOutAndThenStopsItsMotors) {
 // The firmware of Crazyflies with brushed motors arms itself: it is asked nothing, and done when it has landed.
 TEST(CrazyswarmLink, OneThatArmsItselfFliesToo) {
   const Scenario scenario = crazyflies(1, 1.0);
-  const auto domain = std::make_shared<Domain>(scenario.fleet->network);
-  const Link& link = scenario.fleet->links[0];
+  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
+  const Link& link = fleet_of(scenario).links[0];
   Faults faults(1);
   CrazyflieVehicle brushed(domain->another_participant(), std::get<Crazyswarm2Link>(link.kind),
                            {.origin = link.origin, .arms_itself = true}, faults);

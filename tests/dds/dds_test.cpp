@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/bridge.hpp"
+#include "bridges/dds/fleet/bridge.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

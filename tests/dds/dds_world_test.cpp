@@ -244,7 +244,7 @@ TEST(DdsWorld, WithoutItsFlyerAVehicleFailsSafeASecondAfterTheLastHeartbeat) {
 // Numbers of any kind, in frames of any kind: what is believed of the robot is finite, and nothing of it is lost uncounted.
 TEST(DdsWorld, OfAnyPoseThatComesOnlyThoseThatAreFiniteAreBelieved) {
   const Scenario scenario = row_of({"1.16"}, 1.0);
-  const auto domain = std::make_shared<Domain>(scenario.fleet->network);
+  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
   DdsWorld world(scenario, domain);
   using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
   Writer<Odometry> vehicle(domain->another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "sightline/scenario/finding.hpp"
+#include "bridges/dds/fleet/finding.hpp"
 #include "tests/dds/fly.hpp"
 
 namespace sightline::dds {

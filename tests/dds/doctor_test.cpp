@@ -11,6 +11,7 @@
 #include "bridges/dds/links/px4_layout.hpp"
 #include "bridges/dds/simulators/ros2_rover.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/links.hpp"
 #include "tests/dds/rig.hpp"
 
 extern "C" {
@@ -29,7 +30,7 @@ class Ward {
  public:
   explicit Ward(const Scenario& fleet) : Ward(fleet, fleet) {}
   Ward(const Scenario& fleet, const Scenario& vehicles)
-      : domain(std::make_shared<Domain>(fleet.fleet->network)),
+      : domain(std::make_shared<Domain>(fleet_of(fleet).network)),
         vehicle_simulators(vehicles, domain),
         stepping([this] { vehicle_simulators.run(1e9, done, {}); }),
         doctor(fleet, domain),
@@ -133,7 +134,7 @@ TEST(Doctor, AVehicleThatTakesOtherLayoutsThanItSpeaksSaysSo) {
 TEST(Doctor, WhatAVehicleSaysOfItselfIsFound) {
   Scenario vehicles = row_of({"1.16", "1.17"}, 1.0);
   Scenario fleet = vehicles;
-  std::get<Px4Link>(fleet.fleet->links[0].kind).target_system = 77;
+  std::get<Px4Link>(own_fleet(fleet).links[0].kind).target_system = 77;
   Ward ward(fleet, vehicles);
   EXPECT_TRUE(ward.finds("uav0", Aspect::system, Light::red, "it is system 1, expected 77"));
   Px4Vehicle& vehicle = ward.vehicle(1);
@@ -189,14 +190,14 @@ TEST(Doctor, WhoElseSpeaksOrSteersIsFound) {
 TEST(Doctor, WhereRobotsAreIsComparedWithTheWallsAndWithEachOther) {
   const Scenario vehicles = row_of({"1.16", "1.16"}, 1.0);
   Scenario fleet = vehicles;
-  fleet.fleet->links[1].origin.p = {3.0, 200.1, 0.2};
+  own_fleet(fleet).links[1].origin.p = {3.0, 200.1, 0.2};
   {
     Ward ward(fleet, vehicles);
     EXPECT_TRUE(ward.finds("uav1", Aspect::place, Light::red, "beyond world = 100 m: is its origin right?"));
     EXPECT_TRUE(ward.finds("uav0", Aspect::place, Light::green, "at [0.00, 0.00, 0.00] m in G"));
     EXPECT_TRUE(ward.finds("", Aspect::distance, Light::green, "d_hard = 0.6 m: none is nearer"));
   }
-  fleet.fleet->links[1].origin.p = fleet.fleet->links[0].origin.p;  // forgotten in a copy
+  own_fleet(fleet).links[1].origin.p = fleet_of(vehicles).links[0].origin.p;  // forgotten in a copy
   fleet.safety->supervisor->times.fresh = 0.02;
   Ward ward(fleet, vehicles);
   EXPECT_TRUE(ward.finds("", Aspect::distance, Light::red, "uav0 and uav1 are 0.00 m apart, d_hard = 0.6 m"));
@@ -221,7 +222,7 @@ class ByHand {
   };
 
   ByHand(const Scenario& fleet, std::size_t robots)
-      : domain(std::make_shared<Domain>(fleet.fleet->network)),
+      : domain(std::make_shared<Domain>(fleet_of(fleet).network)),
         doctor(fleet, domain),
         other(domain->another_participant()) {
     for (std::size_t i = 0; i < robots; ++i) {
@@ -332,7 +333,7 @@ TEST(Doctor, ARobotThatIsMovedByHandANorthwardMetreShowsAsThat) {
 
 TEST(Doctor, WhereNobodySpeaksItSaysWhatIsMissing) {
   const Scenario scenario = row_of({"1.16"}, 1.0);
-  const auto domain = std::make_shared<Domain>(scenario.fleet->network);
+  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
   DdsDoctor doctor(scenario, domain);
   EXPECT_TRUE(Ward::found_by(doctor, "uav0", Aspect::topics, Light::red,
                              "vehicle_odometry: no message of PX4 1.16, it has no publisher"));
@@ -373,8 +374,9 @@ TEST(Doctor, ARoverIsLookedAtByItsTopics) {
 // What a shipped fleet of each kind is made of, and all kinds beside each other.
 TEST(Doctor, FleetsOfAllKindsOfLinksAreGreen) {
   for (const char* name : {"crazyflies", "rover", "mixed", "mocap"}) {
-    Scenario fleet = read_scenario(std::string(SIGHTLINE_SOURCE_DIR "/fleets/") + name + ".toml");
-    fleet.fleet->network.domain = test::own_domain();
+    Scenario fleet =
+        read_scenario(std::string(SIGHTLINE_SOURCE_DIR "/fleets/") + name + ".toml", with_links());
+    own_fleet(fleet).network.domain = test::own_domain();
     Ward ward(fleet);
     const std::vector<Finding> all = ward.until(Light::green);
     EXPECT_EQ(worst(all), Light::green) << name << "\n" << findings_table(all, false);
@@ -386,7 +388,7 @@ TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
   {
     Scenario fleet = row_of({"1.16", "1.16", "1.16"}, 1.0);
     const Scenario vehicles = fleet;
-    fleet.fleet->links[2].origin.p = fleet.fleet->links[0].origin.p;
+    own_fleet(fleet).links[2].origin.p = fleet_of(vehicles).links[0].origin.p;
     Rig rig(fleet, vehicles, {.ready = 2.5});
     rig.vehicle(1).aside().set_battery(0.1F);
     EXPECT_FALSE(rig.take_off());
@@ -404,7 +406,7 @@ TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
 
 TEST(Doctor, ARoverWhoseClockIsAheadIsNotDriven) {
   const Scenario scenario = test::scenario_of(rover_text("odom"));
-  const auto domain = std::make_shared<Domain>(scenario.fleet->network);
+  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
   const dds_entity_t other = domain->another_participant();
   std::atomic<int> driven{0};
   RawReader cmd_vel(other, geometry_msgs_msg_dds__Twist__desc, "/r/cmd_vel", of_ros_commands, std::nullopt,

@@ -218,8 +218,8 @@ TEST(FlightPublisher, AFlightIsShownAsRosShowsOne) {
 
 TEST(FlightPublisher, WithoutTopicsNothingIsShownButServicesAreThere) {
   Scenario scenario = row_of({"1.16"}, 1.0);
-  scenario.fleet->network.topics = false;
-  scenario.fleet->network.node = "/lab/flyer";
+  own_fleet(scenario).network.topics = false;
+  own_fleet(scenario).network.node = "/lab/flyer";
   Rig rig(scenario);
   EXPECT_TRUE(test::eventually([&] {
     bool served = false;
@@ -236,7 +236,7 @@ TEST(FlightPublisher, WithoutTopicsNothingIsShownButServicesAreThere) {
 // More than there is room for, and more lines than a person reads: the producer is not held up, and what is left out is said.
 TEST(FlightPublisher, WhatComesTooFastIsLeftOut) {
   const Scenario scenario = row_of({"1.16"}, 1.0);
-  const auto domain = std::make_shared<Domain>(scenario.fleet->network);
+  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
   std::atomic<int> lines{0};
   std::atomic<bool> reported{false};
   const RawReader reader(domain->another_participant(), rcl_interfaces_msg_dds__Log__desc, "/rosout",
@@ -283,8 +283,8 @@ TEST(FlightPublisher, NamesThatAreNoneOfRosAreMadeToAndMustDiffer) {
   EXPECT_THAT(refusal(test::scenario_of(text)),
               HasSubstr("agent.uav_0 = topics /sightline/uav_0, as of uav-0, expected a name that differs"));
   Scenario own = row_of({"1.16"}, 1.0);
-  own.fleet->links[0].poses.source = PoseSource::tf;
-  own.fleet->links[0].poses.name = "sightline/uav0";
+  own_fleet(own).links[0].poses.source = PoseSource::tf;
+  own_fleet(own).links[0].poses.name = "sightline/uav0";
   EXPECT_THAT(refusal(own), HasSubstr("agent.uav0.link.pose_name = \"sightline/uav0\", the frame that this"));
 }
 

@@ -22,7 +22,7 @@ TEST(Flood, OfTenThousandMessagesASecondEachIsCountedAndTheFlightGoesOn) {
   Rig rig(row_of({"1.16", "1.16"}, 7.0));
   std::int64_t sent = 0;
   const LoopOutcome outcome = rig.fly(1.0, [&] {
-    const OtherProgram other(rig.scenario.fleet->network, Identity::flyer);
+    const OtherProgram other(fleet_of(rig.scenario).network, Identity::flyer);
     Writer<px4_msgs_msg_dds__VehicleOdometry_> flood(other.participant(),
                                                      px4_msgs_msg_dds__VehicleOdometry__desc,
                                                      "/px4_0/fmu/out/vehicle_odometry", of_px4_output);

@@ -152,7 +152,7 @@ class GarbledWorld final : public World {
             {topic, std::make_unique<PayloadWriter>(other, *type, topic), &message_type(type->m_typename)});
       }
     }
-    for (const Link& link : scenario.fleet->links)
+    for (const Link& link : fleet_of(scenario).links)
       robots_.push_back({RobotState(team().model(link.robot)), size(team().state_offset(link.robot)),
                          size(team().input_offset(link.robot))});
     for (const auto& [topic, wire] : read)
@@ -246,7 +246,7 @@ const std::string garbled_more =
 TEST(Garbled, WhatIsBelievedAndCommandedStaysFiniteAndWithinItsLimits) {
   Scenario scenario = row_of({"1.14", "1.15", "1.16", "1.17", "1.18"}, whole_campaign() ? 30.0 : 3.0,
                              garbled_more, "model", "off");
-  GarbledWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network), 40);
+  GarbledWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network), 40);
   EXPECT_THAT(world.unknown(), testing::IsEmpty());
   EXPECT_GE(world.topics().size(), 40U) << fmt::format("{}", fmt::join(world.topics(), "\n"));
   const Controls controls(scenario);

@@ -23,7 +23,7 @@ Scenario localized(double duration, const std::vector<std::string>& set = {}) {
   std::vector<std::string> all = {fmt::format("fleet.domain={}", test::own_domain()),
                                   fmt::format("simulation.duration={}", duration)};
   all.insert(all.end(), set.begin(), set.end());
-  return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml", built_in_registry(), all);
+  return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml", with_links(), all);
 }
 
 TEST(LinkTelemetry, ACommandIsTheSameForTheRobotInAnyFrame) {
@@ -50,7 +50,7 @@ TEST(LinkTelemetry, ACommandIsTheSameForTheRobotInAnyFrame) {
 TEST(LinkTelemetry, AFilterThatNoLinkServesIsRefused) {
   const Scenario scenario = localized(1.0, {"agent.uav0.estimate.filter=\"attitude\""});
   try {
-    DdsWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network));
+    DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network));
     FAIL() << "expected a refusal";
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), HasSubstr("agent.uav0.estimate.filter = attitude"));

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "sightline/scenario/link.hpp"
+#include "bridges/dds/fleet/link.hpp"
 
 namespace sightline::test {
 

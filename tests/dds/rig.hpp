@@ -72,7 +72,7 @@ class Rig {
   explicit Rig(const Scenario& flown, const LinkTimes& times = {}) : Rig(flown, flown, times) {}
   Rig(const Scenario& flown, const Scenario& vehicles, const LinkTimes& times)
       : scenario(flown),
-        domain(std::make_shared<Domain>(flown.fleet->network)),
+        domain(std::make_shared<Domain>(fleet_of(flown).network)),
         vehicle_simulators(vehicles, domain),
         stepping([this] { vehicle_simulators.run(1e9, stepped, {}); }),
         world(std::make_unique<DdsWorld>(scenario, domain, of_vehicle_simulators(times))) {}
@@ -139,7 +139,7 @@ class Rig {
 
 /// Of each vehicle: armed at most once, never a set-point where it takes none, all numbers fit.
 inline void expect_well_treated(Rig& rig) {
-  for (std::size_t i = 0; i < rig.scenario.fleet->links.size(); ++i) {
+  for (std::size_t i = 0; i < fleet_of(rig.scenario).links.size(); ++i) {
     const Px4VehicleCounts n = rig.told_of(i);
     EXPECT_LE(n.arm_requests, 1) << i;
     EXPECT_LE(n.offboard_requests, 1) << i;

@@ -99,7 +99,7 @@ TEST(Ros2FlyerLink, WhereItFallsSilentItIsAskedToLand) {
 
 TEST(Ros2FlyerLink, WithoutADriverItSaysWhatIsMissing) {
   const Scenario scenario = flyers({by_services}, 1.0);
-  DdsWorld world(scenario, std::make_shared<Domain>(scenario.fleet->network), {.ready = 0.5});
+  DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network), {.ready = 0.5});
   const Interrupts none{0};
   Fields sentences;
   EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { sentences.emplace_back(s); }));

@@ -216,7 +216,7 @@ TEST_F(SecureFlight, VehiclesWithoutKeysAreNobodyToAFlyerWithKeys) {
   fleet_keys();
   const auto vehicles = begin({"vehicles", fleet_with("", "1.0").string()}, "vehicles");
   ASSERT_TRUE(says("vehicles.err", "simulated vehicles"));
-  const Scenario scenario = read_scenario(fleet_with("keys", "1.0"));
+  const Scenario scenario = read_scenario(fleet_with("keys", "1.0"), with_links());
   DdsWorld flyer(scenario, std::make_shared<Domain>(with(fleet_keys())), {.ready = 2.5});
   const Interrupts none{0};
   std::vector<std::string> reported;

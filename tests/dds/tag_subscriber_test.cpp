@@ -10,6 +10,7 @@
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/topics/tag_frames.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/links.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/command.hpp"
 
@@ -25,7 +26,7 @@ using testing::Ge;
 using testing::HasSubstr;
 using testing::Le;
 
-Scenario shipped() { return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml"); }
+Scenario shipped() { return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/localize.toml", with_links()); }
 
 /// What a camera sees, as apriltag_ros would say it.
 struct Pictures {

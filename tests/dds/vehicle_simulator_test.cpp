@@ -19,7 +19,7 @@ TEST(VehicleSimulator, FaultsOfTheFileBeginAndEndInTheirTime) {
                                    fault("kind = \"drop\"\nat = 0.1\nduration = 0.2\nsize = 1.0\n") +
                                        fault("kind = \"battery_low\"\nat = 0.0\n") +
                                        fault("kind = \"pilot\"\nsince = \"flight\"\nat = 0.0\n"));
-  DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(scenario.fleet->network));
+  DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(fleet_of(scenario).network));
   EXPECT_TRUE(vehicle_simulators.faults(0).on(Kind::battery_low)) << "from the first message on";
   Fields reported;
   const Interrupts never{0};
@@ -32,7 +32,7 @@ TEST(VehicleSimulator, FaultsOfTheFileBeginAndEndInTheirTime) {
 
 TEST(VehicleSimulator, ARestartedOneBeginsAnewAndWhatItDidBeforeIsTold) {
   const Scenario scenario = row_of({"1.16"}, 1.0, fault("kind = \"restart\"\nat = 0.1\nsize = 0.1\n"));
-  DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(scenario.fleet->network));
+  DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(fleet_of(scenario).network));
   const Interrupts never{0};
   vehicle_simulators.run(0.15, never, {});
   EXPECT_THAT(vehicle_simulators.counts(),
@@ -47,7 +47,7 @@ TEST(VehicleSimulator, KeysBeginAndEndTheFaultsThatARobotCanHave) {
              "[agent.r]\nrobot = \"unicycle\"\nstart = { p = [0, 5, 0] }\n[agent.r.link]\nkind = \"ros2\"\n"
              "odometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\n",
              "model", "off");
-  DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(scenario.fleet->network));
+  DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(fleet_of(scenario).network));
   EXPECT_EQ(vehicle_simulators.toggle(0, Kind::drop), "uav0: drop 0.2 begins");
   EXPECT_TRUE(vehicle_simulators.faults(0).on(Kind::drop));
   EXPECT_EQ(vehicle_simulators.toggle(0, Kind::drop), "uav0: drop ends");

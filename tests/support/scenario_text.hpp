@@ -3,14 +3,15 @@
 
 #include <string>
 
+#include "sightline/links.hpp"
 #include "sightline/scenario/read_robot.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline::test {
 
-/// The scenario of a file a.toml.
-inline Scenario scenario_of(const std::string& text) { return parse_scenario(text, "a.toml"); }
+/// The scenario of a file a.toml, which may have links.
+inline Scenario scenario_of(const std::string& text) { return parse_scenario(text, "a.toml", with_links()); }
 
 inline std::string scenario_refusal(const std::string& text) {
   return refusal_of<ScenarioError>([&] { scenario_of(text); });

@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "bridges/dds/topics/pose_subscriber.hpp"
 #include "bridges/dds/topics/service.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

@@ -48,7 +48,7 @@ LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseSub
                              dds_entity_t participant)
     : team_(scenario.team), radio_(scenario.radio), rest_(size(team_.nu())) {
   std::vector<WatchedCamera> cameras;
-  const auto& links = scenario.fleet->links;
+  const auto& links = fleet_of(scenario).links;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const BodyId robot = links[i].robot;
     const auto& all = scenario.localization.robots;

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/links/px4_layout.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "bridges/dds/topics/surroundings.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

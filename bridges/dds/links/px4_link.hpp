@@ -8,13 +8,13 @@
 #include <string>
 #include <string_view>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/links/frame_anchor.hpp"
 #include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/links/px4_diagnostics.hpp"
 #include "bridges/dds/links/px4_release.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/topics/channel.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/fleet/link_fault.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/scenario/link_fault.hpp"
 #include "sightline/world/disturbance.hpp"
 
 namespace sightline::dds {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/links/px4_layout.hpp"
 #include "bridges/dds/simulators/faults.hpp"
 #include "bridges/dds/topics/channel.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/simulators/faults.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

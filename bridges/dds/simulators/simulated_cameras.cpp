@@ -81,7 +81,7 @@ SimulatedCameras::SimulatedCameras(dds_entity_t participant, const Scenario& sce
                                    const std::vector<Faults*>& faults)
     : vision_(camera_options(scenario)) {
   if (vision_.cameras.empty() || vision_.tags.empty()) return;
-  const auto& links = scenario.fleet->links;
+  const auto& links = fleet_of(scenario).links;
   for (const Link& link : links) {
     models_.emplace_back(scenario.team.model(link.robot));
     places_.push_back(size(scenario.team.state_offset(link.robot)));

@@ -85,13 +85,13 @@ SimulatedPoses::SimulatedPoses(dds_entity_t participant, const Scenario& scenari
                             : motion_capture_tracking_interfaces_msg_dds__NamedPoseArray__desc,
           from.topic, of_ros_nodes);
   };
-  for (const Link& link : scenario.fleet->links) {
-    add(link.robot, static_cast<int>(&link - scenario.fleet->links.data()), link.poses);
+  for (const Link& link : fleet_of(scenario).links) {
+    add(link.robot, static_cast<int>(&link - fleet_of(scenario).links.data()), link.poses);
     if (motions_.empty()) continue;
     models_.emplace_back(team.model(link.robot));
     places_.push_back(size(team.state_offset(link.robot)));
   }
-  for (const BodyLink& link : scenario.fleet->bodies) add(link.body, -1, link.poses);
+  for (const BodyLink& link : fleet_of(scenario).bodies) add(link.body, -1, link.poses);
 
   std::vector<SentTransform> starts;
   std::vector<std::string> frames;

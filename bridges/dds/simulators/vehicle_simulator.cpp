@@ -19,12 +19,6 @@ namespace {
 
 constexpr double lowest_takeoff = 0.5;  // [m]
 
-const Scenario& of_fleet(const Scenario& scenario) {
-  if (!scenario.fleet)
-    throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
-  return scenario;
-}
-
 }  // namespace
 
 std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
@@ -78,11 +72,11 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
 }
 
 DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain)
-    : scenario_(of_fleet(scenario)), domain_(std::move(domain)), poses_(domain_->participant(), scenario_) {
-  for (const Link& link : scenario_.fleet->links) {
+    : scenario_(scenario), domain_(std::move(domain)), poses_(domain_->participant(), scenario_) {
+  for (const Link& link : fleet_of(scenario_).links) {
     Robot& robot = robots_.emplace_back(link, std::string(scenario_.team.name(link.robot)),
                                         scenario_.simulation.seed + robots_.size());
-    for (const LinkFault& fault : scenario_.fleet->faults)
+    for (const LinkFault& fault : fleet_of(scenario_).faults)
       if (fault.robot == link.robot) plan_.push_back({fault, &robot});
   }
   std::vector<Faults*> faults;

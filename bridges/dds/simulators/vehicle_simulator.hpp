@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
+#include "bridges/dds/fleet/bridge.hpp"
 #include "bridges/dds/simulators/faults.hpp"
 #include "bridges/dds/simulators/simulated_cameras.hpp"
 #include "bridges/dds/simulators/simulated_poses.hpp"
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/scenario/bridge.hpp"
 
 namespace sightline::dds {
 

@@ -9,9 +9,9 @@
 #include <array>
 #include <cstdint>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "sightline/base/fixed.hpp"
 #include "sightline/model/frames.hpp"
-#include "sightline/scenario/link.hpp"
 #include "sightline/world/rigid_body.hpp"
 
 namespace sightline::dds {

@@ -178,7 +178,7 @@ class FlightPublisher::Thread {
 FlightPublisher::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Counts counts)
     : moments_(moments_kept, sized_moment(scenario)),
       team_(scenario.team),
-      node_(scenario.fleet->network.node),
+      node_(fleet_of(scenario).network.node),
       solver_(scenario.solver.name),
       no_input_(size(team_.nu())),
       scene_(scenario),
@@ -190,7 +190,7 @@ FlightPublisher::Thread::Thread(const Scenario& scenario, dds_entity_t participa
                    of_shown),
       log_(participant, ROS_TYPE(rcl_interfaces_msg_dds__Log_), "/rosout", of_log_lines) {
   if (scenario.safety && scenario.safety->supervisor) fresh_ = scenario.safety->supervisor->times.fresh;
-  for (const Link& link : scenario.fleet->links) {
+  for (const Link& link : fleet_of(scenario).links) {
     const std::string name(team_.name(link.robot)), begin = node_ + "/" + topic_part(name);
     for (const auto& other : robots_)
       if (other->frame == begin.substr(1))

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "sightline/scenario/goal_track.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

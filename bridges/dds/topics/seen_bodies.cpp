@@ -19,7 +19,7 @@ constexpr Nanoseconds body_old = 500'000'000;  // limit of the pose age before a
 
 SeenBodies::SeenBodies(const Scenario& scenario, dds_entity_t participant) {
   const Team& team = scenario.team;
-  for (const BodyLink& link : scenario.fleet->bodies) {
+  for (const BodyLink& link : fleet_of(scenario).bodies) {
     const auto uncooperative =
         std::find_if(scenario.uncooperative.begin(), scenario.uncooperative.end(),
                      [&](const UncooperativeBody& body) { return body.body == link.body; });
@@ -29,7 +29,7 @@ SeenBodies::SeenBodies(const Scenario& scenario, dds_entity_t participant) {
     if (link.robot) {
       // The robot's own motion is used, whatever its model; another part plans it.
       bodies_.back().robot = made_end({participant, PublishMode::off}, *link.robot, team.name(link.body),
-                                      team.model(link.body), scenario.fleet->network);
+                                      team.model(link.body), fleet_of(scenario).network);
       continue;
     }
     read_seen_poses(*bodies_.back().poses, participant, link.poses, Attitude::ignored);

@@ -1,8 +1,8 @@
 /// Subscriptions to body poses that others publish: motion capture, /tf.
 #pragma once
 
+#include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/topics/pose_subscriber.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline::dds {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/dds/fleet/finding.hpp"
 #include "bridges/dds/topics/channel.hpp"
-#include "sightline/scenario/finding.hpp"
 
 namespace sightline::dds {
 

@@ -8,20 +8,16 @@
 
 namespace sightline {
 
-namespace {
-
-std::string words_of(const TagReading& one, const Team& team) {
+std::string in_words(const TagReading& one, const Team& team) {
   return fmt::format("a tag of {} has {:.1f} px for the camera of {} at {} = {} m", team.name(one.target),
                      one.pixels, team.name(one.observer), one.key, one.distance);
 }
-
-}  // namespace
 
 TagSize judge_tag_sizes(const Scenario& scenario) {
   TagSize judged;
   const std::vector<TagReading> readings = tag_readings(scenario);
   for (const TagReading& one : readings) {
-    const std::string what = words_of(one, scenario.team);
+    const std::string what = in_words(one, scenario.team);
     const bool is_nearest = std::none_of(readings.begin(), readings.end(), [&](const TagReading& other) {
       return other.observer == one.observer && other.target == one.target && other.distance < one.distance;
     });
@@ -36,30 +32,6 @@ TagSize judge_tag_sizes(const Scenario& scenario) {
     }
   }
   return judged;
-}
-
-std::vector<Finding> tag_findings(const Scenario& scenario) {
-  std::vector<Finding> findings;
-  const std::vector<TagReading> readings = tag_readings(scenario);
-  for (const TagReading& one : readings) {
-    const std::string_view expected = one.pixels < one.from_ahead      ? "it is not read"
-                                      : one.pixels < one.from_any_side ? "it is not read from every side"
-                                                                       : "";
-    if (expected.empty()) continue;
-    findings.push_back(
-        {"", Aspect::tags, Light::red,
-         fmt::format("{}, below {:.1f} px {}: larger tags, another camera, or nearer",
-                     words_of(one, scenario.team),
-                     one.pixels < one.from_ahead ? one.from_ahead : one.from_any_side, expected)});
-  }
-  if (!findings.empty() || readings.empty()) return findings;
-  const auto smallest =
-      std::min_element(readings.begin(), readings.end(), [](const TagReading& a, const TagReading& b) {
-        return a.pixels - a.from_any_side < b.pixels - b.from_any_side;
-      });
-  findings.push_back({"", Aspect::tags, Light::green,
-                      fmt::format("{}, enough from every side", words_of(*smallest, scenario.team))});
-  return findings;
 }
 
 }  // namespace sightline

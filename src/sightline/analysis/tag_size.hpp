@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
+
+struct TagReading;
 
 struct TagSize {
   std::vector<std::string> refusals;  ///< no camera reads the tags at the nearest distance
@@ -17,8 +18,7 @@ struct TagSize {
 /// Judges the size of the tags in pixels, for every coupled pair of a robot with a camera and a
 /// body with tags (tag_readings()).
 TagSize judge_tag_sizes(const Scenario& scenario);
-/// The same as findings before a flight: red for tags that are too small at a distance, else one
-/// green finding with the smallest tag's pixels. Empty if no camera observes tags.
-std::vector<Finding> tag_findings(const Scenario& scenario);
+/// "a tag of b has 13.9 px for the camera of a at d_max = 3 m"
+std::string in_words(const TagReading& one, const Team& team);
 
 }  // namespace sightline

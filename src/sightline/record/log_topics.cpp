@@ -71,7 +71,7 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
     solvers_.push_back(
         open(schemas_.solver, controllers > 1 ? fmt::format("/controller{}/solver", c) : "/solver", "json"));
   events_ = open(schemas_.event, "/events", "json");
-  measurements_.emplace(team_, to_, goals_of(scenario.fleet));
+  measurements_.emplace(team_, to_, scenario.goals);
   localization_.emplace(scenario, to_);
   cameras_.emplace(scenario, to_);
   tuned_.emplace(scenario, to_);

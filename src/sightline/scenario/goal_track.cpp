@@ -108,12 +108,4 @@ Reference GoalTrack::reference(std::shared_ptr<const GoalTrack> track) {
   return Reference([track = std::move(track)](double t) { return track->state(t); });
 }
 
-std::vector<RobotGoals> goals_of(const std::optional<FleetPlan>& fleet) {
-  std::vector<RobotGoals> all;
-  if (!fleet) return all;
-  for (const Link& link : fleet->links)
-    if (link.goals.track) all.push_back({link.robot, link.goals.track});
-  return all;
-}
-
 }  // namespace sightline

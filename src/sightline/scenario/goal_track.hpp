@@ -4,12 +4,11 @@
 #include <array>
 #include <atomic>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
+#include "sightline/ocp/team.hpp"
 #include "sightline/potential/reference.hpp"
-#include "sightline/scenario/link.hpp"
 
 namespace sightline {
 
@@ -113,7 +112,5 @@ struct RobotGoals {
   BodyId robot{};
   std::shared_ptr<GoalTrack> track{};
 };
-/// Robots of a fleet that accept goals.
-std::vector<RobotGoals> goals_of(const std::optional<FleetPlan>& fleet);
 
 }  // namespace sightline

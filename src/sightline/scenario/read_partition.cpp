@@ -194,15 +194,8 @@ Scenario part_of(const Scenario& whole) {
   std::erase_if(part.simulation.faults, [&](const Fault& fault) {
     return fault.body.index >= 0 && fault.number >= team.model(fault.body).nx();
   });
-  if (!part.fleet) return part;
-  here.rename(part.fleet->bodies, &BodyLink::body);
-  for (const Link& link : whole.fleet->links) {
-    if (here.steers(link.robot)) continue;
-    part.fleet->bodies.push_back({.body = here(link.robot), .poses = link.poses, .robot = link});
-  }
-  here.keep_own(part.fleet->links, &Link::robot);
-  here.keep_own(part.fleet->faults, &LinkFault::robot);
-  part.fleet->network.node += "/" + part.partition->part;
+  here.keep_own(part.goals, &RobotGoals::robot);
+  if (part.links) part.links = part.links->of_part(whole, part);
   return part;
 }
 

@@ -128,6 +128,7 @@ struct Scenario;
 class World;
 class DetectionSource;
 class Bridge;
+class LinkReader;
 
 /// Makes the source of a world's detections: it renders camera pictures and detects tags in them.
 /// @throws std::invalid_argument if the requested pictures cannot be rendered or the requested tags
@@ -192,7 +193,8 @@ struct Registry {
   PartList<Reference> references{"reference", {"state"}};
   PartList<Limit> limits{"limit"};
   WorldList worlds;
-  std::shared_ptr<const Bridge> bridge{};  ///< for fleets (bridge.hpp); null: no fleet can fly
+  std::shared_ptr<const LinkReader> links{};  ///< for files with [fleet] (links.hpp); null: refuses them
+  std::shared_ptr<const Bridge> bridge{};     ///< flies fleets; null: no fleet can fly
 };
 
 /// The parts of the library, made once.

@@ -22,7 +22,6 @@
 #include "sightline/scenario/read_disturbances.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_event.hpp"
-#include "sightline/scenario/read_link.hpp"
 #include "sightline/scenario/read_motion.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/read_partition.hpp"
@@ -56,7 +55,6 @@ class Reader {
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
     read_simulation();
-    if (auto network = read_fleet(root_)) scenario_.fleet = FleetPlan{.network = std::move(*network)};
     read_agents();
     read_log();
     read_bodies("target", scenario_.targets);
@@ -74,7 +72,7 @@ class Reader {
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
     check_start_outside(root_, scenario_);
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
-    if (scenario_.fleet) read_link_faults(root_.table("fleet"), scenario_.team, *scenario_.fleet);
+    if (root_.has("fleet")) scenario_.links = link_reader(root_).read_links(root_, scenario_);
     scenario_.script = read_events(root_, scenario_, observers_);
     // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
@@ -90,6 +88,14 @@ class Reader {
   }
 
  private:
+  /// The reader of the links in that table.
+  const LinkReader& link_reader(const TomlTable& at) const {
+    if (!root_.has("fleet")) at.throw_invalid("link", "no such table without a [fleet]");
+    if (root_.registry().links == nullptr)
+      root_.throw_invalid("fleet", "no links: this program lacks their reader, with_links()");
+    return *root_.registry().links;
+  }
+
   void read_log() {
     const TomlTable at = root_.table_or_empty("log");
     at.read({{"prediction_period", &scenario_.log.prediction_period, {1e-4, largest_number, ">= 1e-4 s"}}});
@@ -190,7 +196,9 @@ class Reader {
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").throw_invalid(place_key(at), "a place at or above the ground, whose height is 0 m");
-      GoalsFrom goals = read_goals(at, agent);
+      std::shared_ptr<GoalTrack> goals;
+      if (at.has("link")) goals = link_reader(at).read_goals(at, agent);
+      if (goals) agent.x_ref = GoalTrack::reference(goals);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
       if (vehicle) {
         vehicle->robot = bodies_.at(name);
@@ -198,7 +206,7 @@ class Reader {
       }
       read_sight(at, bodies_.at(name), observers_.back().mount, scenario_);
       read_compensation(at, bodies_.at(name));
-      read_link(at, name, bodies_.at(name), std::move(goals), scenario_.fleet);
+      if (goals) scenario_.goals.push_back({bodies_.at(name), std::move(goals)});
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
@@ -329,7 +337,7 @@ class Reader {
       ids.push_back(read.uncooperative.body = bodies_.at(name));
       read_sight(at, read.uncooperative.body, {}, scenario_);
       scenario_.uncooperative.push_back(std::move(read.uncooperative));
-      read_body_link(at, bodies_.at(name), scenario_.fleet);
+      if (at.has("link")) (void)link_reader(at);
       scenario_.presence.push_back(is_present(at) ? Presence::hold : Presence::absent);
     }
   }
@@ -495,7 +503,7 @@ std::string summary(const Scenario& scenario) {
          air.x, air.y, air.z);
   }
   if (scenario.partition) text += in_words(*scenario.partition);
-  if (scenario.fleet) line("{}", in_words(*scenario.fleet, team));
+  if (scenario.links) line("{}", scenario.links->in_words(team));
   text += camera_words(scenario) + localization_words(scenario);
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;

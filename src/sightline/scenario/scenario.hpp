@@ -22,7 +22,8 @@
 #include "sightline/run/guard.hpp"
 #include "sightline/run/localizer.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
-#include "sightline/scenario/link.hpp"
+#include "sightline/scenario/goal_track.hpp"
+#include "sightline/scenario/links.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "sightline/solver/continuation/cmscgmres.hpp"
@@ -159,7 +160,8 @@ struct Scenario {
   Simulation simulation{};
   std::optional<Safety> safety{};
   LogOptions log{};
-  std::optional<FleetPlan> fleet{};          ///< links to its robots, if they are not simulated
+  std::shared_ptr<const Links> links{};      ///< to its robots, if they are not simulated; null: none
+  std::vector<RobotGoals> goals{};           ///< of the robots that accept goals in flight
   std::optional<PartitionPlan> partition{};  ///< of the whole team; if one part is planned here, `team` is
                                              ///< that part
   std::optional<CampaignPlan> campaign{};

@@ -1,9 +1,12 @@
-#include "sightline/scenario/finding.hpp"
+#include "bridges/dds/fleet/finding.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+
+#include "sightline/analysis/tag_size.hpp"
+#include "sightline/scenario/read_camera.hpp"
 
 namespace sightline {
 namespace {
@@ -73,6 +76,30 @@ std::string findings_table(std::span<const Finding> findings, bool coloured) {
     }
   }
   return table;
+}
+
+std::vector<Finding> tag_findings(const Scenario& scenario) {
+  std::vector<Finding> findings;
+  const std::vector<TagReading> readings = tag_readings(scenario);
+  for (const TagReading& one : readings) {
+    const std::string_view expected = one.pixels < one.from_ahead      ? "it is not read"
+                                      : one.pixels < one.from_any_side ? "it is not read from every side"
+                                                                       : "";
+    if (expected.empty()) continue;
+    findings.push_back(
+        {"", Aspect::tags, Light::red,
+         fmt::format("{}, below {:.1f} px {}: larger tags, another camera, or nearer",
+                     in_words(one, scenario.team),
+                     one.pixels < one.from_ahead ? one.from_ahead : one.from_any_side, expected)});
+  }
+  if (!findings.empty() || readings.empty()) return findings;
+  const auto smallest =
+      std::min_element(readings.begin(), readings.end(), [](const TagReading& a, const TagReading& b) {
+        return a.pixels - a.from_any_side < b.pixels - b.from_any_side;
+      });
+  findings.push_back({"", Aspect::tags, Light::green,
+                      fmt::format("{}, enough from every side", in_words(*smallest, scenario.team))});
+  return findings;
 }
 
 }  // namespace sightline

@@ -1,4 +1,4 @@
-#include "sightline/scenario/link_fault.hpp"
+#include "bridges/dds/fleet/link_fault.hpp"
 
 #include <gtest/gtest.h>
 

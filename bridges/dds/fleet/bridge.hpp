@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "bridges/dds/fleet/finding.hpp"
 #include "sightline/run/sample.hpp"
-#include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/solver/distributed/part_solver.hpp"
 #include "sightline/world/world.hpp"

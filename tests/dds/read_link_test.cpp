@@ -1,11 +1,11 @@
-#include "sightline/scenario/read_link.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "bridges/dds/fleet/link.hpp"
+#include "sightline/links.hpp"
 #include "sightline/scenario/goal_track.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/scenario_text.hpp"
@@ -27,9 +27,8 @@ const std::string px4 = "kind = \"px4\"\nrelease = \"1.16\"\norigin = { p = [1, 
 
 TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
   const Scenario a = scenario_of(fleet(px4 + "namespace = \"/px4_1\"\ntarget_system = 2\n"));
-  ASSERT_TRUE(a.fleet);
-  ASSERT_EQ(a.fleet->links.size(), 1u);
-  const Link& link = a.fleet->links[0];
+  ASSERT_EQ(fleet_of(a).links.size(), 1u);
+  const Link& link = fleet_of(a).links[0];
   const auto& vehicle = std::get<Px4Link>(link.kind);
   EXPECT_EQ(vehicle.release, Px4Release::v1_16);
   EXPECT_EQ(vehicle.name_space, "/px4_1");
@@ -42,16 +41,16 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
 
   const Scenario b = scenario_of(
       fleet("kind = \"crazyswarm2\"\nposes = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"cf1\"\n"));
-  const auto& crazyflie = std::get<Crazyswarm2Link>(b.fleet->links[0].kind);
+  const auto& crazyflie = std::get<Crazyswarm2Link>(fleet_of(b).links[0].kind);
   EXPECT_EQ(crazyflie.name_space, "/uav0");
-  EXPECT_EQ(b.fleet->links[0].poses.source, PoseSource::mocap);
-  EXPECT_EQ(b.fleet->links[0].poses.name, "cf1");
-  EXPECT_EQ(b.fleet->links[0].poses.frame, "world");
+  EXPECT_EQ(fleet_of(b).links[0].poses.source, PoseSource::mocap);
+  EXPECT_EQ(fleet_of(b).links[0].poses.name, "cf1");
+  EXPECT_EQ(fleet_of(b).links[0].poses.frame, "world");
 
   const Scenario c =
       scenario_of(fleet("kind = \"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\nstamped = "
                         "true\nframe = \"odom\"\n"));
-  const auto& rover = std::get<Ros2Link>(c.fleet->links[0].kind);
+  const auto& rover = std::get<Ros2Link>(fleet_of(c).links[0].kind);
   EXPECT_EQ(rover.odometry, "/r/odom");
   EXPECT_TRUE(rover.stamped);
   EXPECT_EQ(rover.frame, "odom");
@@ -59,8 +58,8 @@ TEST(ReadLink, EachKindHasWhatTheFileSaysAndDefaultsForTheRest) {
   const Scenario d =
       scenario_of(fleet("kind = \"ros2\"\ncmd_vel = \"/r/cmd_vel\"\nposes = \"tf\"\npose_name = "
                         "\"base_link\"\npose_frame = \"map\"\n"));
-  EXPECT_EQ(d.fleet->links[0].poses.source, PoseSource::tf);
-  EXPECT_EQ(d.fleet->links[0].poses.frame, "map");
+  EXPECT_EQ(fleet_of(d).links[0].poses.source, PoseSource::tf);
+  EXPECT_EQ(fleet_of(d).links[0].poses.frame, "map");
   EXPECT_THAT(summary(d),
               HasSubstr("link        uav0: /r/cmd_vel, poses by tf of base_link, origin [0, 0, 0] m\n"));
 }
@@ -76,9 +75,9 @@ const std::string linked_by_view =
 TEST(ReadLink, ARobotThatIsLocalizedByViewHasItsPosesByEstimate) {
   for (const std::string poses : {"", "poses = \"estimate\"\n"}) {
     const Scenario a = scenario_of(linked_by_view + poses);
-    EXPECT_TRUE(a.fleet->links[0].poses.estimated());
-    EXPECT_TRUE(a.fleet->links[0].has_camera);
-    EXPECT_FALSE(a.fleet->links[1].poses.estimated());
+    EXPECT_TRUE(fleet_of(a).links[0].poses.estimated());
+    EXPECT_TRUE(fleet_of(a).links[0].has_camera);
+    EXPECT_FALSE(fleet_of(a).links[1].poses.estimated());
     EXPECT_THAT(summary(a), HasSubstr("poses by estimate, motion by odometry\n"));
   }
   EXPECT_THAT(scenario_refusal(linked_by_view + "poses = \"odometry\"\n"),
@@ -95,12 +94,13 @@ TEST(ReadLink, ARobotThatTakesGoalsHasAReferenceThatTheyChange) {
       "reference = { constant = { p = [0, 0, 2] } }\n";
   const Scenario a = scenario_of("[fleet]\n" + weighs + "[agent.uav0.link]\n" + px4 +
                                  "goal_topic = \"/uav0/goal\"\ngoal_speed = 1.5\ngoal_frame = \"map\"\n");
-  const GoalsFrom& goals = a.fleet->links[0].goals;
+  const GoalsFrom& goals = fleet_of(a).links[0].goals;
   EXPECT_EQ(goals.goal_topic, "/uav0/goal");
   EXPECT_EQ(goals.path_topic, "");
   EXPECT_EQ(goals.frame, "map");
   EXPECT_EQ(goals.speed, 1.5);
-  ASSERT_EQ(goals_of(a.fleet).size(), 1u);
+  ASSERT_EQ(a.goals.size(), 1u);
+  EXPECT_EQ(a.goals[0].track, goals.track);
   std::vector<double> x(7);
   const auto height = [&](double t) {
     a.team.agents()[0].x_ref(t, a.team.agents()[0].model, x);
@@ -119,10 +119,10 @@ TEST(ReadLink, TargetsAndObstaclesMayBeSeenByOthers) {
       "[obstacle.box]\np = [3, 0, 1]\n"
       "[obstacle.cart]\np = [5, 0, 0]\nlink = { poses = \"tf\", pose_name = \"cart\", pose_frame = \"map\" "
       "}\n");
-  ASSERT_EQ(a.fleet->bodies.size(), 2u);
-  EXPECT_EQ(a.team.name(a.fleet->bodies[0].body), "lamp");
-  EXPECT_EQ(a.fleet->bodies[0].poses.topic, "/lamp/pose");
-  EXPECT_EQ(a.fleet->bodies[1].poses.frame, "map");
+  ASSERT_EQ(fleet_of(a).bodies.size(), 2u);
+  EXPECT_EQ(a.team.name(fleet_of(a).bodies[0].body), "lamp");
+  EXPECT_EQ(fleet_of(a).bodies[0].poses.topic, "/lamp/pose");
+  EXPECT_EQ(fleet_of(a).bodies[1].poses.frame, "map");
   EXPECT_THAT(summary(a), HasSubstr("link        cart: poses by tf of cart\n"));
   // What others see may move, whatever it does in simulation.
   EXPECT_EQ(a.uncooperative[0].speed_max, 1.5);
@@ -131,11 +131,11 @@ TEST(ReadLink, TargetsAndObstaclesMayBeSeenByOthers) {
 
 TEST(ReadLink, WhatFliesOnRos2SaysWhatTakesItOffAndLandsIt) {
   const std::string ros2 = "kind = \"ros2\"\nodometry = \"/o\"\ncmd_vel = \"/c\"\n";
-  EXPECT_FALSE(std::get<Ros2Link>(scenario_of(fleet(ros2)).fleet->links[0].kind).flies());
+  EXPECT_FALSE(std::get<Ros2Link>(fleet_of(scenario_of(fleet(ros2))).links[0].kind).flies());
   const Scenario a = scenario_of(fleet(
       ros2 +
       "takeoff = \"/t\"\nland = \"/l\"\nstate = \"/s\"\ncalls = \"trigger\"\ncommands = \"normalised\"\n"));
-  const auto& link = std::get<Ros2Link>(a.fleet->links[0].kind);
+  const auto& link = std::get<Ros2Link>(fleet_of(a).links[0].kind);
   EXPECT_TRUE(link.flies());
   EXPECT_EQ(link.land, "/l");
   EXPECT_EQ(link.state, "/s");
@@ -153,21 +153,21 @@ TEST(ReadLink, WhatFliesOnRos2SaysWhatTakesItOffAndLandsIt) {
 
 TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
   const Scenario a = scenario_of(fleet(px4));
-  EXPECT_EQ(a.fleet->network.interfaces, std::vector<std::string>{"lo"});
+  EXPECT_EQ(fleet_of(a).network.interfaces, std::vector<std::string>{"lo"});
   EXPECT_THAT(
       summary(a),
       HasSubstr("fleet       domain 0 on lo, asks 127.0.0.1, no multicast; /sightline shows the flight\n"));
-  EXPECT_TRUE(a.fleet->network.topics);
+  EXPECT_TRUE(fleet_of(a).network.topics);
   const Scenario b = scenario_of(fleet(
       px4,
       "domain = 5\ninterfaces = [\"eth0\"]\ndiscovery = { peers = [\"10.0.0.2\"], participants = 9 }\n"));
-  EXPECT_EQ(b.fleet->network.domain, 5);
-  EXPECT_EQ(b.fleet->network.peers, std::vector<std::string>{"10.0.0.2"});
-  EXPECT_EQ(b.fleet->network.participants, 9);
+  EXPECT_EQ(fleet_of(b).network.domain, 5);
+  EXPECT_EQ(fleet_of(b).network.peers, std::vector<std::string>{"10.0.0.2"});
+  EXPECT_EQ(fleet_of(b).network.participants, 9);
   const Scenario quiet = scenario_of(fleet(px4, "node = \"/lab/flyer_2\"\ntopics = false\n"));
   EXPECT_THAT(summary(quiet), HasSubstr("no multicast; /lab/flyer_2 shows nothing\n"));
-  EXPECT_EQ(scenario_of(fleet(px4, "interfaces = [\"eth0\"]\ndiscovery = { multicast = true }\n"))
-                .fleet->network.multicast,
+  EXPECT_EQ(fleet_of(scenario_of(fleet(px4, "interfaces = [\"eth0\"]\ndiscovery = { multicast = true }\n")))
+                .network.multicast,
             Multicast::on);
 }
 
@@ -186,7 +186,7 @@ TEST(ReadLink, KeysAreInTheFoldersOfThoseWhoHaveThem) {
     std::ofstream(keys / "flyer" / file) << "here";
   }
   const Scenario scenario = scenario_of(with(keys.string()));
-  EXPECT_EQ(scenario.fleet->network.keys, keys);
+  EXPECT_EQ(fleet_of(scenario).network.keys, keys);
   EXPECT_THAT(summary(scenario), HasSubstr("no multicast, DDS security; "));
   std::filesystem::create_directories(keys / "vehicles");
   EXPECT_THAT(refusal(), HasSubstr("expected vehicles/identity_ca.cert.pem in it"));
@@ -197,7 +197,7 @@ TEST(ReadLink, KeysAreInTheFoldersOfThoseWhoHaveThem) {
 }
 
 TEST(ReadLink, WithoutAFleetAScenarioIsWhatItWas) {
-  EXPECT_FALSE(scenario_of(agent).fleet);
+  EXPECT_FALSE(scenario_of(agent).links);
   EXPECT_THAT(scenario_refusal(agent + "[agent.uav0.link]\n" + px4),
               EndsWith("expected no such table without a [fleet]"));
 }
@@ -208,7 +208,7 @@ TEST(ReadLink, TwoRobotsWithTheTopicsOfOneAreRefused) {
     return "[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [3, 0, 1] }\n[agent.uav1.link]\n" + link;
   };
   const std::string one = px4 + "namespace = \"/px4_1\"\n";
-  EXPECT_EQ(scenario_of(fleet(one) + another(px4)).fleet->links.size(), 2U);
+  EXPECT_EQ(fleet_of(scenario_of(fleet(one) + another(px4))).links.size(), 2U);
   EXPECT_THAT(
       scenario_refusal(fleet(one) + another(one)),
       HasSubstr(

@@ -1,5 +1,3 @@
-#include "sightline/scenario/read_link.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,8 +9,9 @@
 #include <utility>
 #include <variant>
 
+#include "bridges/dds/fleet/link.hpp"
+#include "sightline/links.hpp"
 #include "sightline/model/state_roles.hpp"
-#include "sightline/scenario/goal_track.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -170,11 +169,7 @@ std::filesystem::path read_keys(const TomlTable& at) {
   return keys;
 }
 
-}  // namespace
-
-std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
-  if (!root.has("fleet")) return std::nullopt;
-  const TomlTable at = root.table("fleet");
+FleetNetwork read_network(const TomlTable& at) {
   at.expect_only({"domain", "interfaces", "discovery", "security", "fault", "node", "topics"});
   FleetNetwork network;
   if (at.has("domain")) network.domain = static_cast<int>(at.integer("domain", 0, domain_max));
@@ -195,8 +190,6 @@ std::optional<FleetNetwork> read_fleet(const TomlTable& root) {
   return network;
 }
 
-namespace {
-
 /// The key and the topic, or the prefix of topics, for commands to a robot.
 std::pair<std::string_view, std::string_view> commanded_by(const Link& link) {
   if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) return {"namespace", px4->name_space};
@@ -205,18 +198,39 @@ std::pair<std::string_view, std::string_view> commanded_by(const Link& link) {
   return {"cmd_vel", std::get<Ros2Link>(link.kind).cmd_vel};
 }
 
-}  // namespace
+/// Goals in the table of a link, without their track.
+GoalsFrom read_goals_from(const TomlTable& at, const Agent& robot) {
+  GoalsFrom goals;
+  const bool any = at.has("goal_topic") || at.has("path_topic");
+  for (const std::string_view key : {"goal_frame", "goal_speed"})
+    if (at.has(key) && !any) at.throw_invalid(key, "no such key, only with goal_topic or path_topic");
+  if (!any) return goals;
+  if (at.has("goal_topic")) goals.goal_topic = read_ros_name(at, "goal_topic", "the topic of its goals");
+  if (at.has("path_topic")) goals.path_topic = read_ros_name(at, "path_topic", "the topic of its paths");
+  if (at.has("goal_frame")) goals.frame = read_frame(at, "goal_frame", "the frame that is G");
+  if (at.has("goal_speed"))
+    goals.speed = at.number("goal_speed", {0.01, GoalTrack::path_speed, "0.01 to 5 m/s"});
+  const StateRoles roles = roles_of(robot.model);
+  const bool weighs = std::any_of(roles.position.begin(), roles.position.end(), [&](int state) {
+    const auto i = static_cast<std::size_t>(state);
+    return state >= 0 && (robot.Q[i] > 0 || robot.Q_f[i] > 0);
+  });
+  const std::string_view key = at.has("goal_topic") ? "goal_topic" : "path_topic";
+  if (!weighs) at.throw_invalid(key, "a robot whose Q weighs its position: this one would not follow");
+  if (robot.model.nx() > Reference::max_states)
+    at.throw_invalid(key, fmt::format("a robot of at most {} states", Reference::max_states));
+  return goals;
+}
 
-void read_link(const TomlTable& agent, const std::string& name, BodyId robot, GoalsFrom goals,
-               std::optional<FleetPlan>& fleet) {
-  if (agent.has("link") && !fleet) agent.throw_invalid("link", "no such table without a [fleet]");
-  if (!fleet) return;
+void read_link(const TomlTable& agent, const Agent& robot, const Scenario& scenario, FleetPlan& fleet) {
   const TomlTable at = agent.table("link", "a table with the link of the robot, as for each of a [fleet]");
-  Link& link = fleet->links.emplace_back();
-  link.robot = robot;
-  link.goals = std::move(goals);
-  link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, name);
-  for (const Link& other : std::span(fleet->links).first(fleet->links.size() - 1))
+  Link& link = fleet.links.emplace_back();
+  link.robot = scenario.team.find(robot.name);
+  link.goals = read_goals_from(at, robot);
+  for (const RobotGoals& goals : scenario.goals)
+    if (goals.robot == link.robot) link.goals.track = goals.track;
+  link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, robot.name);
+  for (const Link& other : std::span(fleet.links).first(fleet.links.size() - 1))
     if (other.kind.index() == link.kind.index() && commanded_by(other) == commanded_by(link))
       at.throw_invalid(commanded_by(link).first, "topics of its own: another robot has these");
   link.has_camera = agent.has("camera");
@@ -246,94 +260,75 @@ void read_link(const TomlTable& agent, const std::string& name, BodyId robot, Go
   }
 }
 
-GoalsFrom read_goals(const TomlTable& agent, Agent& robot) {
-  GoalsFrom goals;
-  if (!agent.has("link")) return goals;
-  const TomlTable at = agent.table("link");
-  const bool any = at.has("goal_topic") || at.has("path_topic");
-  for (const std::string_view key : {"goal_frame", "goal_speed"})
-    if (at.has(key) && !any) at.throw_invalid(key, "no such key, only with goal_topic or path_topic");
-  if (!any) return goals;
-  if (at.has("goal_topic")) goals.goal_topic = read_ros_name(at, "goal_topic", "the topic of its goals");
-  if (at.has("path_topic")) goals.path_topic = read_ros_name(at, "path_topic", "the topic of its paths");
-  if (at.has("goal_frame")) goals.frame = read_frame(at, "goal_frame", "the frame that is G");
-  if (at.has("goal_speed"))
-    goals.speed = at.number("goal_speed", {0.01, GoalTrack::path_speed, "0.01 to 5 m/s"});
-  const StateRoles roles = roles_of(robot.model);
-  const bool weighs = std::any_of(roles.position.begin(), roles.position.end(), [&](int state) {
-    const auto i = static_cast<std::size_t>(state);
-    return state >= 0 && (robot.Q[i] > 0 || robot.Q_f[i] > 0);
-  });
-  const std::string_view key = at.has("goal_topic") ? "goal_topic" : "path_topic";
-  if (!weighs) at.throw_invalid(key, "a robot whose Q weighs its position: this one would not follow");
-  if (robot.model.nx() > Reference::max_states)
-    at.throw_invalid(key, fmt::format("a robot of at most {} states", Reference::max_states));
-  goals.track = std::make_shared<GoalTrack>(robot.model, robot.x_ref, goals.speed);
-  robot.x_ref = GoalTrack::reference(goals.track);
-  return goals;
-}
-
-void read_body_link(const TomlTable& body, BodyId id, std::optional<FleetPlan>& fleet) {
-  if (!body.has("link")) return;
-  if (!fleet) body.throw_invalid("link", "no such table without a [fleet]");
-  const TomlTable at = body.table("link");
+void read_body_link(const TomlTable& at, BodyId body, FleetPlan& fleet) {
   at.expect_only({"poses", "pose_topic", "pose_name", "pose_frame"});
-  BodyLink& link = fleet->bodies.emplace_back();
-  link.body = id;
+  BodyLink& link = fleet.bodies.emplace_back();
+  link.body = body;
   link.poses = read_poses(at, PoseSource::odometry);
   if (!link.poses.by_others()) at.throw_invalid("poses", "\"mocap\" or \"tf\": where others see it");
 }
 
-namespace {
+constexpr std::size_t link_faults_most = 1000;
 
-std::string poses_in_words(const PosesFrom& poses) {
-  std::string words(pose_sources[static_cast<std::size_t>(poses.source)]);
-  if (!poses.topic.empty()) words += fmt::format(" on {}", poses.topic);
-  if (!poses.name.empty()) words += fmt::format(" of {}", poses.name);
-  return words;
+LinkFault read_link_fault(const TomlTable& at, const Team& team, const FleetPlan& fleet) {
+  at.expect_only({"robot", "kind", "since", "at", "duration", "size"});
+  std::vector<std::string_view> kinds;
+  for (const LinkFaultText& text : link_faults) kinds.push_back(text.name);
+  LinkFault fault;
+  const std::string robot = read_name(at, "robot", team, Among::robots, "the robot that has it");
+  fault.robot = team.find(robot);
+  const auto place = std::find(kinds.begin(), kinds.end(), at.word("kind", kinds)) - kinds.begin();
+  fault.kind = static_cast<LinkFaultKind>(place);
+  const LinkFaultText& text = text_of(fault.kind);
+  const auto link = std::find_if(fleet.links.begin(), fleet.links.end(),
+                                 [&](const Link& one) { return one.robot == fault.robot; });
+  if (link != fleet.links.end() && !can_have(*link, fault.kind))
+    at.throw_invalid("kind",
+                     fmt::format("a fault of robots behind {}, {} is not", link->kind_name(), text.name));
+  if (at.has("since") && at.word("since", fault_clocks) == fault_clocks[1]) fault.since = FaultClock::flight;
+  constexpr Range seconds = {0.0, 1e6, "0 to 1e6 s"};
+  fault.at = at.number("at", seconds);
+  if (at.has("duration")) fault.duration = at.number("duration", {1e-3, 1e6, "0.001 to 1e6 s"});
+  if (at.has("size") && text.size.empty())
+    at.throw_invalid("size", fmt::format("no such key for {}", text.name));
+  fault.size = text.fallback;
+  if (at.has("size")) fault.size = TableSource(at).number("size", text.bounds, text.size);
+  return fault;
 }
 
-std::string network_in_words(const FleetNetwork& network) {
-  return fmt::format("fleet       domain {} on {}, {}{}; {} {}", network.domain,
-                     fmt::join(network.interfaces, ", "),
-                     network.multicast == Multicast::on
-                         ? "by multicast"
-                         : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")),
-                     network.keys.empty() ? "" : ", DDS security", network.node,
-                     network.topics ? "shows the flight" : "shows nothing");
+void read_link_faults(const TomlTable& at, const Team& team, FleetPlan& fleet) {
+  const std::vector<TomlTable> tables = at.tables("fault");
+  if (tables.size() > link_faults_most)
+    at.throw_invalid("fault", fmt::format("at most {}", link_faults_most));
+  for (const TomlTable& one : tables) fleet.faults.push_back(read_link_fault(one, team, fleet));
 }
 
-std::string link_in_words(const Link& link, std::string_view name) {
-  std::string how;
-  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
-    how = fmt::format("{} of PX4 1.{}",
-                      px4->name_space.empty() ? "topics without a namespace" : px4->name_space,
-                      14 + static_cast<int>(px4->release));
-  } else if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind)) {
-    how = fmt::format("{} of Crazyswarm2", crazyflie->name_space);
-  } else {
-    const auto& ros2 = std::get<Ros2Link>(link.kind);
-    how = ros2.odometry.empty() ? ros2.cmd_vel : fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
+class FleetReader final : public LinkReader {
+ public:
+  std::shared_ptr<GoalTrack> read_goals(const TomlTable& agent, const Agent& robot) const override {
+    const GoalsFrom goals = read_goals_from(agent.table("link"), robot);
+    if (goals.goal_topic.empty() && goals.path_topic.empty()) return nullptr;
+    return std::make_shared<GoalTrack>(robot.model, robot.x_ref, goals.speed);
   }
-  const Vec3<double>& p = link.origin.p;
-  std::string words = fmt::format("link        {}: {}, poses by {}", name, how, poses_in_words(link.poses));
-  words += link.poses.estimated() ? std::string(", motion by odometry")
-                                  : fmt::format(", origin [{}, {}, {}] m", p.x, p.y, p.z);
-  for (const std::string& topic : {link.goals.goal_topic, link.goals.path_topic})
-    if (!topic.empty()) words += fmt::format(", goals on {}", topic);
-  return words;
-}
+  std::shared_ptr<const Links> read_links(const TomlTable& root, const Scenario& scenario) const override {
+    const TomlTable at = root.table("fleet");
+    auto fleet = std::make_shared<FleetPlan>();
+    fleet->network = read_network(at);
+    for (const auto& [name, agent] : root.named_tables("agent"))
+      read_link(agent, scenario.team.agent(scenario.team.find(name)), scenario, *fleet);
+    for (const std::string_view section : {"target", "obstacle"})
+      for (const auto& [name, body] : root.named_tables(section))
+        if (body.has("link")) read_body_link(body.table("link"), scenario.team.find(name), *fleet);
+    read_link_faults(at, scenario.team, *fleet);
+    return fleet;
+  }
+};
 
 }  // namespace
 
-std::string in_words(const FleetPlan& fleet, const Team& team) {
-  std::string all = network_in_words(fleet.network);
-  for (const Link& link : fleet.links) all += fmt::format("\n{}", link_in_words(link, team.name(link.robot)));
-  for (const LinkFault& fault : fleet.faults)
-    all += fmt::format("\nfault       {}: {}", team.name(fault.robot), in_words(fault));
-  for (const BodyLink& link : fleet.bodies)
-    all += fmt::format("\nlink        {}: poses by {}", team.name(link.body), poses_in_words(link.poses));
-  return all;
+Registry with_links(Registry parts) {
+  if (!parts.links) parts.links = std::make_shared<FleetReader>();
+  return parts;
 }
 
 }  // namespace sightline

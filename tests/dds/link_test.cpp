@@ -1,4 +1,4 @@
-#include "sightline/scenario/link.hpp"
+#include "bridges/dds/fleet/link.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// Links to robots that are not simulated, [fleet] and [agent.NAME.link]. Every build reads them;
-/// only a bridge uses them.
+/// only the bridge uses them.
 #pragma once
 
 #include <array>
@@ -12,10 +12,11 @@
 #include <variant>
 #include <vector>
 
+#include "bridges/dds/fleet/link_fault.hpp"
 #include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
 #include "sightline/ocp/active_team.hpp"
-#include "sightline/scenario/link_fault.hpp"
+#include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 
@@ -121,8 +122,6 @@ struct LinkOrigin {
   double heading = 0.0;  ///< of its x axis, if the frame is ENU [rad]
 };
 
-class GoalTrack;
-
 /// Goals for the robot in flight.
 struct GoalsFrom {
   std::string goal_topic{};            ///< of PoseStamped; empty: none
@@ -173,12 +172,21 @@ struct BodyLink {
   std::optional<Link> robot{};  ///< its link, for reception only; its id is that of the whole team
 };
 
-struct FleetPlan {
+struct FleetPlan final : Links {
   FleetNetwork network{};
   std::vector<Link> links{};        ///< of each robot, in the order of the team
   std::vector<BodyLink> bodies{};   ///< of the bodies that have a link, in the order of the team
   std::vector<LinkFault> faults{};  ///< of the vehicle simulators
+
+  std::string in_words(const Team& team) const override;
+  std::shared_ptr<const Links> of_part(const Scenario& whole, const Scenario& part) const override;
 };
+
+/// The links of a scenario.
+/// @throws std::invalid_argument without [fleet]
+const FleetPlan& fleet_of(const Scenario& scenario);
+/// The same for changes: a copy that no other scenario shares.
+FleetPlan& own_fleet(Scenario& scenario);
 
 /// Whether the robot behind a link can have a fault of that kind.
 bool can_have(const Link& link, LinkFaultKind kind);

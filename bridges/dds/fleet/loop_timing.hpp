@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cstdint>
 
+#include "bridges/dds/fleet/finding.hpp"
 #include "sightline/run/realtime.hpp"
-#include "sightline/scenario/finding.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {

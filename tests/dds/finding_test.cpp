@@ -1,4 +1,4 @@
-#include "sightline/scenario/finding.hpp"
+#include "bridges/dds/fleet/finding.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,6 +9,8 @@
 
 namespace sightline {
 
+struct Scenario;
+
 enum class Light : std::uint8_t {
   green,
   unknown,  ///< no data
@@ -61,5 +63,9 @@ Light worst(std::span<const Finding> findings);
 /// each finding.
 /// @param coloured  with the colours of a terminal
 std::string findings_table(std::span<const Finding> findings, bool coloured);
+
+/// Red for tags that are too small for a camera at a distance that couplings keep, else one green
+/// finding with the smallest tag's pixels. Empty if no camera observes tags.
+std::vector<Finding> tag_findings(const Scenario& scenario);
 
 }  // namespace sightline

@@ -1,8 +1,7 @@
-#include "sightline/scenario/read_link_fault.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bridges/dds/fleet/link.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -24,14 +23,14 @@ TEST(ReadLinkFault, EachHasWhatTheFileSaysAndTheUsualSize) {
   const Scenario s = scenario_of(with_fault(
       "robot = \"a\"\nkind = \"jump_told\"\nsince = \"flight\"\nat = 5.0\nduration = 2.0\nsize = -0.3\n"
       "[[fleet.fault]]\nrobot = \"b\"\nkind = \"drop\"\nat = 1\n"));
-  ASSERT_EQ(s.fleet->faults.size(), 2u);
-  const LinkFault& jump = s.fleet->faults[0];
+  ASSERT_EQ(fleet_of(s).faults.size(), 2u);
+  const LinkFault& jump = fleet_of(s).faults[0];
   EXPECT_EQ(jump.kind, LinkFaultKind::jump_reported);
   EXPECT_EQ(jump.since, FaultClock::flight);
   EXPECT_EQ(jump.at, 5.0);
   EXPECT_EQ(jump.duration, 2.0);
   EXPECT_EQ(jump.size, -0.3);
-  const LinkFault& drop = s.fleet->faults[1];
+  const LinkFault& drop = fleet_of(s).faults[1];
   EXPECT_EQ(s.team.name(drop.robot), "b");
   EXPECT_EQ(drop.since, FaultClock::start);
   EXPECT_EQ(drop.size, 0.2);

@@ -1,4 +1,4 @@
-#include "sightline/scenario/loop_timing.hpp"
+#include "bridges/dds/fleet/loop_timing.hpp"
 
 #include <fmt/format.h>
 

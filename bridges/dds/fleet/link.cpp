@@ -1,0 +1,127 @@
+#include "bridges/dds/fleet/link.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace sightline {
+namespace {
+
+std::string poses_in_words(const PosesFrom& poses) {
+  std::string words(pose_sources[static_cast<std::size_t>(poses.source)]);
+  if (!poses.topic.empty()) words += fmt::format(" on {}", poses.topic);
+  if (!poses.name.empty()) words += fmt::format(" of {}", poses.name);
+  return words;
+}
+
+std::string network_in_words(const FleetNetwork& network) {
+  return fmt::format("fleet       domain {} on {}, {}{}; {} {}", network.domain,
+                     fmt::join(network.interfaces, ", "),
+                     network.multicast == Multicast::on
+                         ? "by multicast"
+                         : fmt::format("asks {}, no multicast", fmt::join(network.peers, ", ")),
+                     network.keys.empty() ? "" : ", DDS security", network.node,
+                     network.topics ? "shows the flight" : "shows nothing");
+}
+
+std::string link_in_words(const Link& link, std::string_view name) {
+  std::string how;
+  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
+    how = fmt::format("{} of PX4 1.{}",
+                      px4->name_space.empty() ? "topics without a namespace" : px4->name_space,
+                      14 + static_cast<int>(px4->release));
+  } else if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind)) {
+    how = fmt::format("{} of Crazyswarm2", crazyflie->name_space);
+  } else {
+    const auto& ros2 = std::get<Ros2Link>(link.kind);
+    how = ros2.odometry.empty() ? ros2.cmd_vel : fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
+  }
+  const Vec3<double>& p = link.origin.p;
+  std::string words = fmt::format("link        {}: {}, poses by {}", name, how, poses_in_words(link.poses));
+  words += link.poses.estimated() ? std::string(", motion by odometry")
+                                  : fmt::format(", origin [{}, {}, {}] m", p.x, p.y, p.z);
+  for (const std::string& topic : {link.goals.goal_topic, link.goals.path_topic})
+    if (!topic.empty()) words += fmt::format(", goals on {}", topic);
+  return words;
+}
+
+}  // namespace
+
+std::string in_words(const LinkFault& fault) {
+  const LinkFaultText& text = text_of(fault.kind);
+  std::string words(text.name);
+  if (!text.size.empty()) words += fmt::format(" {}", fault.size);
+  if (text.size == "s" || text.size == "m") words += fmt::format(" {}", text.size);
+  if (std::isfinite(fault.duration)) words += fmt::format(" for {} s", fault.duration);
+  return words + fmt::format(", {} s after {}", fault.at,
+                             fault.since == FaultClock::start ? "the start" : "it is first steered");
+}
+
+std::string link_fault_table() {
+  std::string table = "| `kind` | key | of | `size` | default | what happens |\n|---|---|---|---|---|---|\n";
+  for (const LinkFaultText& text : link_faults) {
+    const bool every = text.of.px4 && text.of.crazyswarm2 && text.of.ros2;
+    std::string of;
+    for (const auto& [has, name] :
+         {std::pair{text.of.px4, "px4"}, {text.of.crazyswarm2, "crazyswarm2"}, {text.of.ros2, "ros2"}})
+      if (has) of += fmt::format("{}`{}`", of.empty() ? "" : ", ", name);
+    const bool sized = !text.size.empty();
+    table += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", text.name, text.key,
+                         text.of.camera ? "with a camera"
+                         : every        ? "all"
+                                        : of,
+                         sized ? fmt::format("{}, {}", text.size, text.bounds.words) : "",
+                         sized ? fmt::format("{}", text.fallback) : "", text.meaning);
+  }
+  return table;
+}
+
+bool can_have(const Link& link, LinkFaultKind kind) {
+  const FaultOf& of = text_of(kind).of;
+  const std::array<bool, 3> by_kind = {of.px4, of.crazyswarm2, of.ros2};
+  return by_kind[link.kind.index()] && (link.has_camera || !of.camera);
+}
+
+std::string FleetPlan::in_words(const Team& team) const {
+  std::string all = network_in_words(network);
+  for (const Link& link : links) all += fmt::format("\n{}", link_in_words(link, team.name(link.robot)));
+  for (const LinkFault& fault : faults)
+    all += fmt::format("\nfault       {}: {}", team.name(fault.robot), sightline::in_words(fault));
+  for (const BodyLink& link : bodies)
+    all += fmt::format("\nlink        {}: poses by {}", team.name(link.body), poses_in_words(link.poses));
+  return all;
+}
+
+std::shared_ptr<const Links> FleetPlan::of_part(const Scenario& whole, const Scenario& part) const {
+  const auto here = [&](BodyId body) { return part.team.find(whole.team.name(body)); };
+  const auto elsewhere = [&](const auto& one) { return !part.team.is_agent(one.robot); };
+  auto own = std::make_shared<FleetPlan>(*this);
+  for (BodyLink& link : own->bodies) link.body = here(link.body);
+  for (LinkFault& fault : own->faults) fault.robot = here(fault.robot);
+  for (Link& link : own->links) {
+    const Link of_whole = link;
+    link.robot = here(link.robot);
+    if (elsewhere(link)) own->bodies.push_back({.body = link.robot, .poses = link.poses, .robot = of_whole});
+  }
+  std::erase_if(own->links, elsewhere);
+  std::erase_if(own->faults, elsewhere);
+  own->network.node += "/" + part.partition->part;
+  return own;
+}
+
+const FleetPlan& fleet_of(const Scenario& scenario) {
+  const auto* const fleet = dynamic_cast<const FleetPlan*>(scenario.links.get());
+  if (fleet == nullptr)
+    throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
+  return *fleet;
+}
+
+FleetPlan& own_fleet(Scenario& scenario) {
+  auto own = std::make_shared<FleetPlan>(fleet_of(scenario));
+  scenario.links = own;
+  return *own;
+}
+
+}  // namespace sightline
