@@ -146,7 +146,6 @@ TEST(ClosedLoop, ASolverThatAScenarioAsksTooMuchOfIsRefusedWithTheNeedAndThoseTh
   Scenario changing = scenario("handover", 1.0), swarm = scenario("swarm32", 1.0);
   for (const std::string_view name : {"cmscgmres", "cgmres"}) {
     changing.solver = swarm.solver = solver_named(name);
-    EXPECT_FALSE(plans_in_a_changing_team(name));
     EXPECT_EQ(
         refusal_of([&] { check_solvers(changing); }),
         fmt::format("the team changes in flight, which the solver {} cannot follow, expected newton_riccati",
@@ -159,7 +158,22 @@ TEST(ClosedLoop, ASolverThatAScenarioAsksTooMuchOfIsRefusedWithTheNeedAndThoseTh
   EXPECT_NO_THROW(check_solvers(swarm));
   changing.simulation.compare = {"cgmres"};
   EXPECT_NE(refusal_of([&] { check_solvers(changing); }), "") << "what is compared flies the same";
-  EXPECT_EQ(team_planners(), "newton_riccati");
+  EXPECT_EQ(solvers_that(&SolverAbilities::changing_teams), "newton_riccati");
+}
+
+TEST(ClosedLoop, EachSolverHasTheAbilitiesOfItsEntry) {
+  Team one, rated;
+  one.add(PointMass{});
+  rated.add(PointMass{}, {.R_rate = {1, 1, 1}});
+  for (const std::string_view name : solver_names()) {
+    const SolverAbilities can = abilities_of(name);
+    const auto solver = make_solver(solver_named(name), one, Horizon{});
+    EXPECT_EQ(can.changing_teams, solver->team_planner() != nullptr) << name;
+    EXPECT_EQ(can.keep_apart, solver->keeps_apart()) << name;
+    EXPECT_EQ(can.uncertain_views, solver->uses_uncertainty()) << name;
+    EXPECT_EQ(can.input_rates, refusal_of([&] { make_solver(solver_named(name), rated, Horizon{}); }).empty())
+        << name;
+  }
 }
 
 TEST(ClosedLoop, ACostOfRatesIsRefusedBeforeAnythingFliesByASolverThatHasNone) {
@@ -223,7 +237,7 @@ TEST(ClosedLoop, FliesInTheWorldThatTheScenarioNames) {
 
 TEST(ClosedLoop, AWorldIsRegisteredOnceByAWord) {
   Registry registry;
-  const MakeWorld make = *registry.worlds.find("model");
+  const MakeWorld make = registry.worlds.find("model")->make;
   EXPECT_THROW(registry.worlds.add("model", make), std::invalid_argument);
   EXPECT_THROW(registry.worlds.add("My World", make), std::invalid_argument);
   EXPECT_THROW(registry.worlds.add("nothing", {}), std::invalid_argument);

@@ -136,7 +136,7 @@ TEST(ReadCamera, RendersOnlyInAWorldThatCan) {
                 "pictures"));
   Registry registry;
   const auto make = [&registry](const Scenario& scenario) {
-    return (*registry.worlds.find("model"))(scenario);
+    return registry.worlds.find("model")->make(scenario);
   };
   registry.worlds.add("shown", make, MovedBy::models, {}, [](const Scenario& scenario) {
     return std::make_unique<SyntheticDetections>(scenario.team, camera_options(scenario));

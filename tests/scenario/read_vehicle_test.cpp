@@ -117,9 +117,10 @@ TEST(ReadVehicle, TheWindIsToldAsAirForEachVehicle) {
 
 TEST(ReadVehicle, AWorldOfOnesOwnIsGivenTheVehiclesWhereItSaysThatItHasThem) {
   Registry registry;
-  const MakeWorld make = *registry.worlds.find("rotors");
-  registry.worlds.add("arena", make, MovedBy::vehicles).add("basin", *registry.worlds.find("model"));
-  EXPECT_EQ(registry.worlds.with_vehicles(), (std::vector<std::string_view>{"rotors", "arena"}));
+  const MakeWorld make = registry.worlds.find("rotors")->make;
+  registry.worlds.add("arena", make, MovedBy::vehicles).add("basin", registry.worlds.find("model")->make);
+  EXPECT_EQ(registry.worlds.names(&WorldPart::has_vehicles),
+            (std::vector<std::string_view>{"rotors", "arena"}));
   const auto vehicles_in = [&](const std::string& world) {
     std::string text = two;
     text.replace(text.find("rotors"), 6, world);
@@ -143,7 +144,7 @@ TEST(ReadVehicle, AWorldThatReadsModelFilesIsGivenTheirTextsAndSaysMassAndInerti
   };
   int made = 0;
   Registry registry;
-  const MakeWorld rotors = *registry.worlds.find("rotors");
+  const MakeWorld rotors = registry.worlds.find("rotors")->make;
   registry.worlds.add(
       "arena", [&](const Scenario& scenario) { return ++made, rotors(scenario); }, MovedBy::vehicles,
       weighed);

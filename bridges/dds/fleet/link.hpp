@@ -1,5 +1,4 @@
-/// Links to robots that are not simulated, [fleet] and [agent.NAME.link]. Every build reads them;
-/// only the bridge uses them.
+/// Links to robots that are not simulated, [fleet] and [agent.NAME.link]; reading them needs no DDS.
 #pragma once
 
 #include <array>
@@ -13,9 +12,7 @@
 #include <vector>
 
 #include "bridges/dds/fleet/link_fault.hpp"
-#include "sightline/base/fixed.hpp"
 #include "sightline/base/parameter.hpp"
-#include "sightline/ocp/active_team.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {

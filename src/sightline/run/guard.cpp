@@ -134,6 +134,14 @@ EventKind kind_of(const Notice& notice) {
 
 }  // namespace
 
+void validate(const Team& team, const GuardOptions& options) {
+  if (options.supervisor) validate(team, *options.supervisor);
+  validate(team, options.searchers, options.search);
+  if (options.barrier == BarrierMode::off) return;
+  (void)abilities_of(team, options.limits_to_come);
+  validate(options.barrier_options, options.period);
+}
+
 Guard::Guard(const Team& team, const GuardOptions& options)
     : team_(team),
       options_(completed(team, options)),

@@ -64,6 +64,10 @@ struct GuardOptions {
   static constexpr int shared_from = 32;
 };
 
+/// Checks what the constructor of a Guard checks.
+/// @throws std::invalid_argument as it does
+void validate(const Team& team, const GuardOptions& options);
+
 class Guard {
  public:
   /// Greatest standard deviation of an estimated position that the barrier uses [m].

@@ -23,7 +23,9 @@ void require(bool good, std::string_view name, double value, std::string_view ex
   if (!good) throw std::invalid_argument(fmt::format("barrier: {} = {}, expected {}", name, value, expected));
 }
 
-const BarrierOptions& checked(const BarrierOptions& o, double dt) {
+}  // namespace
+
+const BarrierOptions& validate(const BarrierOptions& o, double dt) {
   static_assert(Barrier::longest_period <= EscapePlans::most_parts * EscapePlans::longest_part);
   require(dt > 0 && dt <= Barrier::longest_period, "period", dt,
           fmt::format("in (0, {}] s, the longest for which the hard distance is guaranteed",
@@ -42,8 +44,6 @@ const BarrierOptions& checked(const BarrierOptions& o, double dt) {
   return o;
 }
 
-}  // namespace
-
 std::string_view to_string(Wall wall) noexcept {
   constexpr std::array<std::string_view, 7> names = {"none",  "floor", "ceiling", "x_min",
                                                      "x_max", "y_min", "y_max"};
@@ -56,7 +56,7 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
 
 Barrier::Barrier(const Model& model, const Authority& can, double dt, const BarrierOptions& options)
     : model_(model),
-      options_(checked(options, dt)),
+      options_(validate(options, dt)),
       dt_(dt),
       parts_(EscapePlans::parts(dt)),
       can_(can),

@@ -94,6 +94,9 @@ struct BarrierResult {
   Wall wall = Wall::none;   ///< wall of the tightest row, if that is not a neighbour's
 };
 
+/// Checks the options for commands each dt [s] as the constructor of a Barrier does, and returns them.
+const BarrierOptions& validate(const BarrierOptions& options, double dt);
+
 class Barrier {
  public:
   /// Of more neighbours, those with the least distance left after 1 s of closing in count.

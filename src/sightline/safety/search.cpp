@@ -42,35 +42,43 @@ bool can_turn(const Model& model, Brake& brake, std::span<const double> u_min, s
 
 }  // namespace
 
-Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOptions& options)
-    : team_(team), options_(options) {
-  options_.check();
-  std::size_t longest = 0;
-  for (int i = 0; i < team_.bodies(); ++i) longest = std::max(longest, size(team_.model(BodyId{i}).nu()));
-  u_rest_.resize(longest);
+void validate(const Team& team, std::span<const BodyId> robots, const SearchOptions& options) {
+  options.check();
   for (const BodyId body : robots) {
-    if (body.index < 0 || body.index >= team_.bodies() || !team_.is_agent(body))
+    if (body.index < 0 || body.index >= team.bodies() || !team.is_agent(body))
       throw_invalid("a robot that searches has the number {}, expected a robot of the team", body.index);
-    const Agent& agent = team_.agent(body);
+    const Agent& agent = team.agent(body);
     if (agent.u_ref.size() > Brake::inputs_max)
       throw_invalid("\"{}\" has {} inputs, expected at most {} of a robot that is localized by vision",
                     agent.name, agent.u_ref.size(), Brake::inputs_max);
-    Robot robot{.body = body,
-                .x = size(team_.state_offset(body)),
-                .u = size(team_.input_offset(body)),
-                .nx = size(agent.model.nx()),
-                .nu = agent.u_ref.size(),
-                .brake = Brake(agent.model, agent.u_ref, brake_time),
-                .limits = &agent.limits,
-                .u_min = agent.limits.u_min().front(),
-                .u_max = agent.limits.u_max().front()};
-    if (!can_turn(agent.model, robot.brake, robot.u_min, robot.u_max, options_.rate))
+    Brake brake(agent.model, agent.u_ref, brake_time);
+    if (!can_turn(agent.model, brake, agent.limits.u_min().front(), agent.limits.u_max().front(),
+                  options.rate))
       throw_invalid(
           "\"{}\" is localized by vision, but its model \"{}\" does not turn where it stands by {} rad/s, "
           "expected one "
           "that does: it could not find what it observes",
-          agent.name, agent.model.name(), options_.rate);
-    robots_.push_back(std::move(robot));
+          agent.name, agent.model.name(), options.rate);
+  }
+}
+
+Search::Search(const Team& team, std::span<const BodyId> robots, const SearchOptions& options)
+    : team_(team), options_(options) {
+  validate(team_, robots, options);
+  std::size_t longest = 0;
+  for (int i = 0; i < team_.bodies(); ++i) longest = std::max(longest, size(team_.model(BodyId{i}).nu()));
+  u_rest_.resize(longest);
+  for (const BodyId body : robots) {
+    const Agent& agent = team_.agent(body);
+    robots_.push_back({.body = body,
+                       .x = size(team_.state_offset(body)),
+                       .u = size(team_.input_offset(body)),
+                       .nx = size(agent.model.nx()),
+                       .nu = agent.u_ref.size(),
+                       .brake = Brake(agent.model, agent.u_ref, brake_time),
+                       .limits = &agent.limits,
+                       .u_min = agent.limits.u_min().front(),
+                       .u_max = agent.limits.u_max().front()});
   }
 }
 

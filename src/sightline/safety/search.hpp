@@ -72,6 +72,9 @@ struct View {
 
 enum class SearchPhase : std::uint8_t { none, stand, turn, sweep, round };
 
+/// Checks what the constructor of a Search checks.
+void validate(const Team& team, std::span<const BodyId> robots, const SearchOptions& options);
+
 /// Searches of all robots that are localized by vision. Throws and allocates only during
 /// construction; never locks or prints.
 class Search {

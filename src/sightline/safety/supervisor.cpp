@@ -15,11 +15,6 @@ namespace {
 
 constexpr double at_the_ground = 0.02;  // [m]
 
-const SupervisorOptions& checked(const SupervisorOptions& options) {
-  options.check();
-  return options;
-}
-
 /// Greatest age of a useful measurement [s]: older ones arrive when the robot already lands.
 double oldest(const SupervisorOptions& o) { return o.times.land_after + 0.5; }
 
@@ -55,9 +50,19 @@ void SupervisorOptions::check() const {
   expect(period >= 1e-4, "period", period, ">= 1e-4 s");
 }
 
+const SupervisorOptions& validate(const Team& team, const SupervisorOptions& options) {
+  options.check();
+  for (const Agent& agent : team.agents()) {
+    if (agent.u_ref.size() <= Brake::inputs_max) continue;
+    throw std::invalid_argument(fmt::format("\"{}\" has {} inputs, expected at most {} under a supervisor",
+                                            agent.name, agent.u_ref.size(), Brake::inputs_max));
+  }
+  return options;
+}
+
 Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     : team_(team),
-      options_(checked(options)),
+      options_(validate(team, options)),
       history_(entries(options), resting_inputs(team)),
       robot_of_(static_cast<std::size_t>(team.bodies())),
       presence_(robot_of_.size(), Presence::steered),
@@ -77,10 +82,6 @@ Supervisor::Supervisor(const Team& team, const SupervisorOptions& options)
     std::copy(state.begin(), state.end(), estimated_.begin() + static_cast<std::ptrdiff_t>(x));
     if (!team_.is_agent(body)) continue;
     const Agent& agent = team_.agent(body);
-    if (agent.u_ref.size() > Brake::inputs_max) {
-      throw std::invalid_argument(fmt::format("\"{}\" has {} inputs, expected at most {} under a supervisor",
-                                              agent.name, agent.u_ref.size(), Brake::inputs_max));
-    }
     robot_of_[at(body)] = robots_.size();
     robots_.push_back({.body = body,
                        .x = x,

@@ -45,6 +45,9 @@ struct Notice {
   std::variant<FallbackLevel, MeasurementFault> what;
 };
 
+/// Checks what the constructor of a Supervisor checks, and returns the options.
+const SupervisorOptions& validate(const Team& team, const SupervisorOptions& options);
+
 class Supervisor {
  public:
   /// @throws std::invalid_argument for options out of their range, and for a robot of more than 16

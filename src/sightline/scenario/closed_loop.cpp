@@ -10,7 +10,6 @@
 
 #include "sightline/base/thread_pool.hpp"
 #include "sightline/base/throw_invalid.hpp"
-#include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_partition.hpp"
@@ -52,12 +51,6 @@ std::vector<double> hard_distances(const Scenario& scenario) {
   return d_hard;
 }
 
-using Can = bool (*)(Solver&);
-
-bool can_plan_in_a_changing_team(Solver& solver) { return solver.team_planner() != nullptr; }
-bool can_keep_apart(Solver& solver) { return solver.keeps_apart(); }
-bool can_use_uncertainty(Solver& solver) { return solver.uses_uncertainty(); }
-
 /// Whether the pose uncertainty of some robot shrinks its view.
 bool has_uncertain_views(const Scenario& scenario) {
   const auto& robots = scenario.localization.robots;
@@ -65,54 +58,29 @@ bool has_uncertain_views(const Scenario& scenario) {
                      [](const LocalizedRobot& robot) { return robot.mount.sigmas > 0; });
 }
 
-/// Evaluates a capability of the solver of that name, made for a team of one robot.
-bool solver_can(Can can, std::string_view name) {
-  Team one;
-  one.add(PointMass{});
-  return can(*make_solver(solver_named(name), one, Horizon{}));
-}
-
-std::string solvers_that(Can can) {
-  std::string able;
-  for (const std::string_view name : solver_names()) {
-    if (solver_can(can, name)) able += fmt::format("{}{}", able.empty() ? "" : " or ", name);
-  }
-  return able;
-}
-
 }  // namespace
-
-std::string team_planners() { return solvers_that(can_plan_in_a_changing_team); }
-bool plans_in_a_changing_team(std::string_view solver) {
-  return solver_can(can_plan_in_a_changing_team, solver);
-}
 
 void check_solvers(const Scenario& scenario) {
   const bool changes = changes_in_flight(scenario), swarms = !scenario.team.swarms().empty();
+  const auto& agents = scenario.team.agents();
+  const auto rated =
+      std::find_if(agents.begin(), agents.end(), [](const Agent& agent) { return !agent.R_rate.empty(); });
   std::vector<std::string> names = scenario.simulation.compare;
   names.insert(names.begin(), scenario.solver.name);
   for (const std::string& name : names) {
-    if (changes && !plans_in_a_changing_team(name)) {
-      throw std::invalid_argument(
-          fmt::format("the team changes in flight, which the solver {} cannot follow, expected {}", name,
-                      team_planners()));
-    }
-    if (swarms && !solver_can(can_keep_apart, name)) {
-      throw std::invalid_argument(
-          fmt::format("the solver {} knows no keep_apart, expected {}", name, solvers_that(can_keep_apart)));
-    }
-    if (has_uncertain_views(scenario) && !solver_can(can_use_uncertainty, name)) {
-      throw std::invalid_argument(
-          fmt::format("the solver {} lets no view shrink by the sigmas of a sensor, expected {}", name,
-                      solvers_that(can_use_uncertainty)));
-    }
-    for (const Agent& agent : scenario.team.agents()) {
-      if (agent.R_rate.empty()) continue;
-      Team one;  // the solver's own error states the reason
-      one.add(agent);
-      make_solver(solver_named(name), one, scenario.horizon);
-      break;
-    }
+    using Can = SolverAbilities;
+    const Can can = abilities_of(name);
+    if (changes && !can.changing_teams)
+      throw_invalid("the team changes in flight, which the solver {} cannot follow, expected {}", name,
+                    solvers_that(&Can::changing_teams));
+    if (swarms && !can.keep_apart)
+      throw_invalid("the solver {} knows no keep_apart, expected {}", name, solvers_that(&Can::keep_apart));
+    if (has_uncertain_views(scenario) && !can.uncertain_views)
+      throw_invalid("the solver {} lets no view shrink by the sigmas of a sensor, expected {}", name,
+                    solvers_that(&Can::uncertain_views));
+    if (rated != agents.end() && !can.input_rates)
+      throw_invalid("{} has a cost of its inputs' rates, R_rate, expected the solver {}, which plans with it",
+                    rated->name, solvers_that(&Can::input_rates));
   }
 }
 
@@ -196,8 +164,8 @@ KernelUse Controls::kernels() const {
 
 std::unique_ptr<World> make_world(const Scenario& scenario) {
   const Registry& registry = scenario.registry ? *scenario.registry : built_in_registry();
-  const MakeWorld* const make = registry.worlds.find(scenario.world);
-  if (make == nullptr) {
+  const WorldPart* const kind = registry.worlds.find(scenario.world);
+  if (kind == nullptr) {
     throw std::invalid_argument(fmt::format("world.kind = {}, expected one of {}", scenario.world,
                                             fmt::join(registry.worlds.names(), ", ")));
   }
@@ -205,15 +173,15 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
     if (scenario.localization.robots.empty()) return world;
     return std::make_unique<TelemetryWorld>(std::move(world), telemetry_options(scenario));
   };
-  std::unique_ptr<World> world = (*make)(scenario);
+  std::unique_ptr<World> world = kind->make(scenario);
   const CameraOptions options = camera_options(scenario);
   if (options.cameras.empty() || options.tags.empty()) return reporting(std::move(world));
   const auto renders = [](const RobotCamera& one) { return one.render; };
   std::unique_ptr<DetectionSource> source = std::make_unique<SyntheticDetections>(scenario.team, options);
   if (std::any_of(options.cameras.begin(), options.cameras.end(), renders)) {
-    const MakeRenderer renderer = registry.worlds.renderer(scenario.world);
-    if (!renderer) throw_invalid("camera.render = true, expected false in the world \"{}\"", scenario.world);
-    source = renderer(scenario);
+    if (!kind->renders())
+      throw_invalid("camera.render = true, expected false in the world \"{}\"", scenario.world);
+    source = kind->renderer(scenario);
   }
   return reporting(std::make_unique<CameraWorld>(std::move(world), options, std::move(source)));
 }

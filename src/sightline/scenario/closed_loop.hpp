@@ -6,26 +6,19 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
-#include <string_view>
 
 #include "sightline/run/loop.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 
-/// @throws std::invalid_argument if the team changes in flight or uses keep_apart, and the solver,
-/// or one of simulation.compare, does not support it
+/// @throws std::invalid_argument if the solver, or one of simulation.compare, lacks an ability that
+/// the scenario needs (SolverAbilities)
 void check_solvers(const Scenario& scenario);
 
 /// The world that the scenario names. Adds cameras if there are cameras and tags, and telemetry if
 /// robots are localized by vision.
 std::unique_ptr<World> make_world(const Scenario& scenario);
-
-/// Names of the solvers that support a team that changes (TeamPlanner), as text: "newton_riccati".
-std::string team_planners();
-/// Whether the solver of that name supports such a team.
-bool plans_in_a_changing_team(std::string_view solver);
 
 /// Prepares a scenario for changes in flight. Clears `simulation.compare`, in its text too: many
 /// solvers do not support a team that changes, and the text with the changes must be replayable.

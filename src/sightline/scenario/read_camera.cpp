@@ -19,8 +19,8 @@ bool read_render(const TomlTable& at, const std::string& world) {
   constexpr std::string_view key = "render";
   if (!at.has(key) || !at.boolean(key)) return false;
   const WorldList& worlds = at.registry().worlds;
-  if (worlds.renderer(world)) return true;
-  const auto able = worlds.with_renderers();
+  if (worlds.find(world)->renders()) return true;
+  const auto able = worlds.names(&WorldPart::renders);
   if (able.empty())
     at.throw_invalid(key, fmt::format("false in the world \"{}\": no world here renders pictures", world));
   at.throw_invalid(key, fmt::format("false in the world \"{}\", only world.kind = \"{}\" renders pictures",

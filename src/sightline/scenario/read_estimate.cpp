@@ -148,8 +148,8 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
   if (!first) return;
   first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
   refuse_unknown_headings(*first, scenario);
-  first->checked([&] { return Guard(scenario.team, *guard_options(scenario)); });  // searching requires a
-                                                                                   // robot that can turn
+  // Searching requires a robot that can turn.
+  first->checked([&] { validate(scenario.team, *guard_options(scenario)); });
 }
 
 TelemetryOptions telemetry_options(const Scenario& scenario) {

@@ -134,8 +134,9 @@ void read_partition(const TomlTable& root, Scenario& scenario) {
 }
 
 void check_plans_in_parts(const Scenario& scenario) {
-  if (!plans_in_a_changing_team(scenario.solver.name))
-    throw_invalid("the solver {} cannot plan a part, expected {}", scenario.solver.name, team_planners());
+  if (!abilities_of(scenario.solver.name).changing_teams)
+    throw_invalid("the solver {} cannot plan a part, expected {}", scenario.solver.name,
+                  solvers_that(&SolverAbilities::changing_teams));
   if (changes_in_flight(scenario))
     throw_invalid("the team changes in flight, expected a scenario without events");
 }

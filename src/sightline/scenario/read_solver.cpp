@@ -52,19 +52,35 @@ SolverChoice read_newton_riccati(const TomlTable& at, const Horizon&) {
   return {"newton_riccati", o};
 }
 
-using ReadSolver = SolverChoice (*)(const TomlTable& at, const Horizon& horizon);
-constexpr std::array solvers = {
-    Named<ReadSolver>{"newton_riccati", read_newton_riccati},
-    Named<ReadSolver>{"cmscgmres", read_cmscgmres},
-    Named<ReadSolver>{"cgmres", read_cgmres},
+struct SolverEntry {
+  SolverChoice (*read)(const TomlTable& at, const Horizon& horizon);
+  SolverAbilities can{};
 };
+constexpr std::array solvers = {
+    Named<SolverEntry>{
+        "newton_riccati",
+        {read_newton_riccati,
+         {.changing_teams = true, .keep_apart = true, .uncertain_views = true, .input_rates = true}}},
+    Named<SolverEntry>{"cmscgmres", {read_cmscgmres}},
+    Named<SolverEntry>{"cgmres", {read_cgmres}},
+};
+
+/// The entry of that name.
+SolverEntry entry_of(std::string_view name) {
+  const auto known = names(solvers);
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    throw std::invalid_argument(
+        fmt::format("solver = {}, expected one of {}", one_line(name), fmt::join(known, ", ")));
+  }
+  return find(solvers, name);
+}
 
 }  // namespace
 
 SolverChoice read_solver(const TomlTable& solver, const Horizon& horizon) {
   const std::string_view name =
       solver.has("name") ? solver.word("name", names(solvers)) : solvers.front().name;
-  return find(solvers, name)(solver, horizon);
+  return find(solvers, name).read(solver, horizon);
 }
 
 std::vector<std::string_view> solver_names() {
@@ -72,14 +88,18 @@ std::vector<std::string_view> solver_names() {
   return {known.begin(), known.end()};
 }
 
+SolverAbilities abilities_of(std::string_view solver) { return entry_of(solver).can; }
+
+std::string solvers_that(bool SolverAbilities::*can) {
+  std::string able;
+  for (const Named<SolverEntry>& solver : solvers)
+    if (solver.read.can.*can) able += fmt::format("{}{}", able.empty() ? "" : " or ", solver.name);
+  return able;
+}
+
 SolverChoice solver_named(std::string_view name) {
-  const auto known = names(solvers);
-  if (std::find(known.begin(), known.end(), name) == known.end()) {
-    throw std::invalid_argument(
-        fmt::format("solver = {}, expected one of {}", one_line(name), fmt::join(known, ", ")));
-  }
   static const TomlDocument defaults{};
-  return find(solvers, name)(TomlTable(defaults), Horizon{});
+  return entry_of(name).read(TomlTable(defaults), Horizon{});
 }
 
 std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon) {

@@ -14,7 +14,7 @@ namespace sightline {
 namespace {
 
 bool has_vehicles(const TomlTable& at, std::string_view world) {
-  const auto worlds = at.registry().worlds.with_vehicles();
+  const auto worlds = at.registry().worlds.names(&WorldPart::has_vehicles);
   return std::find(worlds.begin(), worlds.end(), world) != worlds.end();
 }
 
@@ -23,8 +23,9 @@ bool has_vehicles(const TomlTable& at, std::string_view world) {
 void refuse_without_vehicles(const TomlTable& at, std::string_view key, std::string_view what,
                              std::string_view world) {
   if (!at.has(key) || has_vehicles(at, world)) return;
-  at.throw_invalid(key, fmt::format("no such {} in the world \"{}\", only with world.kind = \"{}\"", what,
-                                    world, fmt::join(at.registry().worlds.with_vehicles(), "\" or \"")));
+  at.throw_invalid(key,
+                   fmt::format("no such {} in the world \"{}\", only with world.kind = \"{}\"", what, world,
+                               fmt::join(at.registry().worlds.names(&WorldPart::has_vehicles), "\" or \"")));
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ std::optional<RobotVehicle> read_vehicle(const TomlTable& agent, const Model& mo
   if (commands == Commands::full_state && !agent.has(key)) return std::nullopt;  // it may remain a point mass
 
   const TomlTable at = agent.table_or_empty(key);
-  const VehicleOfModel of_model = agent.registry().worlds.of_model(world);
+  const VehicleOfModel of_model = agent.registry().worlds.find(world)->of_model;
   const std::array<std::string_view, 3> beside = {"imu", "model", "body"};
   refuse_without_models(at, std::span(beside).last(2), world);
   RobotVehicle read;
@@ -81,7 +82,7 @@ ModelFile read_model_file(const TomlTable& at) {
 
 void refuse_without_models(const TomlTable& at, std::span<const std::string_view> keys,
                            std::string_view world) {
-  if (at.registry().worlds.of_model(world)) return;
+  if (at.registry().worlds.find(world)->of_model) return;
   for (const std::string_view key : keys)
     if (at.has(key))
       at.throw_invalid(

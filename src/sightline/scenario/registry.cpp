@@ -72,48 +72,17 @@ WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots,
   return *this;
 }
 
-std::vector<std::string_view> WorldList::names() const {
+std::vector<std::string_view> WorldList::names(bool (WorldPart::*can)() const) const {
   std::vector<std::string_view> all;
-  for (const Entry& world : worlds_) all.push_back(world.name);
+  for (const WorldPart& world : worlds_)
+    if (can == nullptr || (world.*can)()) all.push_back(world.name);
   return all;
 }
 
-std::vector<std::string_view> WorldList::with_vehicles() const {
-  std::vector<std::string_view> all;
-  for (const Entry& world : worlds_) {
-    if (world.robots == MovedBy::vehicles) all.push_back(world.name);
-  }
-  return all;
-}
-
-const WorldList::Entry* WorldList::entry(std::string_view name) const {
-  for (const Entry& world : worlds_) {
-    if (world.name == name) return &world;
-  }
-  return nullptr;
-}
-
-const MakeWorld* WorldList::find(std::string_view name) const {
-  const Entry* const found = entry(name);
-  return found != nullptr ? &found->make : nullptr;
-}
-
-VehicleOfModel WorldList::of_model(std::string_view name) const {
-  const Entry* const found = entry(name);
-  return found != nullptr ? found->of_model : VehicleOfModel();
-}
-
-MakeRenderer WorldList::renderer(std::string_view name) const {
-  const Entry* const found = entry(name);
-  return found != nullptr ? found->renderer : MakeRenderer();
-}
-
-std::vector<std::string_view> WorldList::with_renderers() const {
-  std::vector<std::string_view> all;
-  for (const Entry& world : worlds_) {
-    if (world.renderer) all.push_back(world.name);
-  }
-  return all;
+const WorldPart* WorldList::find(std::string_view name) const {
+  const auto found = std::find_if(worlds_.begin(), worlds_.end(),
+                                  [&](const WorldPart& world) { return world.name == name; });
+  return found != worlds_.end() ? &*found : nullptr;
 }
 
 const Registry& built_in_registry() {

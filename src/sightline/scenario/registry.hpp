@@ -148,40 +148,48 @@ enum class MovedBy { models, vehicles };
 /// " or "body = "
 using VehicleOfModel = std::function<Vehicle(const Vehicle& vehicle, const ModelBody& model)>;
 
+/// A world as a scenario may name it.
+struct WorldPart {
+  std::string name;
+  MakeWorld make;
+  MovedBy robots = MovedBy::models;
+  /// Of a world that reads model files, which `[world] model` and `[agent.NAME.vehicle] model, body`
+  /// name; empty: it reads none.
+  VehicleOfModel of_model{};
+  MakeRenderer renderer{};  ///< of pictures for cameras with `render = true`; empty: it has none
+
+  bool has_vehicles() const { return robots == MovedBy::vehicles; }
+  bool renders() const { return static_cast<bool>(renderer); }
+};
+
 /// Worlds by their names in `[world] kind`.
 class WorldList {
  public:
-  /// @param of_model  of a world that reads model files, which `[world] model` and
-  ///                  `[agent.NAME.vehicle] model, body` name
-  /// @param renderer  of a world that renders pictures for cameras with `render = true`
   /// @throws std::invalid_argument for a name that is not a word or that another world has, and for
   /// an empty function
   WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models,
                  VehicleOfModel of_model = {}, MakeRenderer renderer = {});
-  /// In the order of adding; the first is the default of a scenario.
-  std::vector<std::string_view> names() const;
-  /// The function of that name, or null.
-  const MakeWorld* find(std::string_view name) const;
-  /// Worlds whose robots are vehicles.
-  std::vector<std::string_view> with_vehicles() const;
-  /// Reader for model files of that world; empty if it reads none.
-  VehicleOfModel of_model(std::string_view name) const;
-  /// Renderer of that world; empty if it has none.
-  MakeRenderer renderer(std::string_view name) const;
-  std::vector<std::string_view> with_renderers() const;
+  /// Those with an ability, or all; in the order of adding. The first of all is the default of a scenario.
+  std::vector<std::string_view> names(bool (WorldPart::*can)() const = nullptr) const;
+  /// The world of that name, or null.
+  const WorldPart* find(std::string_view name) const;
 
  private:
-  struct Entry {
-    std::string name;
-    MakeWorld make;
-    MovedBy robots;
-    VehicleOfModel of_model;
-    MakeRenderer renderer;
-  };
-  const Entry* entry(std::string_view name) const;
-
-  std::vector<Entry> worlds_;
+  std::vector<WorldPart> worlds_;
 };
+
+/// What a solver supports beyond one team that never changes; flags of its entry in the table of
+/// solvers.
+struct SolverAbilities {
+  bool changing_teams = false;   ///< plans for a team that changes in flight: team_planner()
+  bool keep_apart = false;       ///< keeps_apart()
+  bool uncertain_views = false;  ///< uses_uncertainty()
+  bool input_rates = false;      ///< R_rate, a cost of the rates of inputs
+};
+/// @throws std::invalid_argument as solver_named()
+SolverAbilities abilities_of(std::string_view solver);
+/// The names of the solvers with that ability, as text: "newton_riccati".
+std::string solvers_that(bool SolverAbilities::*can);
 
 /// Every kind of part. A value: filled first, then passed to read_scenario().
 struct Registry {

@@ -76,7 +76,7 @@ class Reader {
     scenario_.script = read_events(root_, scenario_, observers_);
     // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
-      root_.table("safety").checked([&] { return Guard(scenario_.team, *options); });
+      root_.table("safety").checked([&] { validate(scenario_.team, *options); });
     }
     read_estimates(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
@@ -120,7 +120,7 @@ class Reader {
     const WorldList& worlds = root_.registry().worlds;
     if (at.has("kind")) scenario_.world = at.word("kind", worlds.names());
     const std::array<std::string_view, 2> beside = {"kind", "model"};
-    const bool reads_models = static_cast<bool>(worlds.of_model(scenario_.world));
+    const bool reads_models = static_cast<bool>(worlds.find(scenario_.world)->of_model);
     refuse_without_models(at, std::span(beside).last(1), scenario_.world);
     scenario_.downwash = read_downwash(at, scenario_.world, std::span(beside).first(reads_models ? 2 : 1));
     if (at.has("model")) scenario_.model = read_model_file(at);
