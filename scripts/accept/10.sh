@@ -2,7 +2,8 @@
 # Every figure that "Promises kept" asks for, section by section:  scripts/accept/10.sh [--short] [SECTION ...]
 # What is finished stays in out/accept/10/ and is not done again; delete it to begin anew. A killed run goes on where it
 # was. Needs the release preset built with tests. BEFORE=path names the binary of the commit before, for `bench`.
-# --short is for CI, beside the short forms of all campaigns that scripts/test.sh flies: other seeds, and `bench_turns.sh` itself.
+# --short is for CI, beside the short forms of all campaigns that scripts/test.sh flies: `bench_turns.sh` itself.
+# Random scenarios are in 43.sh.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 begin_commit=b18f400  # the last one before
@@ -36,15 +37,6 @@ defects() {
 encirclements() { tests safety_campaign_test 'EncirclementCampaign.*'; }
 one_attacker() { tests safety_campaign_test 'BarrierCampaign.*'; }
 mutants() { scripts/mutants.sh "$build" barrier; }
-fly_block() { SIGHTLINE_RANDOM="$1 $2" "$build/tests/cli_campaign_test" --gtest_filter='RandomScenarios.*'; }
-random() {
-  if whole; then blocks 0 50 1999 fly_block; else blocks 20 10 29 fly_block; fi
-  cat "$out"/random/*.txt | awk '/^exit 0:/ { zero += $3; one += $6; refused += $8 }
-    END { printf "%d scenarios: exit 0 %d, exit 1 %d, refused %d\n", zero + one + refused, zero, one, refused }'
-  local bad
-  mapfile -t bad < <(grep -lE '^\[  FAILED  \]' "$out"/random/*.txt; grep -LE '^exit 0:' "$out"/random/*.txt)
-  failed_blocks '^sightline run out/random' "${bad[@]}"
-}
 bench() {
   local after=$build/bin/sightline_bench
   if ! whole; then TURNS=1 LIMIT=2 scripts/accept/bench_turns.sh "$after" "$after" pair; return; fi
@@ -53,6 +45,6 @@ bench() {
 }
 kills() { tests cli_campaign_test 'Killed.*'; }
 
-all=(defects encirclements one_attacker mutants random bench kills)
-whole || all=(random bench)
+all=(defects encirclements one_attacker mutants bench kills)
+whole || all=(bench)
 run_sections "$@"

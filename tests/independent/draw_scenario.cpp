@@ -1,4 +1,4 @@
-// Draws scenarios of wide reach into a folder:  draw_scenario DIR FIRST COUNT
+// Draws scenarios into a folder:  draw_scenario DIR FIRST COUNT
 // SEED.toml of each seed from FIRST on; a flight lasts 2 to 8 s. Every second one that may says that it begins outside of its limits.
 #include <fmt/format.h>
 
@@ -35,8 +35,7 @@ int main(int argc, char** argv) {
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     const double duration = 2.0 + 0.5 * static_cast<double>(seed * 7 % 13);
     std::ofstream file(fmt::format("{}/{}.toml", folder, seed));
-    const std::string text =
-        sightline::test::RandomScenario(seed, duration, sightline::test::Reach::wide).text();
+    const std::string text = sightline::test::RandomScenario(seed, duration).text();
     file << (seed % 2 == 0 ? begun_outside(text) : text);
     if (!file.flush()) {
       fmt::print(stderr, "{}/{}.toml cannot be written\n", folder, seed);

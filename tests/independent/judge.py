@@ -80,7 +80,10 @@ class Judge:
         updates = int(flight.commanded.sum())
         if self.summary["updates"] != updates:
             self.differ("updates", f"{self.summary['updates']} updates in the summary, {updates} in the log")
+        if (allocations := self.summary["allocations_per_update"]) != 0:
+            self.differ("allocations", f"{allocations} allocations in an update")
         self._end()
+        self._landings()
         self._commands()
         self._rates()
         self._plans()
@@ -108,6 +111,38 @@ class Judge:
             self.verdict.add("samples were dropped")
         elif gaps.sum() > missed:
             self.differ("log", f"{gaps.sum()} periods have no sample, {missed} were missed")
+
+    def _landings(self):
+        """No robot lands without an event whose data were not old; periods that are missed make all data old."""
+        for time, kind, number in self.flight.events:
+            name = self.flight.names[int(number)] if kind == "land" and not self.realtime else None
+            if name is None or self.team.duty(name)[self.flight.step_of(time)] == "land" or self._may_be_old(name, time):
+                continue
+            self.differ("landing", f"{name} lands at {time:.3f} s, and its data were not old")
+
+    def _may_be_old(self, name, until):
+        """Whether faults kept its measurements or its plan away for so long that it may land. The longest of them counts from the start,
+        since measurements that were refused are accepted again only after some good ones."""
+        settling, rarely = 0.6, 0.6  # [s], probability
+        now = self.flight.times <= until + 1e-9
+        times, body, safety = self.flight.times[now], self.flight.bodies[name], self.scenario.get("safety", {})
+        supervisor = safety.get("supervisor", {})
+        good, longest = np.ones(len(times)), self.simulation.get("disturbance", {}).get("delay", 0.0)
+        for fault in self.simulation.get("fault", []):
+            acts = (times >= fault.get("from", 0.0)) & (times <= fault.get("until", np.inf) + settling) & (fault.get("body", name) == name)
+            if acts.any():
+                longest = max(longest, fault.get("delay", 0.0))
+            if fault["kind"] not in ("delay", "late_plan"):
+                good[acts] *= 0.0 if fault["kind"] == "freeze" else 1.0 - fault.get("probability", 1.0)
+        if (np.abs(body.p[now]) > safety.get("world", 100.0)).any() or (np.linalg.norm(body.v[now], axis=1) > supervisor.get("v_max", 5.0)).any():
+            return True
+        without_plan = [any(one in (*failed, "deadline") for one in status) for status in np.array(self.flight.status, object)[now]]
+        for lacks in (good < 1.0 - rarely, without_plan):
+            run = 0
+            for lack in lacks:
+                run = run + 1 if lack else 0
+                longest = max(longest, run * self.flight.period)
+        return longest > supervisor.get("land_after", 2.0) - settling
 
     def _commands(self):
         """Finite and within the limits in force, in each period."""

@@ -76,6 +76,7 @@ def longer(number):
 
 changes = [
     ("updates", lambda s: s.update(updates=s["updates"] + 1)),
+    ("allocations", lambda s: s.update(allocations_per_update=1)),
     ("min_distance", lambda s: s.update(min_distance=longer(s["min_distance"]))),
     ("applied_violations", lambda s: s.update(applied_violations=1)),
     ("input_violations", lambda s: s.update(input_violations=s["input_violations"] + 1)),
@@ -108,6 +109,16 @@ def test_it_notices_commands_that_are_not_finite_beyond_limits_or_too_fast(flown
         judge = Judge(*flown)
         judge.flight.bodies["a"].u[300, 2] = value_of
         assert claim in [one for one, _ in judge.judge()] and judge.wrong_commands > 0
+
+
+def test_it_notices_a_landing_without_old_data(flown):
+    judge = Judge(*flown)
+    judge.flight.events.append((1.0, "land", 0))
+    assert "landing" in [claim for claim, _ in judge.judge()]
+    judge = Judge(*flown)
+    judge.flight.events.append((3.0, "land", 0))
+    judge.simulation = {**judge.simulation, "fault": [{"kind": "freeze", "body": "a", "from": 0.5}]}
+    assert "landing" not in [claim for claim, _ in judge.judge()]
 
 
 def test_it_finds_what_is_near_between_two_samples(flown):

@@ -240,7 +240,7 @@ inline constexpr std::array<std::string_view, 7> drawn_disturbances = {
     "delay = $[0.01 0.15]",
 };
 
-/// Of scenarios of wide reach: control periods [s], and what makes up for late commands and wind.
+/// Control periods [s], and what makes up for late commands and wind.
 inline constexpr std::array<std::string_view, 9> drawn_periods = {"0.001", "0.002", "0.005", "0.01", "0.02",
                                                                   "0.05",  "0.1",   "0.2",   "0.5"};
 inline constexpr std::array<std::string_view, 3> drawn_compensation = {

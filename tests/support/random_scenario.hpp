@@ -16,14 +16,11 @@
 
 namespace sightline::test {
 
-/// What is drawn: `wide` adds worlds, other periods, starts outside of walls, compensation, rates and subteams.
-enum class Reach { usual, wide };
-
 class RandomScenario : DrawnLines {
  public:
-  /// The same seed, duration [s] and reach: the same text.
-  RandomScenario(std::uint64_t seed, double duration, Reach reach = Reach::usual)
-      : DrawnLines(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration), wide_(reach == Reach::wide) {
+  /// The same seed and duration [s]: the same text.
+  RandomScenario(std::uint64_t seed, double duration)
+      : DrawnLines(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration) {
     line("# Seed {} of tests/support/random_scenario.hpp", seed);
     draw_team();
     write_horizon();
@@ -35,7 +32,7 @@ class RandomScenario : DrawnLines {
     write_safety();
     write_events();
     write_simulation(seed);
-    if (wide_) write_wide();
+    write_world_and_subteams();
   }
 
   using DrawnLines::text;
@@ -151,7 +148,7 @@ class RandomScenario : DrawnLines {
     has_swarm_ = chance(0.25);
     has_relay_ = chance(0.1);
     has_events_ = chance(0.7);
-    has_parts_ = wide_ && !has_swarm_ && !has_relay_ && !has_events_ && chance(0.3);
+    has_parts_ = !has_swarm_ && !has_relay_ && !has_events_ && chance(0.3);
     filtered_ = chance(0.5);
     std::vector<const DrawnKind*> fit;
     for (const DrawnKind& kind : drawn_kinds()) {
@@ -166,12 +163,12 @@ class RandomScenario : DrawnLines {
       robot.kind = mixed ? any(fit) : one;
       robot.name = fmt::format("r{}", i);
       robot.p = place(robot.kind->is("flies"));
-      if (wide_ && chance(0.12)) leave_walls(robot);
+      if (chance(0.12)) leave_walls(robot);
       robot.present = i == 0 || !has_events_ || !chance(0.12);
       robot.looks = chance(looking);
       robot.tracks = !robot.looks || chance(0.3);
       robot.limits_move = chance(0.05);
-      robot.has_rates = wide_ && chance(0.3);
+      robot.has_rates = chance(0.3);
       robots_.push_back(robot);
     }
     for (std::size_t i = 0; i < uncooperative; ++i) {
@@ -182,12 +179,9 @@ class RandomScenario : DrawnLines {
   // --- what is written ---
 
   void write_horizon() {
-    std::string_view period = "0.01";
-    if (wide_ || chance(0.3)) {
-      if (wide_ || chance(0.3)) period = wide_ ? any(drawn_periods) : "0.02";
-      line("[horizon]\nduration = {}\nstages = {}\nperiod = {}", number(0.6, 1.6), 8 + below(18), period);
-    }
-    if (!has_events_ && !has_relay_ && !has_swarm_ && !has_parts_ && chance(wide_ ? 0.5 : 0.3))
+    const std::string_view period = any(drawn_periods);
+    line("[horizon]\nduration = {}\nstages = {}\nperiod = {}", number(0.6, 1.6), 8 + below(18), period);
+    if (!has_events_ && !has_relay_ && !has_swarm_ && !has_parts_ && chance(0.5))
       line("[solver]\nname = \"{}\"\nzeta = {:.2f}", chance(0.5) ? "cmscgmres" : "cgmres",
            0.2 / std::stod(std::string(period)));
   }
@@ -229,7 +223,7 @@ class RandomScenario : DrawnLines {
       line("u_min = {}\nu_max = {}", list(limits.first), list(limits.second));
     }
     for (const std::string_view key : drawn_compensation) {
-      if (wide_ && chance(0.2)) line("{}", drawn(key, robot));
+      if (chance(0.2)) line("{}", drawn(key, robot));
     }
     if (robot.has_rates) {
       std::vector<double> rates;
@@ -340,9 +334,9 @@ class RandomScenario : DrawnLines {
     const bool on_ground =
         std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) { return !r.kind->is("flies"); });
     line("\n[safety]\nbarrier = \"{}\"\nd_hard = {}",
-         !filtered_ || (wide_ && chance(0.3)) ? "off"
-         : chance(0.7)                        ? "on"
-                                              : "report",
+         !filtered_ || chance(0.3) ? "off"
+         : chance(0.7)             ? "on"
+                                   : "report",
          number(0.4, 0.8));
     if (on_ground || chance(0.5)) line("floor = {}", on_ground ? number(-1.0, -0.2) : number(0.1, 0.5));
     if (chance(0.3)) line("ceiling = {}", number(3, 6));
@@ -455,11 +449,11 @@ class RandomScenario : DrawnLines {
   void write_simulation(std::uint64_t seed) {
     line("\n[simulation]\nduration = {:.1f}\nseed = {}\nsettle = {}", duration_, seed,
          number(0, 0.5 * duration_));
-    if (wide_) line("rms_from = {}", number(0, 0.5 * duration_));
+    line("rms_from = {}", number(0, 0.5 * duration_));
     line("signal = [ {{ at = {}, name = \"go\" }}, {{ at = {}, name = \"back\" }} ]", number(0, duration_),
          number(0, duration_));
     if (chance(0.3)) line("[simulation.disturbance]\n{}", any_of(drawn_disturbances));
-    while (chance(wide_ ? 0.5 : 0.3)) {
+    while (chance(0.5)) {
       const double from = between(0, duration_);
       line("[[simulation.fault]]\n{}\nfrom = {:.2f}", any_of(drawn_faults), from);
       if (chance(0.7)) line("until = {:.2f}", from + between(0.05, 0.25 * duration_));
@@ -467,8 +461,7 @@ class RandomScenario : DrawnLines {
     line("[log]\nprediction_period = 1.0");
   }
 
-  /// The world, and subteams.
-  void write_wide() {
+  void write_world_and_subteams() {
     const bool vehicles = std::any_of(robots_.begin(), robots_.end(), [](const Robot& r) {
       return r.kind->keys.find("multirotor") != std::string_view::npos;
     });
@@ -480,7 +473,6 @@ class RandomScenario : DrawnLines {
   }
 
   double duration_;  // [s]
-  bool wide_;
   std::string last_;
   std::vector<Vec3<double>> places_;
   std::vector<Robot> robots_;
