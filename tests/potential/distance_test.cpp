@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/apart.hpp"
-#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -65,30 +64,6 @@ TEST(Distance, TheViolationIsInMetres) {
     const double D = std::hypot(a.p.x - b.p.x, a.p.y - b.p.y, a.p.z - b.p.z);
     EXPECT_NEAR(KeepOut{.d_min = 1.2}.violation(a, b), 1.2 - D, 1e-14);
     EXPECT_NEAR(Cohesion{.d_max = 1.7}.violation(a, b), D - 1.7, 1e-14);
-  }
-}
-
-template <class P>
-void expect_common_refusals(std::string_view name) {
-  const auto refusal = [](P p) { return refusal_of([&] { p.check(); }); };
-  for (const double bad : {0.0, -1.0, not_a_number, infinite}) {
-    EXPECT_EQ(refusal({.kappa_H = bad}), fmt::format("{}.kappa_H = {}, expected > 0", name, bad));
-    EXPECT_EQ(refusal({.kappa_A = bad}), fmt::format("{}.kappa_A = {}, expected > 0 1/m^2", name, bad));
-  }
-  EXPECT_EQ(refusal({.kappa_G = -0.5}), fmt::format("{}.kappa_G = -0.5, expected >= 0 1/m^2", name));
-  EXPECT_EQ(refusal({.kappa_G = not_a_number}), fmt::format("{}.kappa_G = nan, expected >= 0 1/m^2", name));
-  EXPECT_EQ(refusal({.kappa_G = 0}), "");
-  EXPECT_EQ(refusal({}), "");
-}
-
-TEST(Distance, ParametersOutOfRangeAreRefusedByName) {
-  expect_common_refusals<KeepOut>("keep_out");
-  expect_common_refusals<Cohesion>("cohesion");
-  for (const double bad : {0.0, -1.0, not_a_number, infinite}) {
-    EXPECT_EQ(refusal_of([&] { KeepOut{.d_min = bad}.check(); }),
-              fmt::format("keep_out.d_min = {}, expected > 0 m", bad));
-    EXPECT_EQ(refusal_of([&] { Cohesion{.d_max = bad}.check(); }),
-              fmt::format("cohesion.d_max = {}, expected > 0 m", bad));
   }
 }
 

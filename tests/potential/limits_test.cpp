@@ -45,14 +45,9 @@ TEST(InputDisc, ItIsABoundOnTheLengthOfTwoInputs) {
   }
 }
 
-TEST(SpeedLimit, AMaximumThatIsNotPositiveIsRefused) {
-  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THAT(refusal_of([&] { Limit(SpeedLimit{bad}); }), HasSubstr("speed.max = "));
-  EXPECT_EQ(refusal_of([] { Limit(SpeedLimit{0.5}); }), "");
+TEST(SpeedLimit, AMaximumBelowItsMinimumIsRefused) {
   EXPECT_THAT(refusal_of([] { Limit(SpeedLimit{.max = 0.5, .min = 0.5}); }),
               HasSubstr("speed.min = 0.5, expected below max"));
-  EXPECT_THAT(refusal_of([] { Limit(SpeedLimit{.max = 0.5, .min = -0.1}); }),
-              HasSubstr("speed.min = -0.1, expected >= 0"));
 }
 
 TEST(SpeedLimit, ALeastSpeedIsKeptAsAGreatestIs) {
@@ -70,9 +65,7 @@ TEST(SpeedLimit, ALeastSpeedIsKeptAsAGreatestIs) {
   }
 }
 
-TEST(InputDisc, ParametersOutOfRangeAreRefused) {
-  EXPECT_THAT(refusal_of([] { Limit(InputDisc{.radius = 0}); }), HasSubstr("input_disc.radius = 0"));
-  EXPECT_THAT(refusal_of([] { Limit(InputDisc{.i = -1}); }), HasSubstr("input_disc.i = -1"));
+TEST(InputDisc, AnInputTwiceIsRefused) {
   EXPECT_THAT(refusal_of([] { Limit(InputDisc{.i = 1, .j = 1}); }), HasSubstr("input_disc.j = 1"));
 }
 

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <stdexcept>
-
 #include "tests/support/random.hpp"
-#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -80,23 +77,6 @@ TEST_P(ConeForms, FarOutOfViewTheSlopeStillLeadsBackAndWithoutItNothingDoes) {
     cone.kappa_G = 0;  // (33)
     EXPECT_NEAR(at(cone, x, off), at(cone, x, off - 0.1), 1e-15);
   }
-}
-
-TEST(SensorCone, ParametersOutOfRangeAreRefusedByName) {
-  const auto refusal = [](SensorCone cone) { return refusal_of([&] { cone.check(); }); };
-  for (const double alpha : {0.0, -0.1, 1.6}) {
-    EXPECT_EQ(refusal({.alpha = alpha}),
-              fmt::format("sensor_cone.alpha = {}, expected in (0, pi/2) rad", alpha));
-  }
-  EXPECT_EQ(refusal({.alpha = not_a_number}), "sensor_cone.alpha = nan, expected in (0, pi/2) rad");
-  EXPECT_EQ(refusal({.kappa_G = -1}), "sensor_cone.kappa_G = -1, expected >= 0 1/m^2");
-  EXPECT_EQ(refusal({.kappa_G = infinite}), "sensor_cone.kappa_G = inf, expected >= 0 1/m^2");
-  EXPECT_EQ(refusal({.kappa_A = 0}), "sensor_cone.kappa_A = 0, expected > 0 1/m^2");
-  EXPECT_EQ(refusal({.mount = {.pitch = 1.6}}),
-            "sensor_cone.mount.pitch = 1.6, expected in [-pi/2, pi/2] rad");
-  EXPECT_EQ(refusal({.mount = {.offset = not_a_number}}),
-            "sensor_cone.mount.offset = nan, expected a finite length, m");
-  EXPECT_EQ(refusal({}), "");
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include "sightline/base/tangent.hpp"
 #include "tests/support/apart.hpp"
-#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -82,19 +81,6 @@ TEST(RelativeVelocity, IsTheSquareOfTheDifferenceAndFreeWhereBothMoveAlike) {
     b.v = a.v;
     EXPECT_EQ(relative(a, b), 0);
   }
-}
-
-TEST(Slope, ParametersOutOfRangeAreRefusedByName) {
-  for (const double bad : {0.0, -1.0, not_a_number, infinite}) {
-    const auto refusal = [](const auto& p) { return refusal_of([&] { p.check(); }); };
-    EXPECT_EQ(refusal(TooNear{.d_min = bad}), fmt::format("too_near.d_min = {}, expected > 0 m", bad));
-    EXPECT_EQ(refusal(TooNear{.kappa = bad}), fmt::format("too_near.kappa = {}, expected > 0 1/m", bad));
-    EXPECT_EQ(refusal(TooFar{.d_max = bad}), fmt::format("too_far.d_max = {}, expected > 0 m", bad));
-    EXPECT_EQ(refusal(TooFar{.kappa = bad}), fmt::format("too_far.kappa = {}, expected > 0 1/m", bad));
-    EXPECT_EQ(refusal(RelativeVelocity{.v_0 = bad}),
-              fmt::format("relative_velocity.v_0 = {}, expected > 0 m/s", bad));
-  }
-  EXPECT_NO_THROW((TooNear{}.check(), TooFar{}.check(), RelativeVelocity{}.check()));
 }
 
 }  // namespace

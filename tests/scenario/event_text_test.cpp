@@ -68,13 +68,6 @@ Vec3<double> place(const EventScene& scene, BodyId body, const std::vector<doubl
   return {p[0], p[1], p[2]};
 }
 
-TEST(EventText, times_and_signals_are_as_written) {
-  const EventScene scene;
-  EXPECT_EQ(std::get<AtTime>(scene.read("at = 20.5")).t, 20.5);
-  EXPECT_EQ(std::get<AfterTime>(scene.read("after = 2")).delay, 2.0);
-  EXPECT_EQ(std::get<Signal>(scene.read("signal = \"stop\"")).name, "stop");
-}
-
 TEST(EventText, a_distance_holds_where_the_positions_say_so) {
   const EventScene scene;
   const Condition near = scene.condition("when = { distance = [\"uav0\", \"rock\"], below = 2.5 }");
@@ -179,16 +172,6 @@ TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {
   EXPECT_EQ(plain.afterwards, Afterwards::vanish);
 }
 
-TEST(EventText, each_word_says_what_a_robot_does_afterwards) {
-  const EventScene scene;
-  const auto afterwards = [&](const std::string& word) {
-    return scene.one<RemoveBody>("remove = { agent = \"uav1\", then = \"" + word + "\" }").afterwards;
-  };
-  EXPECT_EQ(afterwards("vanish"), Afterwards::vanish);
-  EXPECT_EQ(afterwards("hold"), Afterwards::hold);
-  EXPECT_EQ(afterwards("land"), Afterwards::land);
-}
-
 TEST(EventText, what_is_added_is_as_in_its_own_table) {
   const EventScene scene;
   EXPECT_EQ(scene.one<AddBody>("add = \"uav1\"").body, scene.uav1);
@@ -241,16 +224,6 @@ TEST(EventText, what_is_left_out_of_a_robot_s_tuning_stays) {
   EXPECT_EQ(slow.limits->u_min().front(), (std::vector<double>(4, -0.5)));
   EXPECT_EQ(slow.limits->u_max().front(), (std::vector<double>(4, 2.0)));
   EXPECT_FALSE(slow.Q || slow.R || slow.Q_f || slow.u_ref);
-}
-
-TEST(EventText, a_reference_is_of_the_robot_s_own_state) {
-  const EventScene scene;
-  const auto change = scene.one<SetReference>(
-      "reference = { agent = \"uav1\", reference = { state = [1, 2, 3, 1, 0, 0, 0] } }");
-  EXPECT_EQ(change.agent, scene.uav1);
-  std::vector<double> x(7);
-  change.reference(0.0, scene.team.model(scene.uav1), x);
-  EXPECT_EQ(x, (std::vector<double>{1, 2, 3, 1, 0, 0, 0}));
 }
 
 TEST(EventText, an_array_is_several_actions_in_their_order) {

@@ -91,11 +91,6 @@ TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
   EXPECT_GT(world->measured_max().detections, 0U);
 }
 
-TEST(ReadCamera, WithoutACameraOrTagsTheWorldIsAsItWas) {
-  EXPECT_EQ(make_world(scenario_of(facing_pair))->measured_max().detections, 0U);
-  EXPECT_EQ(make_world(scenario_of(facing_pair + "[agent.b.tags]\n"))->measured_max().detections, 0U);
-}
-
 TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
   const std::string text = facing_pair + "[agent.a.camera]\n[agent.b.tags]\n";
   const Scenario scenario = scenario_of(text);

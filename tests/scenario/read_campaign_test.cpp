@@ -76,13 +76,6 @@ uniform = [0.0, 2.0]
   EXPECT_THAT(read.draws[0].distribution.values, testing::ElementsAre(0.0, 2.0));
 }
 
-TEST(ReadCampaign, ANumberOfTheCampaignItselfIsNotDrawn) {
-  EXPECT_THROW(
-      plan("[campaign]\nduration = 12.0\n[[campaign.draw]]\nkey = \"campaign.duration\"\nuniform = [1.0, "
-           "2.0]\n"),
-      ScenarioError);
-}
-
 // Of all that [campaign] may say, nothing is of use to a flight that is no campaign's.
 TEST(ReadCampaign, WhatIsWrongWithItStopsNoOtherFlight) {
   for (const char* wrong :

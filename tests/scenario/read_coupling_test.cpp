@@ -23,17 +23,6 @@ struct CouplingScene : test::Scene {
 
 constexpr std::string_view keep_out_term = "potential = { keep_out = { d_min = 0.75 } }\n";
 
-TEST(ReadCoupling, a_coupling_is_what_its_table_says) {
-  const CouplingScene scene;
-  const Coupling read = scene.read(
-      fmt::format("{}between = [\"uav1\", \"uav0\"]\nfelt_by = [\"uav0\"]\nweight = 2.5\n", keep_out_term));
-  EXPECT_EQ(read.between.first, scene.uav1);
-  EXPECT_EQ(read.between.second, scene.uav0);
-  EXPECT_EQ(read.felt_by, std::vector{scene.uav0});
-  EXPECT_EQ(read.term.weight, 2.5);
-  EXPECT_EQ(read.term.potential.as<KeepOut>()->d_min, 0.75);
-}
-
 TEST(ReadCoupling, without_felt_by_all_robots_of_it_feel_a_coupling) {
   const CouplingScene scene;
   EXPECT_EQ(scene.read(fmt::format("{}between = [\"uav0\", \"uav1\"]", keep_out_term)).felt_by,
@@ -65,15 +54,6 @@ TEST(ReadCoupling, a_third_body_is_for_formulas_that_look_past_it) {
   EXPECT_EQ(scene.refusal(blind + between + "third = \"rock\""),
             "a:3: third = \"rock\", expected no such key: region does not look past a third body, none of "
             "its formulas has third.p_x");
-}
-
-TEST(ReadCoupling, a_name_that_is_none_is_refused_with_the_nearest) {
-  const CouplingScene scene;
-  EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"rocks\"]", keep_out_term)),
-            "a:2: between[1] = \"rocks\", expected a known name, the nearest is \"rock\"");
-  EXPECT_EQ(scene.refusal(fmt::format("{}between = [\"uav0\", \"uav1\"]\nfelt_by = [\"uav0\", \"rock\"]",
-                                      keep_out_term)),
-            "a:3: felt_by[1] = \"rock\", expected a robot of between = [\"uav0\", \"uav1\"]");
 }
 
 }  // namespace

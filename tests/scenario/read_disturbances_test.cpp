@@ -37,15 +37,7 @@ TEST(ReadDisturbances, WhatIsNoWindIsRefused) {
             "a:2: d.wind.size = -1, expected >= 0 m/s^2");
   EXPECT_EQ(refused("wind = { size = 1.0, towards = 0.0 }\n"),
             "a:2: d.wind.towards = 0, expected a known key: size, direction");
-  EXPECT_EQ(refused("wind = [1.0, 0.0]\n"), "a:2: d.wind = [1, 0], expected an array of 3 numbers");
   EXPECT_EQ(refused("wind = 1.0\n"), "a:2: d.wind = 1, expected an array of 3 numbers");
-}
-
-TEST(ReadDisturbances, WhatIsNotSaidDoesNotDisturb) {
-  const Disturbances d = of("");
-  EXPECT_EQ(norm(d.wind), 0.0);
-  EXPECT_EQ(d.gust_sigma, 0.0);
-  EXPECT_EQ(d.slip, 0.0);
 }
 
 }  // namespace

@@ -105,13 +105,6 @@ TEST(ReadEstimate, WhoTurnsByAChoiceWatchesAllThatItMayTurnTo) {
               HasSubstr("robots are localized in a circle"));
 }
 
-TEST(ReadEstimate, WithoutItNothingIsTold) {
-  EXPECT_EQ(make_world(scenario_of(row(2)))->measured_max().motions, 0U);
-  const std::string global =
-      "localization = \"global\"\nobserves = [\"uav0\"]\n[agent.uav1.estimate]\ntilt_bias = 0.02\n";
-  EXPECT_TRUE(scenario_of(row(2, global)).localization.robots.empty()) << "what it says counts by view alone";
-}
-
 TEST(ReadEstimate, TheTeamsOptionsAreTheDefaultsOfEachRobot) {
   const Scenario scenario = scenario_of(
       "[estimate]\nfilter = \"attitude\"\ntilt_bias = 0.03\n[estimate.broadcast]\nrate = "

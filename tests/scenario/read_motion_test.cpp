@@ -71,16 +71,6 @@ TEST(ReadMotion, WhatStandsStillIsTakenToStayAndAnyOtherToBeFast) {
   EXPECT_EQ(uncooperative(place + "speed_max = 0.3").uncooperative.speed_max, 0.3);
 }
 
-TEST(ReadMotion, TheDistanceAndTheSeenVelocityReachTheUncooperativeBody) {
-  const UncooperativeBody read =
-      uncooperative("p = [1.0, 2.0, 3.0]\nd_hard = 0.8\nvelocity = \"unknown\"").uncooperative;
-  EXPECT_EQ(read.d_hard, 0.8);
-  EXPECT_EQ(read.velocity, SeenVelocity::unknown);
-  const UncooperativeBody plain = uncooperative("p = [1.0, 2.0, 3.0]").uncooperative;
-  EXPECT_FALSE(plain.d_hard.has_value());
-  EXPECT_EQ(plain.velocity, SeenVelocity::measured);
-}
-
 constexpr std::string_view motion_scene = R"(
 [agent.uav0]
 robot = "multirotor"

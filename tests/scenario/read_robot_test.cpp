@@ -102,13 +102,6 @@ TEST(ReadRobot, TheFrameOfAVelocityIsAWord) {
             "a:2: parameters.frame = \"body\", expected one of \"heading\", \"level\"");
 }
 
-TEST(ReadRobot, ALagOfZeroIsNoState) {
-  EXPECT_EQ(velocity_multirotor("").nx(), 9);
-  EXPECT_EQ(velocity_multirotor("tau_z = 0.0").states().back(), "r");
-  EXPECT_EQ(velocity_multirotor("tau_psi = 0.0").states().back(), "v_z");
-  EXPECT_EQ(velocity_multirotor("tau_z = 0.0, tau_psi = 0.0").nx(), 7);
-}
-
 TEST(ReadRobot, LimitsThatAreLeftOutAreTheRobots) {
   const Scenario s = parse_scenario(
       "[agent.a]\nrobot = \"velocity_multirotor\"\nstart = { p = [0, 0, 1] }\n"

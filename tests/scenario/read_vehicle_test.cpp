@@ -109,12 +109,6 @@ TEST(ReadVehicle, DownwashIsANumberOfAWorldOfVehicles) {
       "\"rotors\"");
 }
 
-TEST(ReadVehicle, TheWindIsToldAsAirForEachVehicle) {
-  const std::string reported =
-      summary(scenario_of(two + "\n[simulation.disturbance]\nwind = [1.0, 0.0, 0.0]\n"));
-  EXPECT_THAT(reported, HasSubstr("vehicle     uav: feels the wind as air at [8.31, 0.00, 0.00] m/s\n"));
-}
-
 TEST(ReadVehicle, AWorldOfOnesOwnIsGivenTheVehiclesWhereItSaysThatItHasThem) {
   Registry registry;
   const MakeWorld make = registry.worlds.find("rotors")->make;
@@ -331,16 +325,6 @@ TEST(ReadVehicle, InWindThatNobodyKnowsOfTheX500StandsAsideAsInAnotherEngine) {
     EXPECT_NEAR(norm(flight.watch.offset) / flight.watch.updates, 0.72 * wind, 0.05 * wind);
     EXPECT_LT(flight.watch.angle, 0.1);
   }
-}
-
-TEST(ReadVehicle, TheSameScenarioFliesTheSameBytes) {
-  Scenario scenario = cooperative("x500", 3.0);
-  scenario.simulation.disturbances.gust_sigma = 0.3;
-  scenario.simulation.disturbances.noise = {0.01, 0.01, 0.01};
-  const Flight first = fly(scenario);
-  EXPECT_EQ(first.watch.all, fly(scenario).watch.all);
-  scenario.simulation.seed = 2;
-  EXPECT_NE(first.watch.all, fly(scenario).watch.all);
 }
 
 }  // namespace

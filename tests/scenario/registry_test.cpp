@@ -169,25 +169,52 @@ TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_a
   EXPECT_EQ(registry.potentials.names().size(), 10U);
 }
 
-TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
-  const auto defaults = [](const auto& list) {
-    for (const auto& part : list.all()) {
-      std::string text;
-      for (const ParameterText& p : part->parameters) {
-        const bool word = p.range.starts_with("one of");
-        if (!p.fallback.empty())
-          text += fmt::format("{} = {}{}{}\n", p.key, word ? "\"" : "", p.fallback, word ? "\"" : "");
-        if (p.must_be_given && p.range == "finite") text += fmt::format("{} = [1, 2, 3]\n", p.key);
-        if (p.must_be_given && p.range != "finite")
-          text += fmt::format("{} = [{}]\n", p.key, p.key == "p" ? "[1, 2, 3]" : "1");
-      }
-      const TomlDocument document = parse_toml(text + " ", "a");
-      EXPECT_NO_THROW(read_named(list, part->name, TomlTable(document))) << part->name << '\n' << text;
-    }
-  };
+/// The table of a part with its defaults, and with `bad` in place of the first number of `key`.
+template <class Part>
+std::string table_of(const Part& part, std::string_view key = "", std::string_view bad = "") {
+  std::string text;
+  for (const ParameterText& p : part.parameters) {
+    std::string value = p.fallback;
+    if (p.range.starts_with("one of")) value = fmt::format("\"{}\"", value);
+    if (p.must_be_given) value = p.range == "finite" ? "[1, 2, 3]" : p.key == "p" ? "[[1, 2, 3]]" : "[1]";
+    if (p.key == key) value = value.starts_with('[') ? fmt::format("[{}, 2, 3]", bad) : std::string(bad);
+    if (!value.empty()) text += fmt::format("{} = {}\n", p.key, value);
+  }
+  return text + " ";
+}
+
+template <class Check>
+void for_each_list(Check&& check) {
   const Registry& registry = built_in_registry();
-  defaults(registry.robots), defaults(registry.potentials), defaults(registry.references),
-      defaults(registry.limits);
+  check(registry.robots), check(registry.potentials), check(registry.references), check(registry.limits);
+}
+
+TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
+  for_each_list([](const auto& list) {
+    for (const auto& part : list.all()) {
+      const TomlDocument document = parse_toml(table_of(*part), "a");
+      EXPECT_NO_THROW(read_named(list, part->name, TomlTable(document))) << part->name;
+    }
+  });
+}
+
+TEST(Parts, no_parameter_of_ours_takes_a_number_out_of_its_range) {
+  int refused = 0;
+  for_each_list([&](const auto& list) {
+    for (const auto& part : list.all()) {
+      for (const ParameterText& p : part->parameters) {
+        if (p.range.starts_with("one of") || p.range.starts_with("a list")) continue;
+        for (const std::string bad : {"nan", "inf", p.range.starts_with("> 0") ? "0.0" : "-2e9"}) {
+          const TomlDocument document = parse_toml(table_of(*part, p.key, bad), "a");
+          EXPECT_THAT(refusal_of<ScenarioError>([&] { read_named(list, part->name, TomlTable(document)); }),
+                      testing::AllOf(testing::HasSubstr(p.key), testing::HasSubstr("expected")))
+              << part->name << bad;
+          ++refused;
+        }
+      }
+    }
+  });
+  EXPECT_GT(refused, 150);
 }
 
 TEST(Parts, what_a_potential_of_ours_says_of_keeping_apart_is_what_its_limit_does) {

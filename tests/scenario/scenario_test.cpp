@@ -44,11 +44,6 @@ std::string robots(int count) {
   return text;
 }
 
-TEST(Scenario, a_file_of_comments_alone_has_no_robot) {
-  EXPECT_EQ(scenario_refusal("# nothing\n\n"),
-            "a.toml:1: agent is missing, expected at least one [agent.NAME]");
-}
-
 TEST(Scenario, bytes_that_are_no_text_are_refused) {
   std::mt19937 random(1);
   for (int i = 0; i < 100; ++i) {
@@ -107,12 +102,6 @@ TEST(Scenario, the_paper_s_scenario_is_the_paper_s) {
   EXPECT_EQ(std::tie(cone->alpha, cone->kappa_G, cone->kappa_A, cone->mount.pitch, cone->mount.offset),
             std::make_tuple(0.5, 0.01, 2.0, 0.5, 0.17));
   EXPECT_EQ(std::tie(s.horizon.T, s.horizon.N, s.horizon.dt), std::make_tuple(1.0, 20, 0.01));
-  const auto& options = std::get<NewtonRiccatiOptions>(s.solver.options);
-  const NewtonRiccatiOptions built{};
-  EXPECT_EQ(std::tie(options.max_newton_steps, options.start_steps, options.tolerance, options.max_krylov,
-                     options.krylov_stop, options.step_cap, options.deadline),
-            std::tie(built.max_newton_steps, built.start_steps, built.tolerance, built.max_krylov,
-                     built.krylov_stop, built.step_cap, built.deadline));
   EXPECT_EQ(s.simulation.compare, (std::vector<std::string>{"newton_riccati", "cmscgmres", "cgmres"}));
 }
 
@@ -163,21 +152,15 @@ TEST(Scenario, robots_come_first_then_targets_then_obstacles_each_in_the_order_o
   EXPECT_EQ(start(3), (std::vector<double>{1, 2, 3, 4, 5, 6}));
 }
 
-TEST(Scenario, a_start_may_have_a_velocity_in_the_vehicle_s_frame) {
-  for (const std::string model : {"multirotor", "angle_multirotor", "omni_rover"}) {
-    const Scenario s = parse_scenario(
-        "[agent.a]\nrobot = \"" + model + "\"\nstart = { p = [0, 0, 0], heading = 0, v = [0.5, -0.25] }\n",
-        "a.toml");
-    EXPECT_EQ(std::vector<double>(s.x0.end() - 2, s.x0.end()), (std::vector<double>{0.5, -0.25})) << model;
-  }
-}
-
 TEST(Scenario, a_start_gives_each_robot_the_velocity_and_the_height_it_has_as_states) {
   const auto start = [](const std::string& model, const std::string& rest) {
     return parse_scenario("[agent.a]\nrobot = \"" + model + "\"\nstart = { p = [1, 2, 3], " + rest + " }\n",
                           "a.toml")
         .x0;
   };
+  for (const char* model : {"multirotor", "omni_rover"})
+    EXPECT_EQ(start(model, "heading = 0, v = [0.5, -0.25]"),
+              (std::vector<double>{1, 2, 3, 1, 0, 0.5, -0.25}));
   EXPECT_EQ(start("point_mass", "v = [0.5, -0.25]"), (std::vector<double>{1, 2, 3, 0.5, -0.25, 0}));
   EXPECT_EQ(start("unicycle", "heading = 0, v = [0.5, 0]"), (std::vector<double>{1, 2, 3, 1, 0, 0.5}));
   EXPECT_EQ(start("velocity_multirotor", "heading = 0, v = [0.5, -0.25]"),
@@ -205,27 +188,6 @@ TEST(Scenario, a_robot_whose_rates_are_not_finite_at_rest_starts_with_its_speed)
   EXPECT_EQ(start("start = { state = [0.0, -60.0, 40.0, 0.5, 12.0] }"), flies);
   EXPECT_THAT(scenario_refusal(plane + std::string("start = { p = [0.0, -60.0, 40.0] }\n")),
               HasSubstr("start.state gives every state of a robot"));
-}
-
-TEST(Scenario, a_start_of_every_state_is_that_state) {
-  const std::vector<double> x = {1, 2, 3, 0.6, 0.8, 0.25, -0.5, 0.125, 0.0625};
-  EXPECT_EQ(parse_scenario(
-                "[agent.a]\nrobot = \"velocity_multirotor\"\nstart = { state = [1, 2, 3, 0.6, 0.8, 0.25, "
-                "-0.5, 0.125, 0.0625] }\n",
-                "a.toml")
-                .x0,
-            x);
-}
-
-TEST(Scenario, who_feels_a_coupling_defaults_to_all_robots_between) {
-  const Scenario s =
-      parse_scenario(robots(2) +
-                         "[target.t]\np = [0, 0, 0]\n"
-                         "[[couple]]\nbetween = [\"r0\", \"r1\"]\npotential = { keep_out = {} }\n"
-                         "[[couple]]\nbetween = [\"r1\", \"t\"]\npotential = { sensor_cone = {} }\n",
-                     "a.toml");
-  EXPECT_EQ(s.team.couplings()[0].felt_by.size(), 2U);
-  EXPECT_EQ(s.team.couplings()[1].felt_by.size(), 1U);
 }
 
 TEST(Scenario, limits_may_change_over_time) {
@@ -285,17 +247,11 @@ TEST(Scenario, a_limit_is_read_with_its_barrier) {
 }
 
 TEST(Scenario, the_summary_says_who_feels_what) {
-  EXPECT_EQ(summary(read_scenario(tree / "scenarios/paper_7_1.toml")),
-            "scenario    paper_7_1\n"
-            "horizon     1 s, 20 stages, period 0.01 s\n"
-            "solver      newton_riccati\n"
-            "simulation  60 s, 6000 updates, seed 1\n"
-            "team        14 states, 8 inputs\n"
-            "agent       uav0: multirotor, 7 states, 4 inputs\n"
-            "agent       uav1: multirotor, 7 states, 4 inputs\n"
-            "couple      0.4 sensor_cone between uav0 and uav1, felt by uav0\n"
-            "couple      0.4 keep_out between uav0 and uav1, felt by uav0\n"
-            "couple      0.4 cohesion between uav0 and uav1, felt by uav0\n");
+  const std::string text = summary(read_scenario(tree / "scenarios/paper_7_1.toml"));
+  for (const char* fact : {"1 s, 20 stages, period 0.01 s", "newton_riccati", "60 s, 6000 updates, seed 1",
+                           "14 states, 8 inputs", "uav1: multirotor, 7 states, 4 inputs",
+                           "0.4 cohesion between uav0 and uav1, felt by uav0"})
+    EXPECT_THAT(text, HasSubstr(fact));
 }
 
 TEST(Scenario, a_thousand_robots_are_read_and_one_too_many_is_refused) {

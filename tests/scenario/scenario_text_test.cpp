@@ -21,10 +21,6 @@ std::filesystem::path scratch() {
   return folder;
 }
 
-TEST(ScenarioText, a_refusal_is_file_line_and_sentence) {
-  EXPECT_STREQ(ScenarioError("a.toml", 7, "k = 1, expected 2").what(), "a.toml:7: k = 1, expected 2");
-}
-
 TEST(ScenarioText, a_refusal_stays_one_line_whatever_it_quotes) {
   EXPECT_EQ(one_line("a\nb\tc\rd\x1b[31m\x7f"), "a\\nb\\tc\\rd\\u001b[31m\\u007f");
   EXPECT_EQ(one_line("\xc2\x85 \xe2\x80\xa8 \xe2\x80\xa9"), "\\u0085 \\u2028 \\u2029");

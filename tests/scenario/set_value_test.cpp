@@ -55,10 +55,6 @@ TEST(SetValue, AWordThatIsNoValueIsAText) {
       testing::StartsWith("--set agent.a.vehicle.mass=1: agent.a.vehicle = {...}, expected no such table"));
 }
 
-TEST(SetValue, TheLastOfSeveralHolds) {
-  EXPECT_EQ(with_set({"couple[0].weight=0.5", "couple[0].weight=0.7"}).team.couplings()[0].term.weight, 0.7);
-}
-
 TEST(SetValue, WhatIsNoAssignmentIsRefusedInOneLine) {
   for (const char* bad :
        {"", "=", "=1", "horizon.stages", "horizon..stages=1", "horizon.stages=", "a[=1", "a[x]=1", "a]=1",
@@ -74,14 +70,6 @@ TEST(SetValue, PlacesThatCannotBeAreToldWithWhatCan) {
   EXPECT_THAT(set_refusal("couple[1].weight=1"), testing::HasSubstr("a place in [0, 1)"));
   EXPECT_THAT(set_refusal("horizon[0]=1"), testing::HasSubstr("a key that holds an array"));
   EXPECT_THAT(set_refusal("couple[0].weight.x=1"), testing::HasSubstr("a key of a table"));
-}
-
-TEST(SetValue, WhatTheValueMeansIsCheckedAsInTheFile) {
-  EXPECT_EQ(
-      set_refusal("couple[0].wieght=1"),
-      "--set couple[0].wieght=1: couple[0].wieght = 1, expected a known key, the nearest is \"weight\"");
-  EXPECT_THAT(set_refusal("horizon.stages=0"),
-              testing::HasSubstr("horizon.stages = 0, expected an integer, 1 to 1000"));
 }
 
 }  // namespace

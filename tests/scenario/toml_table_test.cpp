@@ -18,12 +18,6 @@ std::string table_refusal(const std::string& text, Read&& read) {
   });
 }
 
-TEST(TomlTable, what_is_no_toml_is_refused_at_its_line) {
-  const std::string said = table_refusal("a = 1\nb = \n", [](const TomlTable&) {});
-  EXPECT_EQ(said.find("a:2: "), 0U) << said;
-  EXPECT_NE(said.find(", expected TOML"), std::string::npos) << said;
-}
-
 TEST(TomlTable, keys_that_make_deep_tables_are_refused_before_the_parser_sees_them) {
   std::string text = "a";
   for (int i = 0; i < 1'000'000; ++i) text += ".a";
@@ -105,14 +99,6 @@ TEST(TomlTable, a_sentence_about_a_field_gets_the_line_of_its_key) {
   EXPECT_EQ(say("potential.y = 2, expected 3"), "a:3: t.y = 2, expected 3");
   EXPECT_EQ(say("potential.z = 2, expected 3"), "a:1: t: potential.z = 2, expected 3");
   EXPECT_EQ(say("nobody feels it."), "a:1: t: nobody feels it.");
-}
-
-TEST(TomlTable, numbers_left_out_keep_their_value) {
-  const TomlDocument document = parse_toml("x = 3\n", "a");
-  double x = 1, y = 2;
-  TomlTable(document).read({{"x", &x}, {"y", &y}});
-  EXPECT_EQ(x, 3.0);
-  EXPECT_EQ(y, 2.0);
 }
 
 }  // namespace
