@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <type_traits>
 
 #include "cli/allocations.hpp"
@@ -357,9 +358,13 @@ class RunEvaluator final : public Sink<Sample> {
 class EventTable : public testing::TestWithParam<Column> {};
 
 TEST_P(EventTable, EveryKindOfEventKeepsEveryLaw) {
+  std::set<std::string> said;
   for (const Row& row : all_rows()) {
     SCOPED_TRACE(row.name);
     const Scenario scenario = cell(row, GetParam());
+    std::string words;
+    for (const TeamEvent& event : scenario.script.events) words += in_words(event, scenario.team);
+    EXPECT_TRUE(said.insert(words).second) << "no two events have one description: " << words;
     const Controls controls(scenario);
     SimulatedClock clock;
     const Controllers controllers = controls.controllers();

@@ -23,10 +23,5 @@ TEST(AddBody, ARobotThatVanishesTakesItsCouplingsAlongAndBringsThemBack) {
   EXPECT_EQ(active_team.team(2.0).couplings().size(), all.couplings().size());
 }
 
-TEST(AddBody, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ(AddBody{BodyId{1}}.describe(team), "add uav1");
-}
-
 }  // namespace
 }  // namespace sightline

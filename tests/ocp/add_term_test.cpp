@@ -27,14 +27,5 @@ TEST(AddTerm, FadesInUnderItsName) {
   EXPECT_EQ(active_team.team(5.0).couplings().back().ramp, Ramp{});
 }
 
-TEST(AddTerm, IsSaid) {
-  const Team team = event_team(2);
-  const AgentId uav1{BodyId{1}};
-  const Coupling apart{.term = 0.5 * KeepOut{}, .between = {uav1, BodyId{0}}, .felt_by = {uav1}};
-  EXPECT_EQ(AddCoupling{apart}.describe(team), "add 0.5 keep_out between uav1 and uav0");
-  const Constraint band{.term = 2.0 * AltitudeBand{}, .agent = uav1};
-  EXPECT_EQ(AddConstraint{band}.describe(team), "add 2 altitude_band of uav1");
-}
-
 }  // namespace
 }  // namespace sightline

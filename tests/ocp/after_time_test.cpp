@@ -23,10 +23,5 @@ TEST(AfterTime, CountsFromWhereItsStageBegan) {
   EXPECT_THAT(line.look(), ElementsAre(1U)) << "0.5 s";
 }
 
-TEST(AfterTime, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ(AfterTime{2.5}.describe(team), "after 2.5 s");
-}
-
 }  // namespace
 }  // namespace sightline

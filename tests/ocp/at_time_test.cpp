@@ -18,10 +18,5 @@ TEST(AtTime, AnEventOfATimeHappensOnceAtTheFirstPeriodThatIsNotEarlier) {
   for (int k = 0; k < 10; ++k) EXPECT_THAT(line.look(), IsEmpty());
 }
 
-TEST(AtTime, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ(AtTime{20}.describe(team), "at 20 s");
-}
-
 }  // namespace
 }  // namespace sightline

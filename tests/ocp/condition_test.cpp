@@ -43,21 +43,5 @@ TEST(Condition, OneThatRepeatsHasToEndBefore) {
   EXPECT_THAT(line.look(0.9), ElementsAre(0U));
 }
 
-TEST(Condition, IsSaid) {
-  const Team team = event_team(2);
-  const BodyId uav0{0}, uav1{1};
-  using enum Condition::Side;
-  EXPECT_EQ(nearer(1.5, 0.2, 0.5).describe(team),
-            "when the distance of uav0 and uav1 is below 1.5, hysteresis 0.2, for 0.5 s");
-  EXPECT_EQ((Condition{.measure = ViewAngleOf{uav0, uav1, {}}, .threshold = 0.5}.describe(team)),
-            "when the view angle of uav0 to uav1 is above 0.5");
-  const ExcessOf view{SensorCone{}, uav0, uav1};
-  EXPECT_EQ(Condition{.measure = view}.describe(team), "when sensor_cone is broken between uav0 and uav1");
-  EXPECT_EQ((Condition{.measure = view, .side = below}.describe(team)),
-            "when sensor_cone holds between uav0 and uav1");
-  EXPECT_EQ((Condition{.measure = view, .threshold = 0.1}.describe(team)),
-            "when the excess of sensor_cone between uav0 and uav1 is above 0.1");
-}
-
 }  // namespace
 }  // namespace sightline

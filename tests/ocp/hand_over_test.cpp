@@ -38,12 +38,5 @@ TEST(HandOver, WhatIsRefusedChangesNothing) {
   EXPECT_EQ(active_team.team(1.0).couplings().size(), 6U);
 }
 
-TEST(HandOver, IsSaid) {
-  const Team team = event_team(3);
-  EXPECT_EQ(turn_to(0).describe(team), "uav2 observes uav0");
-  EXPECT_EQ(turn_to(-1).describe(team), "uav2 observes no body");
-  EXPECT_EQ(turn_to(0).subject(team), "whom \"uav2\" observes");
-}
-
 }  // namespace
 }  // namespace sightline

@@ -52,15 +52,5 @@ TEST(Measure, ANearerRobotIsNearerThanOneThatIsNotSteered) {
   }
 }
 
-TEST(Measure, IsSaid) {
-  const Team team = event_team(3);
-  const BodyId uav0{0}, uav1{1}, uav2{2};
-  EXPECT_EQ((DistanceOf{uav0, uav1}.describe(team)), "the distance of uav0 and uav1");
-  EXPECT_EQ((ViewAngleOf{uav0, uav1, {}}.describe(team)), "the view angle of uav0 to uav1");
-  EXPECT_EQ(AgeOf{uav1}.describe(team), "the age of what is known of uav1");
-  EXPECT_EQ((ExcessOf{KeepOut{}, uav0, uav1}.describe(team)), "the excess of keep_out between uav0 and uav1");
-  EXPECT_EQ((NearerThan{uav0, uav1, uav2}.describe(team)), "what uav1 is nearer to uav2 than uav0");
-}
-
 }  // namespace
 }  // namespace sightline

@@ -130,10 +130,5 @@ TEST(Observe, AViewThatTheTargetAloneFeltEndsWithIt) {
   EXPECT_EQ(then.couplings()[0].between.second, lamp);
 }
 
-TEST(Observe, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ((Observe{AgentId{BodyId{1}}, BodyId{0}}.describe(team)), "uav1 observes uav0");
-}
-
 }  // namespace
 }  // namespace sightline

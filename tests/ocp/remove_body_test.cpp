@@ -37,13 +37,5 @@ TEST(RemoveBody, ARobotThatFailsStaysAnObstacleToThoseThatFeelIt) {
   }
 }
 
-TEST(RemoveBody, IsSaid) {
-  const Team team = event_team(2);
-  const BodyId uav1{1};
-  EXPECT_EQ(RemoveBody{uav1}.describe(team), "remove uav1");
-  EXPECT_EQ((RemoveBody{uav1, Afterwards::hold}.describe(team)), "remove uav1, which holds");
-  EXPECT_EQ((RemoveBody{uav1, Afterwards::land}.describe(team)), "remove uav1, which lands");
-}
-
 }  // namespace
 }  // namespace sightline

@@ -19,10 +19,5 @@ TEST(RemoveTerm, FadesAwayAndFreesItsName) {
   EXPECT_EQ(active_team.team(3.0).couplings().size(), 2U);
 }
 
-TEST(RemoveTerm, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ(RemoveTerm{"off1"}.describe(team), "remove off1");
-}
-
 }  // namespace
 }  // namespace sightline

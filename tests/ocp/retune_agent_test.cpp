@@ -24,12 +24,5 @@ TEST(RetuneAgent, ChangesWhatItNamesAndLeavesTheRest) {
   EXPECT_EQ(active_team.agent(AgentId{BodyId{0}}).Q, event_team(2).agent(AgentId{BodyId{0}}).Q);
 }
 
-TEST(RetuneAgent, IsSaid) {
-  const Team team = event_team(2);
-  const RetuneAgent retune{
-      .agent = AgentId{BodyId{0}}, .Q = std::vector<double>(7), .u_ref = std::vector<double>(4)};
-  EXPECT_EQ(retune.describe(team), "retune Q, u_ref of uav0");
-}
-
 }  // namespace
 }  // namespace sightline

@@ -48,11 +48,5 @@ TEST(RetuneTerm, AWeightThatIsRetunedOnItsWayGoesOnFromWhereItIs) {
   EXPECT_NEAR(weight, 0.2, 1e-12);
 }
 
-TEST(RetuneTerm, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ((RetuneTerm{"off1", 0.25, Potential(KeepOut{})}.describe(team)),
-            "retune off1, weight 0.25, another keep_out");
-}
-
 }  // namespace
 }  // namespace sightline

@@ -31,10 +31,5 @@ TEST(SetReference, AReferenceGoesOverToTheNext) {
   EXPECT_TRUE(active_team.team(4.0).agent(leader).x_ref.is_constant());
 }
 
-TEST(SetReference, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ((SetReference{AgentId{BodyId{1}}, {}}.describe(team)), "another reference for uav1");
-}
-
 }  // namespace
 }  // namespace sightline

@@ -34,10 +34,5 @@ TEST(Signal, ASignalOfAnotherStageIsLost) {
   EXPECT_THAT(line.look(), ElementsAre(1U));
 }
 
-TEST(Signal, IsSaid) {
-  const Team team = event_team(2);
-  EXPECT_EQ(Signal{"go"}.describe(team), "on the signal go");
-}
-
 }  // namespace
 }  // namespace sightline

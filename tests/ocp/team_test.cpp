@@ -47,15 +47,6 @@ TEST(Team, LimitsThatAreLeftOutAreTheModels) {
   EXPECT_EQ(limits(team.add(Multirotor{})).u_min().at(0), std::vector<double>(4, -1.0));
 }
 
-TEST(Team, ABodyIsFoundByItsName) {
-  const Trio trio;
-  EXPECT_EQ(trio.team.find("uav0"), trio.uav0);
-  EXPECT_EQ(trio.team.find("uav1"), trio.uav1);
-  EXPECT_EQ(trio.team.find("rock"), trio.rock);
-  EXPECT_EQ(trio.team.find("nobody").index, -1);
-  EXPECT_EQ(trio.team.find("").index, -1);
-}
-
 TEST(Team, StatesAndInputsFollowOneAnotherWithoutGaps) {
   Random random(1);
   for (int k = 0; k < 100; ++k) {
@@ -108,14 +99,6 @@ TEST(Team, ACouplingIsFeltByAllItsRobotsUnlessSaidOtherwise) {
   EXPECT_EQ(t.team.couplings()[3].felt_by, (std::vector{t.uav1, t.uav0}));
   EXPECT_EQ(t.team.couplings()[1].between.first, t.rock);
   EXPECT_EQ(t.team.couplings()[0].term.weight, 0.4);
-}
-
-TEST(Team, AConstraintIsKeptWithItsRobotAndItsWeight) {
-  Trio t;
-  t.team.constrain(2.0 * AltitudeBand{}, t.uav1);
-  ASSERT_EQ(t.team.constraints().size(), 1u);
-  EXPECT_EQ(t.team.constraints()[0].agent, t.uav1);
-  EXPECT_EQ(t.team.constraints()[0].term.weight, 2.0);
 }
 
 /// An agent that may be added, to be spoilt.
