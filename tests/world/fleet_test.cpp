@@ -68,15 +68,6 @@ TEST(Fleet, StepsAreWholeMillisecondsSinceTheStartAndMoveThoseThatWereSteered) {
   EXPECT_EQ(fleet.commands(1), u);
 }
 
-TEST(Fleet, AnAccelerationIsTheAirThatGivesIt) {
-  Written fleet(three(), two);
-  const std::array<double, 4> u{};
-  fleet.steer(BodyId{1}, u.data(), {0.5, -0.2, 0.1});
-  const Vec3<double> expected = Vehicle::crazyflie().air({0.5, -0.2, 0.1});
-  EXPECT_EQ(fleet.air(1).x, expected.x);
-  EXPECT_EQ(fleet.air(1).z, expected.z);
-}
-
 TEST(Fleet, MovesItsVehiclesAlone) {
   const Written fleet(three(), two);
   EXPECT_TRUE(fleet.moves(BodyId{0}) && fleet.moves(BodyId{1}));

@@ -195,19 +195,6 @@ TEST(Plant, AnInputDelayShiftsTheResponseByTheDelayWhereverItFalls) {
   }
 }
 
-TEST(Plant, ADelayOfWholeStepsIsTheUndelayedFlightThatManyStepsLater) {
-  Plant late(two_robots(), apart, {.disturbances = {.input_delay = 0.06}});
-  Plant prompt(two_robots(), apart);
-  const Numbers still(8, 0.0);
-  for (int k = 0; k < 6; ++k) prompt.step(still, control_period);
-  for (int k = 0; k < 300; ++k) {
-    if (k >= 6) prompt.step(command(k - 6, 8), control_period);
-    late.step(command(k, 8), control_period);
-    if (k < 6) continue;
-    ASSERT_THAT(late.x(), testing::ElementsAreArray(prompt.x())) << "step " << k;
-  }
-}
-
 TEST(Plant, ALaggingYawCommandApproachesExponentially) {
   const Multirotor robot;
   for (const double lag : {0.2, 0.004}) {
@@ -361,14 +348,6 @@ TEST(Plant, OtherDynamicsBeginAnewWhenTheirRobotJoinsAndAreNotAskedWhileItIsAway
   presence(Presence::steered);
   EXPECT_THAT(strides.begun, testing::Pointwise(testing::DoubleNear(1e-12), Numbers{0.0, 0.03}));
   EXPECT_EQ(plant.x()[7], apart[7] + 1.0) << "from the start again";
-}
-
-TEST(Plant, AStateThatIsNoLongerFiniteIsTold) {
-  Plant plant(two_robots(), apart);
-  Numbers u(8, 0.0);
-  EXPECT_TRUE(plant.step(u, control_period));
-  u[0] = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(plant.step(u, control_period));
 }
 
 TEST(Plant, AStepThatCannotBeIsToldAndLeavesTheWorldAsItWas) {

@@ -128,40 +128,11 @@ TEST(RotorWorld, ALaggingHoverMultirotorShowsTheAccelerationOfItsTiltTheClimbAnd
   EXPECT_EQ(x[10], craft->heading_rate());
 }
 
-TEST(RotorWorld, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
-  const auto flown = [](std::uint64_t seed) {
-    RotorWorld world(
-        mixed_fleet(), fleet_start, fleet,
-        {.seed = seed, .disturbances = {.wind = {0.3, 0, 0}, .gust_sigma = 0.2, .input_delay = 0.03}},
-        {.seed = seed, .noise = {.position = 0.01}, .delay = 0.02});
-    return fly(world, 200);
-  };
-  const Numbers first = flown(3);
-  EXPECT_EQ(first, flown(3));
-  EXPECT_NE(first, flown(4));
-}
-
 TEST(RotorWorld, PeriodsThatWereMissedPassUnderTheInputsThatWentOn) {
   RotorWorld at_once(mixed_fleet(), fleet_start, fleet), one_by_one(mixed_fleet(), fleet_start, fleet);
   ASSERT_TRUE(test::apply(at_once, 0.0, {}, fleet_input, 0.01, 25));
   for (int k = 0; k < 25; ++k) ASSERT_TRUE(test::apply(one_by_one, 0.01 * k, {}, fleet_input, 0.01, 1));
   EXPECT_EQ(copied(at_once.measure(0.25).truth), copied(one_by_one.measure(0.25).truth));
-}
-
-TEST(RotorWorld, ADelayedCommandIsTheCommandSoMuchLater) {
-  const Numbers rest(fleet_input.size());
-  Numbers start = fleet_start;
-  start[5] = start[6] = start[21] = start[22] = start[12] = 0;
-  RotorWorld late(mixed_fleet(), start, fleet, {.disturbances = {.input_delay = 0.05}}),
-      prompt(mixed_fleet(), start, fleet);
-  for (int k = 0; k < 5; ++k) ASSERT_TRUE(test::apply(late, 0.01 * k, {}, fleet_input, 0.01, 1));
-  for (int k = 0; k < 60; ++k) {
-    const double* const a = &late.measure(0.05 + 0.01 * k).truth[0];
-    const double* const b = &prompt.measure(0.01 * k).truth[0];
-    for (int i = 0; i < 7; ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
-    ASSERT_TRUE(test::apply(late, 0.05 + 0.01 * k, {}, fleet_input, 0.01, 1));
-    ASSERT_TRUE(test::apply(prompt, 0.01 * k, {}, fleet_input, 0.01, 1));
-  }
 }
 
 TEST(RotorWorld, WindDriftsAVehicleThatHoldsItsTilt) {
@@ -383,17 +354,6 @@ TEST(RotorWorld, WhoIsNotThereYetPushesNoAirAndWhoComesDoes) {
   EXPECT_LT(body_of(world, 0).p.z, body_of(alone, 0).p.z - 1e-3);
 }
 
-TEST(RotorWorld, DownwashGrowsWithItsScale) {
-  double before = 5.0;
-  for (const double scale : {0.5, 1.0, 2.0}) {
-    const Hover pair(Vehicle::x500(), {{0, 0, 5}, {0, 0, 7}});
-    RotorWorld world = pair.world({.downwash = {scale}});
-    fly(world, 50, pair.rest());
-    EXPECT_LT(body_of(world, 0).p.z, before - 1e-3);
-    before = body_of(world, 0).p.z;
-  }
-}
-
 TEST(RotorWorld, WhatAVehicleMeasuresItselfHasTheErrorsOfItsImuAndTheTruthHasNone) {
   Team team;
   team.add(LaggingHoverMultirotor{}, {.name = "uav"});
@@ -413,20 +373,6 @@ TEST(RotorWorld, WhatAVehicleMeasuresItselfHasTheErrorsOfItsImuAndTheTruthHasNon
     }
     ASSERT_TRUE(test::apply(world, 0.01 * k, {}, Numbers{0.3, 0.1, 0, 0.2}, 0.01, 1));
   }
-}
-
-TEST(RotorWorld, WithImuOdometryAndDownwashTheSameSeedGivesTheSameBytes) {
-  auto vehicles = fleet;
-  for (RobotVehicle& one : vehicles) one.vehicle.imu = Imu{};
-  const Odometry odometry = {.position_bias = 0.1, .position_walk = 0.01, .heading_walk = 0.01};
-  const auto flown = [&](std::uint64_t seed) {
-    RotorWorld world(mixed_fleet(), fleet_start, vehicles, {.seed = seed, .downwash = {1.0}},
-                     {.seed = seed, .odometry = odometry});
-    return fly(world, 200);
-  };
-  const Numbers first = flown(3);
-  EXPECT_EQ(first, flown(3));
-  EXPECT_NE(first, flown(4));
 }
 
 }  // namespace

@@ -283,39 +283,9 @@ TEST(Rotorcraft, ItsHeadingRateIsTheRateOfItsHeading) {
   }
 }
 
-TEST(Rotorcraft, FliesTheSameBitsAgain) {
-  Rotorcraft craft = hovering(Vehicle::crazyflie());
-  const auto fly = [&] {
-    craft.begin({0, 0, 1}, {0.6, 0.8}, {0.1, 0, 0}, 0.2);
-    RandomSteps steps(21);
-    std::vector<double> flown;
-    for (int k = 0; k < 3000; ++k) {
-      craft.step(steps.next(), {0.3, 0, 0});
-      const RigidBody& b = craft.body();
-      flown.insert(flown.end(), {b.p.x, b.p.y, b.p.z, b.q.w, b.q.x, b.q.y, b.q.z, b.w.x});
-    }
-    return flown;
-  };
-  const std::vector<double> first = fly();
-  EXPECT_EQ(first, fly());
-}
-
 Vehicle with_imu(Vehicle vehicle, const Imu& imu) {
   vehicle.imu = imu;
   return vehicle;
-}
-
-TEST(Rotorcraft, AnImuWithoutErrorsChangesNoBit) {
-  const Imu perfect = {0, 0, 0, 0, 0, 0};
-  for (const Vehicle& v : all_vehicles()) {
-    Rotorcraft knowing = hovering(v), measuring = hovering(with_imu(v, perfect));
-    for (int k = 0; k < 3000; ++k) {
-      const Inputs u = {0.5 * std::sin(0.002 * k), 0.3, -0.1, 0.4};
-      knowing.step(u, {0.5, 0.2, 0}), measuring.step(u, {0.5, 0.2, 0});
-    }
-    EXPECT_EQ(norm(knowing.body().p - measuring.body().p), 0.0);
-    EXPECT_EQ(knowing.body().q, measuring.body().q);
-  }
 }
 
 TEST(Rotorcraft, WithTheErrorsOfAnImuItHoversALittleOffAndTheSameForTheSameSeed) {
@@ -336,20 +306,6 @@ TEST(Rotorcraft, WithTheErrorsOfAnImuItHoversALittleOffAndTheSameForTheSameSeed)
       EXPECT_GT(norm(one.p - flown(2).p), 1e-3);
       EXPECT_GT(norm(one.w), 1e-5) << "it trembles";
     }
-  }
-}
-
-// A bias b of the accelerometer is taken for a tilt away from it, so the vehicle leans towards it by b / g.
-TEST(Rotorcraft, UnderTiltCommandsItLeansByTheBiasOfItsAccelerometer) {
-  for (std::uint64_t seed = 1; seed < 6; ++seed) {
-    const Imu biased = {0, 0, 0, 0, 0.3, 0};
-    Rotorcraft craft(with_imu(Vehicle::x500(), biased), Commands::tilt, seed);
-    craft.begin({0, 0, 100}, {1, 0}, {}, 0.0);
-    for (int k = 0; k < 3000; ++k) craft.step({}, {});
-    const InertialErrors errors(biased, seed, 0);
-    const Vec3<double> z = craft.attitude().z, b = errors.accelerometer_bias();
-    EXPECT_NEAR(z.x, b.x / gravity, 2e-3);
-    EXPECT_NEAR(z.y, b.y / gravity, 2e-3);
   }
 }
 

@@ -175,19 +175,5 @@ TEST(Sensor, OdometryIsAddedAsItsErrorsSay) {
   }
 }
 
-TEST(Sensor, OdometryLeavesTheNoiseAsItWas) {
-  const Noise noise = {.position = 0.1, .heading = 0.1, .velocity = 0.1};
-  Sensor plain(team_of_all(), {.seed = 3, .noise = noise});
-  Sensor off(team_of_all(), {.seed = 3, .noise = noise, .odometry = {.position_bias = 0.5}});
-  const Numbers first = list(off.measure(0.0, state)), expected = list(plain.measure(0.0, state));
-  const double bias = first[0] - expected[0];
-  EXPECT_NE(bias, 0.0);
-  for (int k = 1; k < 50; ++k) {
-    const Numbers a = list(off.measure(0.01 * k, state)), b = list(plain.measure(0.01 * k, state));
-    EXPECT_NEAR(a[0] - b[0], bias, 1e-14);
-    EXPECT_EQ(a[5], b[5]);
-  }
-}
-
 }  // namespace
 }  // namespace sightline
