@@ -106,17 +106,6 @@ TEST(Excitation, OfAFlyingRobotStaysWithinTheWalls) {
   EXPECT_THAT(refusal_of([&] { flown("", true); }), HasSubstr("the excitation was ended"));
 }
 
-TEST(Excitation, TheSameSeedIsTheSameFlight) {
-  const Scenario scenario = test::vehicle("x500");
-  const auto flown = [&](std::uint64_t seed) {
-    return fly_excitation(scenario, uav(scenario), {.seconds = 6, .seed = seed});
-  };
-  const FlownMotion first = flown(3), again = flown(3), other = flown(4);
-  EXPECT_EQ(first.u, again.u);
-  EXPECT_NE(first.u, other.u);
-  EXPECT_EQ(first.measured.back().p.x, again.measured.back().p.x);
-}
-
 TEST(Excitation, RefusesWhatCannotBeFlown) {
   EXPECT_EQ(refusal_of([] { ExcitationOptions{.seconds = 3}.check(); }),
             "--seconds = 3, expected 5 to 600 s");

@@ -167,10 +167,6 @@ TEST(Verdict, OfAFormulaThatIsNoNumberSomewhereIsStillGiven) {
   EXPECT_GT(v.outside, 0.0);
 }
 
-TEST(Verdict, IsTheSameEachTime) {
-  EXPECT_EQ(to_json(judge(SensorCone{}, quick)), to_json(judge(SensorCone{}, quick)));
-}
-
 TEST(Verdict, AsJsonHoldsItsNumbersWithRadiusAndThreshold) {
   const auto json =
       nlohmann::json::parse(to_json(judge(Cohesion{}, {.reach = 5.0, .flat = 0.02, .samples = 5000})));

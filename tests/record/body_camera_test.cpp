@@ -53,11 +53,6 @@ TEST(BodyCamera, InTheWorldOfModelsItLeansAsTheModelDoes) {
   EXPECT_GT(values.robots.at(0).tilt_max, 0.1);
 }
 
-TEST(BodyCamera, TheSameFlightTwiceIsTheSame) {
-  const LeaningTask task = {.duration = 4.0};
-  EXPECT_EQ(fly_leaning(task).x, fly_leaning(task).x);
-}
-
 TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
   const Scenario scenario = test::leaning_scenario({.duration = 3.0});
   const Controls controls(scenario);

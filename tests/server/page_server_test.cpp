@@ -151,15 +151,6 @@ TEST(PageServer, TopicsAreForOwnAndAllowedOriginsAndForNoPage) {
   EXPECT_THROW(PageServer({.origins = {"null"}}, two_files(), &feed), std::invalid_argument);
 }
 
-TEST(PageServer, OnOtherAddressesTopicsAskForTheTokenToo) {
-  FoxgloveFeed feed("paper");
-  const PageServer server({.address = "0.0.0.0"}, two_files(), &feed);
-  const std::string token = server.url().substr(server.url().find("token="));
-  EXPECT_THAT(PageClient(server.port()).ask_for_topics(), StartsWith("HTTP/1.1 403"));
-  EXPECT_THAT(PageClient(server.port()).ask_for_topics("", "/?token=0123"), StartsWith("HTTP/1.1 403"));
-  EXPECT_THAT(PageClient(server.port()).ask_for_topics("", "/?" + token), StartsWith("HTTP/1.1 101"));
-}
-
 TEST(PageServer, OneThatTakesNoTopicsIsClosedAndWhatItMissedIsCounted) {
   FoxgloveFeed feed("paper");
   const ChannelId a = feed.channel(feed.schema("P", "jsonschema", "{}"), "/a", "json", {});
@@ -224,15 +215,6 @@ TEST(PageServer, LongMessagesAndManyCloseTheirWatcherAlone) {
   EXPECT_TRUE(soon([&] { return server.counts().closed == 2; }));
   server.post("still here");
   EXPECT_THAT(quiet.receive("still here"), HasSubstr("still here"));
-}
-
-TEST(PageServer, ALongHeadIsRefused) {
-  const PageServer server = on_loopback();
-  PageClient client(server.port());
-  client.say("GET / HTTP/1.1\r\nX: " + std::string(100'000, 'x'));
-  client.receive();
-  EXPECT_TRUE(client.ended());
-  EXPECT_TRUE(soon([&] { return server.counts().refused == 1; }));
 }
 
 // Half-open ones fill all room, and give it back; nobody who came before is disturbed.

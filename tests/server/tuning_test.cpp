@@ -135,18 +135,6 @@ TEST(Tuning, WithoutItAPageIsReadOnlyAndCountsWhatItIsTold) {
   EXPECT_THAT(client.receive("{}"), HasSubstr("{}")) << "it goes on looking";
 }
 
-TEST(Tuning, AMessageThatIsTooLongOrTooManyClosesTheWatcherAndIsNotHeard) {
-  std::atomic<int> received{0};
-  PageServer server({}, {}, nullptr, [&](std::string_view) { ++received; });
-  PageClient loud(server.port()), much(server.port());
-  loud.watch();
-  much.watch();
-  loud.say(PageClient::masked(1, std::string(PageServer::message_limit + 1, 'x')));
-  for (int i = 0; i < 200; ++i) much.say(PageClient::masked(1, "{}"));
-  EXPECT_TRUE(soon([&] { return server.counts().closed == 2; }));
-  EXPECT_LE(received, PageServer::messages_a_second);
-}
-
 TEST(Tuning, AFileThatChangesIsServedAsItIsNow) {
   PageServer server({}, {{"/tuned.toml", {"application/toml", "before"}}});
   server.put("/tuned.toml", {"application/toml", "behind"});
