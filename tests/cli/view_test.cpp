@@ -196,15 +196,5 @@ TEST(View, TuningIsRefusedWhereItCannotBe) {
   refused("view " + file + " --seconds 1 --tune --set solver.name=cgmres", "expected newton_riccati");
 }
 
-TEST(View, WithoutTuneItIsReadOnlyAndSaysHowManyWereRefused) {
-  Served served("view " + view_file(fresh_folder()) + " --port 0 --seconds 3");
-  PageClient client(served.port());
-  client.watch();
-  client.say(PageClient::masked(1, R"({"pause":true})"));
-  EXPECT_THAT(client.receive("\"t\":0.9"), HasSubstr("\"t\":0.9"));
-  EXPECT_THAT(PageClient(served.port()).request("GET /tune.json"), HasSubstr("{\"tune\":false}"));
-  EXPECT_THAT(served.end(), HasSubstr("1 messages that would change the flight were refused"));
-}
-
 }  // namespace
 }  // namespace sightline::test
