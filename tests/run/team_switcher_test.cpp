@@ -311,6 +311,17 @@ TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
   EXPECT_EQ(couplings_called(reported.team, "off2"), 0);
 }
 
+TEST(TeamSwitcher, ARampEndsAlsoWhenAnIgnoredEventOccursAtItsEnd) {
+  const Team all = event_team(3);
+  for (int k = 48; k < 56; ++k) {
+    const Reported reported =
+        fly_failing(all, {{at(0.2, RemoveTerm{"off1"}, 0.3), at(0.01 * k, AddBody{BodyId{1}})}},
+                    newton_riccati_of(Horizon{}));
+    EXPECT_EQ(reported.ignored, std::vector<std::size_t>{1}) << k;
+    EXPECT_EQ(reported.team.couplings().size(), all.couplings().size() - 1) << k;
+  }
+}
+
 TEST(TeamSwitcher, AHundredEventsAtOnceAreAllTold) {
   const Team all = event_team(3);
   Script script;

@@ -133,6 +133,7 @@ void TeamSwitcher::look(double t, const ValidStates& states, std::span<const dou
   const bool tuned = triggered.empty() && takes_tuned(t);
   if (triggered.empty() && !settles && !tuned) return;
   if (settles) settles_at_ = never;
+  request_.settles = settles;
   request_.t = t;
   request_.events.clear();
   for (const std::size_t event : triggered) {
@@ -189,7 +190,7 @@ void TeamSwitcher::make_next(std::span<const std::size_t> events) {
   const double t = request_.t + period_;
   ActiveTeam active_team = active_team_;
   std::vector<std::size_t> refused;
-  bool changes = events.empty();  // ramped weights have reached their final values
+  bool changes = request_.settles;
   for (const std::size_t event : events) {
     ActiveTeam trial = active_team;
     const TeamEvent& what = *flown_event(script_, tuned_.get(), event);

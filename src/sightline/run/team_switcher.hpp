@@ -93,6 +93,7 @@ class TeamSwitcher {
     std::vector<double> x, u;  // of the world
     std::vector<double> plan;  // [stage][input of the present team]
     std::vector<std::size_t> events;
+    bool settles = false;  // ramped weights have reached their final values
   };
 
   void work() noexcept;
