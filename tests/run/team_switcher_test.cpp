@@ -313,9 +313,9 @@ TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
 
 TEST(TeamSwitcher, ARampEndsAlsoWhenAnIgnoredEventOccursAtItsEnd) {
   const Team all = event_team(3);
-  for (int k = 48; k < 56; ++k) {
+  for (int k = 18; k < 26; ++k) {
     const Reported reported =
-        fly_failing(all, {{at(0.2, RemoveTerm{"off1"}, 0.3), at(0.01 * k, AddBody{BodyId{1}})}},
+        fly_failing(all, {{at(0.1, RemoveTerm{"off1"}, 0.1), at(0.01 * k, AddBody{BodyId{1}})}},
                     newton_riccati_of(Horizon{}));
     EXPECT_EQ(reported.ignored, std::vector<std::size_t>{1}) << k;
     EXPECT_EQ(reported.team.couplings().size(), all.couplings().size() - 1) << k;
