@@ -4,9 +4,11 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/deps.sh demo
-# A fresh build asks for no test library; one that has its tests keeps them.
+# A fresh build leaves out tests, bridges, worlds of other libraries and compiled kernels (interpreted, the same bits); one that
+# has its tests keeps all.
 options=()
-[[ -f build/release/CMakeCache.txt ]] || options=(-DSIGHTLINE_TESTS=OFF -DSIGHTLINE_BENCH=OFF)
+grep -qsE '^SIGHTLINE_TESTS:BOOL=(ON|TRUE)$' build/release/CMakeCache.txt ||
+  options=(-DSIGHTLINE_{TESTS,BENCH,DDS,MUJOCO,KERNELS}=OFF)
 cmake --preset release "${options[@]}" >&2
 cmake --build --preset release --target sightline_cli >&2
 
