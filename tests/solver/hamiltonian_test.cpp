@@ -252,49 +252,6 @@ TEST_P(RandomTeams, FeltByEveryoneTheTangentIsSymmetric) {
   EXPECT_LE(relative_error(left, right), 1e-12);
 }
 
-TEST_P(RandomTeams, AnAgentThatFeelsNoCouplingHasTheRowsItHasAlone) {
-  Random random(GetParam());
-  Team alone, together;
-  const std::uint64_t seed = random();
-  for (Team* team : {&together, &alone}) {
-    if (team == &together) team->add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 1, 1}, .name = "observer"});
-    Random same(seed);
-    if (GetParam() % 2 == 0) {
-      add_random_agent(*team, Multirotor{}, same);
-    } else {
-      add_random_agent(*team, AngleMultirotor{}, same);
-    }
-  }
-  const AgentId observer{{0}}, watched{{1}};
-  together.couple(0.4 * SensorCone{}, Between{observer, watched}, felt_by(observer));
-  together.couple(0.4 * KeepOut{}, Between{watched, observer}, felt_by(observer));
-  together.couple(0.4 * ChangingPace{}, Between{observer, watched}, felt_by(observer));
-
-  const int N = 12, nu = 8, nx = together.nx(), nx_alone = alone.nx();
-  const auto x = random_states(random, together, 1.0);
-  const auto u = random_numbers(random, N * nu, 0.5), du = random_numbers(random, N * nu, 1.0);
-  const auto rows = [&](const Team& team, int first_x, int first_u) {
-    const Ocp ocp(team, {.T = 1.0, .N = N});
-    Hamiltonian hamiltonian(ocp);
-    std::vector<double> X(at(N + 1, team.nx())), Lambda(X), F(at(N, nu)), dF(F);
-    hamiltonian.set_time(0.4, 0.04);
-    hamiltonian.roll_out(&x[at(first_x, 1)], &u[at(first_u, 1)], nu, nullptr, 0.0, X.data());
-    hamiltonian.linearise(X.data(), &u[at(first_u, 1)], nu);
-    hamiltonian.costates(X.data(), nullptr, 0.0, Lambda.data(), F.data(), nu);
-    hamiltonian.second_order(Lambda.data());
-    hamiltonian.tangent(&du[at(first_u, 1)], dF.data(), nu);
-    return std::pair{F, dF};
-  };
-  const auto [F, dF] = rows(together, 0, 0);
-  const auto [F_alone, dF_alone] = rows(alone, nx - nx_alone, 4);
-  for (int i = 0; i < N; ++i) {
-    for (int j = 0; j < 4; ++j) {
-      EXPECT_TRUE(same_bits(F[at(i, nu) + at(4 + j, 1)], F_alone[at(i, nu) + at(j, 1)]));
-      EXPECT_TRUE(same_bits(dF[at(i, nu) + at(4 + j, 1)], dF_alone[at(i, nu) + at(j, 1)]));
-    }
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(Hamiltonian, RandomTeams, testing::Range(1u, 21u));
 
 TEST(Hamiltonian, TheHorizonMayHaveAnyNumberOfStages) {
@@ -322,27 +279,6 @@ TEST(Hamiltonian, TheHorizonMayHaveAnyNumberOfStages) {
     last.linearise(&X[at(N - 1, nx)], &u[at(N - 1, nu)], nu);
     last.costates(&X[at(N - 1, nx)], nullptr, 0.0, Lambda.data(), F_last.data(), nu);
     for (int j = 0; j < nu; ++j) EXPECT_TRUE(same_bits(F_last[at(j, 1)], F[at(N - 1, nu) + at(j, 1)])) << N;
-  }
-}
-
-TEST(Hamiltonian, LimitsAreThoseOfTheStagesOwnTime) {
-  Team team;
-  team.add(
-      Agent{.name = "uav0",
-            .model = Multirotor{},
-            .Q = std::vector<double>(7, 1.0),
-            .R = std::vector<double>(4, 1.0),
-            .Q_f = {},
-            .limits = InputLimits({0.0, 1.0, 1.5}, {{-1, -1, -1, -1}, {-0.5, -1, -1, -1}, {0.1, -1, -1, -1}},
-                                  {{1, 1, 1, 1}, {0.5, 1, 1, 1}, {0.2, 1, 1, 1}})});
-  const Ocp ocp(team, {.T = 1.0, .N = 10});
-  Hamiltonian hamiltonian(ocp);
-  hamiltonian.set_time(0.75, 0.1);
-  for (int i = 0; i < 10; ++i) {
-    const double tau = 0.75 + 0.1 * i;
-    EXPECT_EQ(hamiltonian.u_min(i)[0], tau < 1.0 ? -1.0 : tau < 1.5 ? -0.5 : 0.1) << tau;
-    EXPECT_EQ(hamiltonian.u_max(i)[0], tau < 1.0 ? 1.0 : tau < 1.5 ? 0.5 : 0.2) << tau;
-    EXPECT_EQ(hamiltonian.u_max(i)[3], 1.0);
   }
 }
 

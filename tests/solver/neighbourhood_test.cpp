@@ -204,21 +204,5 @@ TEST(Neighbourhood, APairThatComesOrGoesMakesNoStep) {
   }
 }
 
-TEST(Neighbourhood, TakesNoMemoryOnceItIsMade) {
-  Random random(5);
-  SwarmField field({.capacity = 40});
-  Neighbourhood near(field.swarms[0], field.layout(), KernelChoice::compiled_if_there);
-  std::vector<double> of_agents(20);
-  for (int trial = 0; trial < 20; ++trial) {
-    field.draw(random, 1.0 + trial, 1.0);
-    const std::int64_t before = cli::allocations();
-    near.find(field.s[0]);
-    near.evaluate(field.s[0], field.c[0]);
-    near.product(field.z[0], field.y[0]);
-    near.values(field.s[0], of_agents);
-    EXPECT_EQ(cli::allocations(), before);
-  }
-}
-
 }  // namespace
 }  // namespace sightline

@@ -136,20 +136,6 @@ TEST(PaperCampaign, AMaskedTargetFliesAsIfAlone) {
   EXPECT_LE(worst, 1e-8);
 }
 
-TEST(PaperCampaign, ExactAndDifferenceProductsFlyTheSame) {
-  for (const Variant variant : {Variant::joint, Variant::masked}) {
-    const auto cost = [&](JacobianProduct jacobian, double step) {
-      return fly_paper(paper::team(variant), paper::start(), 6000,
-                       {.difference_step = step, .jacobian = jacobian})
-          .cost;
-    };
-    const double exact = cost(JacobianProduct::exact, 1e-8);
-    EXPECT_NEAR(cost(JacobianProduct::forward_difference, 1e-8), exact, 1e-3);
-    EXPECT_NEAR(cost(JacobianProduct::exact, 1e-3), exact, 1e-2);
-    EXPECT_NEAR(cost(JacobianProduct::forward_difference, 1e-3), exact, 1e-2);
-  }
-}
-
 TEST(PaperCampaign, AnyReasonableZetaFliesTheSame) {
   for (const double zeta : {1.0, 50.0, 100.0, 150.0}) {
     const Figures f = fly_paper(paper::team(Variant::joint), paper::start(), 6000, {.zeta = zeta});

@@ -38,28 +38,6 @@ TEST(Partition, IsReadByTheNamesOfRobots) {
             "partition = \"a: uav0 | a: uav1\" has part \"a\" twice, expected each name once");
 }
 
-TEST(Partition, WhatPutsARobotNowhereOrTwiceIsRefusedInWords) {
-  Team team = chain(3, paper::Variant::masked);
-  team.add(Obstacle{.name = "tree"});
-  const auto refusal = [&](const char* text) {
-    return refusal_of([&] { (void)read_partition(text, team); });
-  };
-  EXPECT_EQ(refusal("uav0 | uav1"), "the partition leaves out \"uav2\", expected every robot in one part");
-  EXPECT_EQ(refusal("uav0, uav2 | uav1, uav2"),
-            "the partition names \"uav2\" twice, expected every robot in one part");
-  EXPECT_EQ(refusal("uav0 | uv1 | uav2"),
-            "partition = \"uav0 | uv1 | uav2\": \"uv1\" is no robot of the team, expected one, the "
-            "nearest is \"uav1\"");
-  EXPECT_EQ(
-      refusal("uav0, tree | uav1, uav2"),
-      "partition = \"uav0, tree | uav1, uav2\": \"tree\" is no robot of the team, expected one: uav0, uav1, "
-      "uav2");
-  EXPECT_EQ(refusal("uav0 | | uav1, uav2"),
-            "partition = \"uav0 | | uav1, uav2\" has a part without robots, expected at least one in each");
-  EXPECT_EQ(refusal(""), "partition = \"\" has a part without robots, expected at least one in each");
-  EXPECT_NE(refusal("uav0,,uav1,uav2"), "");
-}
-
 TEST(Partition, OptionsOutOfRangeAreRefusedInWords) {
   const Team team = chain(2, paper::Variant::masked);
   const Partition all = {{AgentId{{0}}, AgentId{{1}}}};
@@ -114,32 +92,6 @@ TEST(Partition, ItsResidualIsThatOfTheWholeTeam) {
     EXPECT_EQ(s.residual, parts.kkt(t, x));
     EXPECT_EQ(s.status, s.residual <= 1e-6 ? Status::converged : Status::stepped);
   });
-}
-
-/// Closed-loop cost of 10 s from a start in formation.
-double cost_of(Solver& solver, const std::vector<double>& start) {
-  double cost = 0.0;
-  fly(solver, start, 1000, [&](double t, const std::vector<double>& x, const Solution& s) {
-    cost += default_horizon.dt * stage_cost(solver.ocp().team(), t, x, s.u);
-  });
-  return cost;
-}
-
-TEST(Partition, AChainOfEightInPartsFliesWithinOnePercentOfTheCostOfTheWholeByOneExchangeAnUpdate) {
-  for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
-    const Team team = chain(8, variant);
-    const std::vector<double> start = chain_start(8);
-    NewtonRiccati whole(team, default_horizon);
-    const double best = cost_of(whole, start);
-    for (const int parts : {2, 4}) {
-      for (const ExchangeOrder order : orders) {
-        PartitionedSolver solver(team, even_parts(team, parts), make_newton, {.order = order});
-        EXPECT_NEAR(cost_of(solver, start), best, 0.01 * best)
-            << parts << " parts, " << to_string(order)
-            << (variant == paper::Variant::joint ? ", joint" : ", masked");
-      }
-    }
-  }
 }
 
 TEST(Partition, AMaskedChainSolvedFromItsHeadTakesOneExchangeToBeTheCascade) {
@@ -198,24 +150,6 @@ TEST(Partition, OfPartsOfAnySizeTheBitsAreTheSameWhateverTheNumberOfThreads) {
         }
         EXPECT_EQ(u, flown.front()) << parts << " parts, " << number << " threads";
       }
-    }
-  }
-}
-
-TEST(Partition, NoUpdateAllocates) {
-  Random random(4);
-  for (int trial = 0; trial < 4; ++trial) {
-    const Team team = random_team(random, 4, Feeling::anyone);
-    Partition each;
-    const Ocp ocp(team, default_horizon);
-    for (const BodyId body : ocp.agent_bodies()) each.push_back({AgentId{body}});
-    PartitionedSolver solver(team, each, make_newton, {.order = orders[trial % 2], .exchanges = 2});
-    for (int k = 0; k < 6; ++k) {
-      std::vector<double> x = random_states(random, team, k < 3 ? 3.0 : 30.0);
-      if (k == 4) x[0] = std::nan("");
-      const std::int64_t before = cli::allocations();
-      solver.solve(0.01 * k, x);
-      EXPECT_EQ(cli::allocations() - before, 0) << trial << " " << k;
     }
   }
 }

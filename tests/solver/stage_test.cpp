@@ -207,18 +207,6 @@ TEST(Stage, TheTracedRecursionIsTheDenseOne) {
   }
 }
 
-TEST(Stage, APivotBelowItsFloorIsDoubted) {
-  const StagePrograms programs = trace_stage(Multirotor{}, default_horizon.h(), Seen::pose);
-  const BlockProgram& back = programs.back;
-  std::vector<double> in(at(size_of(back.inputs)), 0.0);
-  for (const double R : {1.0, -1.0}) {
-    for (int a = 0; a < 4; ++a) in[at(place(back.inputs, "weights") + 7 + a)] = R;
-    const std::vector<double> out = evaluate(back.program, in);
-    EXPECT_EQ(out[at(place(back.outputs, "carry_out"))] > 0, R < 0);
-    for (const double v : out) EXPECT_TRUE(std::isfinite(v));
-  }
-}
-
 /// Numbers that often meet each other, h, 1 and their reciprocals, with either sign; never zero.
 double any_number(Random& random) {
   const std::array few = {1.0, 2.0, 0.5, 0.05, 20.0, 0.1};
