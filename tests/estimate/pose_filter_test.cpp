@@ -234,22 +234,6 @@ TEST(PoseFilter, MotionCaptureIsAPosition) {
   EXPECT_LT(norm(filter->estimate().p - flight.own().p), 0.01);
 }
 
-TEST(PoseFilter, SameMeasurementsSameBits) {
-  const auto fly = [] {
-    SyntheticFlight flight({.seed = 8, .outliers = 0.1});
-    const auto filter = make_pose_filter(by_attitude, flight.o.mount);
-    std::vector<Measurement> arrived;
-    while (flight.now() < 4.0) {
-      filter->advance(flight.advance(arrived));
-      for (const Measurement& z : arrived) filter->take(z);
-    }
-    return filter->estimate();
-  };
-  const PoseEstimate first = fly(), second = fly();
-  EXPECT_EQ(first.P, second.P);
-  EXPECT_EQ(norm(first.p - second.p), 0.0);
-}
-
 TEST(PoseFilter, EachVerdictHasAWordOfItsOwn) {
   std::set<std::string_view> words;
   for (int i = 0; i < verdict_count; ++i) words.insert(to_string(static_cast<FitVerdict>(i)));

@@ -47,13 +47,5 @@ TEST(Emit, EveryOutputIsStoredOnce) {
   }
 }
 
-TEST(Emit, AnInputOrAConstantMayBeAnOutput) {
-  Graph graph;
-  const std::array<Term, 2> outputs = {-graph.input(1), graph.constant(2.0)};
-  const std::string text = emit(Program(graph, outputs, 2), "f", block_in, block_out);
-  EXPECT_NE(text.find("(-L::load(in + 1 * L::width)).store(out + 0 * L::width)"), std::string::npos) << text;
-  EXPECT_NE(text.find("(L(constants[0])).store(out + 1 * L::width)"), std::string::npos) << text;
-}
-
 }  // namespace
 }  // namespace sightline

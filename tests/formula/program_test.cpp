@@ -145,14 +145,6 @@ TEST(Program, EveryOutputIsWrittenOnceAndLast) {
   }
 }
 
-TEST(Program, TheSameFormulaGivesTheSameProgram) {
-  Random random(4), again(4);
-  for (int k = 0; k < 500; ++k) {
-    const RecordedFormulas a(random), b(again);
-    EXPECT_EQ(Program(a.graph, a.outputs, input_count), Program(b.graph, b.outputs, input_count));
-  }
-}
-
 /// A formula whose operands are computed in an order that C++ leaves to the compiler: left first, right first, or
 /// either, operation by operation. Of few numbers and few functions, so that equal parts and equal shapes meet.
 class Tree {

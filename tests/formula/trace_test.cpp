@@ -66,17 +66,5 @@ TEST(Trace, AssignmentsRecordAsTheirOperationsDo) {
   EXPECT_EQ(a.in(graph), ((x[0] + x[1] - 3.0) * x[0]).in(graph));
 }
 
-TEST(Trace, VariablesAreTheInputsFromTheFirstOn) {
-  Graph graph;
-  const auto symbols = variables(graph, 4, 3);
-  ASSERT_EQ(symbols.size(), 3u);
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(symbols[static_cast<std::size_t>(i)].in(graph), graph.input(4 + i));
-}
-
-TEST(Trace, AnUntouchedSymbolIsZero) {
-  Graph graph;
-  EXPECT_TRUE(graph.is_zero(Symbol().in(graph)));
-}
-
 }  // namespace
 }  // namespace sightline

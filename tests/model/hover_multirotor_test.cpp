@@ -98,15 +98,5 @@ TEST(LaggingHoverMultirotor, RefusesSomeLagsWithoutTheOthers) {
             "hover_multirotor.tau, tau_z, tau_psi = 0.1, 0, 0 s, expected 0 s: its states do not lag");
 }
 
-TEST(HoverMultirotor, ThePresetsHaveLagsWhereTheyAreStates) {
-  for (const auto& preset : HoverMultirotor::presets()) EXPECT_EQ(preset.part.tau, 0.0) << preset.name;
-  for (const auto& preset : LaggingHoverMultirotor::presets())
-    EXPECT_NO_THROW(Model{preset.part}) << preset.name;
-  const HoverMultirotor drone = HoverMultirotor::ar_drone();
-  const Multirotor paper;
-  EXPECT_EQ(drone.b_f, paper.b_f);
-  EXPECT_EQ(drone.a_s, paper.a_s);
-}
-
 }  // namespace
 }  // namespace sightline

@@ -360,13 +360,6 @@ TEST(Model, AllFiniteMeansEveryOne) {
   }
 }
 
-TEST(Model, CopiesShareOneRobot) {
-  const std::vector<Model> copies(3, Multirotor{.b_z = 2.0});
-  const std::array<double, 7> x = {0, 0, 0, 1, 0, 0, 0};
-  const std::array<double, 4> u = {0, 0, 0.5, 0};
-  for (const Model& copy : copies) EXPECT_EQ(copy.sight(x.data(), u.data()).v.z, 1.0);
-}
-
 /// Throws once it is asked for numbers, not while it is recorded.
 struct Moody {
   static constexpr std::size_t nx = 2, nu = 1;
