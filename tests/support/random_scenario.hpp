@@ -6,15 +6,42 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "tests/support/drawn_kinds.hpp"
-#include "tests/support/drawn_lines.hpp"
+#include "tests/support/random.hpp"
 
 namespace sightline::test {
+
+/// Lines of text with numbers that are drawn.
+class DrawnLines {
+ public:
+  explicit DrawnLines(std::uint64_t seed) : random_(seed) {}
+
+  const std::string& text() const { return text_; }
+
+ protected:
+  template <class... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+    text_ += '\n';
+  }
+  bool chance(double p) { return uniform(random_, 0, 1) < p; }
+  std::size_t below(std::size_t n) { return std::size_t{random_()} % n; }
+  template <class List>
+  const auto& any(const List& list) {
+    return list[below(std::size(list))];
+  }
+  double between(double low, double high) { return uniform(random_, low, high); }
+  std::string number(double low, double high) { return fmt::format("{:.3f}", between(low, high)); }
+
+  Random random_;
+  std::string text_;
+};
 
 class RandomScenario : DrawnLines {
  public:
