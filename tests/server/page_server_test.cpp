@@ -218,6 +218,15 @@ TEST(PageServer, LongMessagesAndManyCloseTheirWatcherAlone) {
 }
 
 // Half-open ones fill all room, and give it back; nobody who came before is disturbed.
+TEST(PageServer, ALongHeadIsRefused) {
+  const PageServer server = on_loopback();
+  PageClient client(server.port());
+  client.say("GET / HTTP/1.1\r\nX: " + std::string(100'000, 'x'));
+  client.receive();
+  EXPECT_TRUE(client.ended());
+  EXPECT_TRUE(soon([&] { return server.counts().refused == 1; }));
+}
+
 TEST(PageServer, WhoSaysNothingIsClosedAndMoreThanThereIsRoomForAreRefused) {
   PageServer server = on_loopback();
   PageClient watcher(server.port());

@@ -38,6 +38,18 @@ TEST(Partition, IsReadByTheNamesOfRobots) {
             "partition = \"a: uav0 | a: uav1\" has part \"a\" twice, expected each name once");
 }
 
+TEST(Partition, ARobotTwiceNoRobotAndAnEmptyPartAreRefused) {
+  Team team = chain(3, paper::Variant::masked);
+  team.add(Obstacle{.name = "tree"});
+  const auto refusal = [&](const char* text) {
+    return refusal_of([&] { (void)read_partition(text, team); });
+  };
+  EXPECT_THAT(refusal("uav0, uav2 | uav1, uav2"), testing::HasSubstr("\"uav2\" twice"));
+  EXPECT_THAT(refusal("uav0, tree | uav1, uav2"), testing::HasSubstr("\"tree\" is no robot of the team"));
+  EXPECT_THAT(refusal("uav0 | | uav1, uav2"), testing::HasSubstr("a part without robots"));
+  EXPECT_NE(refusal("uav0,,uav1,uav2"), "");
+}
+
 TEST(Partition, OptionsOutOfRangeAreRefusedInWords) {
   const Team team = chain(2, paper::Variant::masked);
   const Partition all = {{AgentId{{0}}, AgentId{{1}}}};
