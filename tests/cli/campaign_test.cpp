@@ -48,21 +48,6 @@ TEST(Campaign, TheShippedOneFindsItsTargetFromEveryStart) {
   EXPECT_GT(fs::file_size(folder / "a" / "campaign.html"), 20'000U);
 }
 
-TEST(Campaign, SeedAndThreadsAreThoseAskedFor) {
-  const fs::path folder = fresh_folder();
-  const std::string scenario = with_runs_of("0.5", folder);
-  std::vector<std::string> tables;
-  for (const char* options : {"--seed 7 --threads 1", "--seed 7 --threads 2", "--seed 8"}) {
-    const fs::path out = folder / std::to_string(tables.size());
-    const auto flown =
-        sightline("campaign " + scenario + " --runs 30 " + options + " -o " + out.string(), folder);
-    EXPECT_LE(flown.code, 1) << flown.err;
-    tables.push_back(read_file(out / "campaign.sqlite"));
-  }
-  EXPECT_TRUE(tables[0] == tables[1]);
-  EXPECT_FALSE(tables[0] == tables[2]);
-}
-
 TEST(Campaign, RunsThatAreNotRecoveredAreSaidAndAFailure) {
   const fs::path folder = fresh_folder();
   const auto flown = sightline(

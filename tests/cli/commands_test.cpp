@@ -154,34 +154,6 @@ TEST(Run, ARoverAndTwoMultirotorsOfTwoKindsAreOneTeam) {
   }
 }
 
-TEST(Run, ARobotAsTextFliesAsTheRobotOfItsFormulas) {
-  const fs::path folder = fresh_folder();
-  const auto first = sightline("run scenarios/ground_and_air.toml -o " + (folder / "a").string(), folder);
-  std::string scenario = read_file(fs::path(SIGHTLINE_SOURCE_DIR) / "scenarios/ground_and_air.toml");
-  const auto exchange = [&](const std::string& from, const std::string& to) {
-    const std::size_t at = scenario.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    scenario.replace(at, scenario.find('\n', at) - at, to);
-  };
-  exchange("robot = \"unicycle\"",
-           "robot.text.states = [\"x\", \"y\", \"z\", \"d_x\", \"d_y\", \"v_f\"]\n"
-           "robot.text.inputs = [\"u_f\", \"u_psi\"]\n"
-           "robot.text.position = [\"x\", \"y\", \"z\"]\n"
-           "robot.text.heading = [\"d_x\", \"d_y\"]\n"
-           "robot.text.f = { x = \"v_f * d_x\", y = \"v_f * d_y\", z = 0, d_x = \"-(d_y * rate)\","
-           " d_y = \"d_x * rate\", v_f = \"a_f * v_f + b_f * u_f\" }");
-  exchange("parameters = { b_psi = 1.5, a_f",
-           "parameters = { b_psi = 1.5, a_f = -2.5, b_f = 2.5, rate = \"b_psi * u_psi\" }");
-  std::ofstream(folder / "text.toml") << scenario;
-  const auto text =
-      sightline("run " + (folder / "text.toml").string() + " -o " + (folder / "b").string(), folder);
-  EXPECT_EQ(text.code, 0) << text.err;
-  const Recording a = read_recording(folder / "a"), b = read_recording(folder / "b");
-  ASSERT_EQ(a.bodies.at(0).p.size(), b.bodies.at(0).p.size());
-  for (std::size_t body = 0; body < 3; ++body)
-    EXPECT_LE(norm(a.bodies.at(body).p.back() - b.bodies.at(body).p.back()), 1e-6) << body;
-}
-
 TEST(Run, TheExampleOfASensorOfOneSOwnKeepsItsTargetInView) {
   const auto example = shell("'" SIGHTLINE_EXAMPLES "/own_sensor'", fresh_folder());
   EXPECT_EQ(example.code, 0);
