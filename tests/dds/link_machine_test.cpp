@@ -8,7 +8,7 @@
 namespace sightline::dds {
 namespace {
 
-constexpr double tick = 0.01;  // [s]
+constexpr double machine_tick = 0.01;  // [s]
 
 /// A robot that does as it is asked, at once.
 struct Obedient {
@@ -28,7 +28,7 @@ struct Obedient {
 /// Steps until the state is that, or so long [s].
 double until(LinkState state, LinkMachine& machine, Obedient& robot, LinkOrder order, double t,
              double at_most = 100) {
-  for (const double end = t + at_most; t < end && machine.state() != state; t += tick)
+  for (const double end = t + at_most; t < end && machine.state() != state; t += machine_tick)
     robot.take(machine.step(t, robot.facts, order).request);
   return t;
 }
@@ -160,7 +160,7 @@ TEST(LinkMachine, AnEmergencyStopsWhatItHadArmedOnceAndNothingElse) {
     ASSERT_EQ(machine.state(), from);
     const bool ours = machine.in_our_hands();
     int stopped = 0;
-    for (int k = 0; k < 200; ++k, t += tick) {
+    for (int k = 0; k < 200; ++k, t += machine_tick) {
       const LinkOutput output = machine.step(t, robot.facts, LinkOrder::emergency);
       stopped += output.request == Request::emergency ? 1 : 0;
       ASSERT_TRUE(output.request == Request::none || (k == 0 && ours)) << to_string(from);

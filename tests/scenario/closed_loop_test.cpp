@@ -6,6 +6,7 @@
 #include <cmath>
 #include <thread>
 
+#include "sightline/model/point_mass.hpp"
 #include "sightline/scenario/registry.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/command.hpp"

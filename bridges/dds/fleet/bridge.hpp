@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bridges/dds/fleet/finding.hpp"
+#include "bridges/dds/fleet/link_fault.hpp"
 #include "sightline/run/sample.hpp"
 #include "sightline/scenario/scenario.hpp"
 #include "sightline/solver/distributed/part_solver.hpp"

@@ -56,8 +56,7 @@ void validate(const Team& team, std::span<const BodyId> robots, const SearchOpti
                   options.rate))
       throw_invalid(
           "\"{}\" is localized by vision, but its model \"{}\" does not turn where it stands by {} rad/s, "
-          "expected one "
-          "that does: it could not find what it observes",
+          "expected one that does: it could not find what it observes",
           agent.name, agent.model.name(), options.rate);
   }
 }

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -165,10 +164,9 @@ KernelUse Controls::kernels() const {
 std::unique_ptr<World> make_world(const Scenario& scenario) {
   const Registry& registry = scenario.registry ? *scenario.registry : built_in_registry();
   const WorldPart* const kind = registry.worlds.find(scenario.world);
-  if (kind == nullptr) {
-    throw std::invalid_argument(fmt::format("world.kind = {}, expected one of {}", scenario.world,
-                                            fmt::join(registry.worlds.names(), ", ")));
-  }
+  if (kind == nullptr)
+    throw_invalid("world.kind = {}, expected one of {}", scenario.world,
+                  fmt::join(registry.worlds.names(), ", "));
   const auto reporting = [&](std::unique_ptr<World> world) -> std::unique_ptr<World> {
     if (scenario.localization.robots.empty()) return world;
     return std::make_unique<TelemetryWorld>(std::move(world), telemetry_options(scenario));

@@ -93,8 +93,7 @@ void check_flown_in_parts(const Scenario& whole) {
   if (!whole.localization.robots.empty())
     throw_invalid(
         "partition.part = \"{}\" beside agent.{}.localization = vision, expected \"global\": what it sees is "
-        "of "
-        "robots whose poses the part does not receive",
+        "of robots whose poses the part does not receive",
         part, whole.team.name(whole.localization.robots.front().robot));
   for (const UncooperativeBody& body : whole.uncooperative)
     if (body.motion && follows_a_robot(*body.motion))
