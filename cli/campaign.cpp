@@ -266,7 +266,7 @@ int merge(const CampaignCommand& command, const Registry& registry) {
         fmt::format("sightline campaign {} --seed {}", shell_word(scenario_file.native()), about.seed);
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));
     print("{}\n", (out / "campaign.html").native());
-  } catch (const std::exception& error) {  // e.g. without gnuplot: the table holds all flown runs
+  } catch (const std::exception& error) {  // e.g. on a full disk: the table holds all flown runs
     say(sentence_of(error));
     code = 1;
   }
@@ -338,7 +338,7 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
         write_text(input.folder_of(i) / "campaign.html",
                    campaign_html(shown, input.plan, again(command, input), input.folder,
                                  input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
-      } catch (const std::runtime_error& error) {  // e.g. without gnuplot: the table holds all flown runs
+      } catch (const std::runtime_error& error) {  // e.g. on a full disk: the table holds all flown runs
         say(sentence_of(error));
         lost = true;
       }

@@ -250,7 +250,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     print("{}\n", of_parts);
     print("{}\n", (folder / "partition.json").native());
   }
-  // The report is missing without gnuplot, the log on a full disk.
+  // On a full disk, files are missing.
   for (const char* file : {"report.html", "run.mcap", "summary.json"})
     if (std::error_code error; flight.begun && std::filesystem::exists(folder / file, error))
       print("{}\n", (folder / file).native());

@@ -1,35 +1,47 @@
-# Writes OUTPUT, a source with the files of PAGE as strings; without PAGE, with none, and with what the build LACKS for it.
+# Writes OUTPUT, a source with the script FIGURES and the files of PAGE as strings. Without PAGE it has no files, and
+# names what the build LACKS for them; without FIGURES the script is empty.
 cmake_policy(VERSION 3.22)
+function(embed path result)
+  file(READ ${path} bytes HEX)
+  string(LENGTH "${bytes}" length)
+  math(EXPR length "${length} / 2")
+  string(REGEX REPLACE "(..)" "\\\\x\\1" bytes "${bytes}")
+  set(${result} "{\"${bytes}\", ${length}}" PARENT_SCOPE)
+endfunction()
 set(files)
 set(count 0)
 if(PAGE)
+  set(index.html "\"/\", \"text/html; charset=utf-8\"")
+  set(page.js "\"/page.js\", \"text/javascript; charset=utf-8\"")
+  set(page.css "\"/page.css\", \"text/css; charset=utf-8\"")
   foreach(name index.html page.js page.css)
-    file(READ ${PAGE}/${name} bytes HEX)
-    string(LENGTH "${bytes}" length)
-    math(EXPR length "${length} / 2")
-    string(REGEX REPLACE "(..)" "\\\\x\\1" bytes "${bytes}")
-    set(path /${name})
-    set(type "text/html; charset=utf-8")
-    if(name STREQUAL "index.html")
-      set(path /)
-    elseif(name MATCHES "js$")
-      set(type "text/javascript; charset=utf-8")
-    else()
-      set(type "text/css; charset=utf-8")
-    endif()
-    string(APPEND files "    {\"${path}\", \"${type}\", {\"${bytes}\", ${length}}},\n")
+    embed(${PAGE}/${name} bytes)
+    string(APPEND files "    {${${name}}, ${bytes}},\n")
     math(EXPR count "${count} + 1")
   endforeach()
 endif()
+set(script "{}")
+if(FIGURES)
+  embed(${FIGURES} script)
+endif()
 # Compilers take longer strings than the standard asks of them.
-set(text "#include \"sightline/server/page_files.hpp\"\n\n#include <array>\n\n#pragma GCC diagnostic ignored \"-Woverlength-strings\"\n\nnamespace sightline {\n\n")
-string(APPEND text "std::span<const BuiltFile> built_page() {\n")
-string(APPEND text "  static const std::array<BuiltFile, ${count}> files = {{\n${files}  }};\n  return files;\n}\n\n")
-string(APPEND text "std::string_view page_lacks() { return \"${LACKS}\"; }\n\n}  // namespace sightline\n")
-set(before)
-if(EXISTS ${OUTPUT})
-  file(READ ${OUTPUT} before)
-endif()
-if(NOT before STREQUAL text OR PAGE)
-  file(WRITE ${OUTPUT} "${text}")
-endif()
+file(WRITE ${OUTPUT} "#include \"sightline/report/page.hpp\"
+#include \"sightline/server/page_files.hpp\"
+
+#include <array>
+
+#pragma GCC diagnostic ignored \"-Woverlength-strings\"
+
+namespace sightline {
+
+std::span<const BuiltFile> built_page() {
+  static const std::array<BuiltFile, ${count}> files = {{\n${files}  }};
+  return files;
+}
+
+std::string_view page_lacks() { return \"${LACKS}\"; }
+
+std::string_view figures_script() { return ${script}; }
+
+}  // namespace sightline
+")

@@ -106,10 +106,11 @@ TEST(PotentialFigures, ASharperSigmoidComesNearerToTheUnitStep) {
   }
 }
 
-TEST(PotentialFigures, CanBeDrawnAsSelfContainedPictures) {
+TEST(PotentialFigures, AllHaveSomethingToShow) {
   const auto drawings = pictures(SensorCone{});
-  const auto figures = draw(drawings);
-  EXPECT_EQ(figures.size(), drawings.size());
+  auto shown = drawings;
+  prune(shown);
+  EXPECT_EQ(shown.size(), drawings.size());
 }
 
 }  // namespace

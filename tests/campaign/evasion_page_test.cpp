@@ -49,7 +49,7 @@ TEST(EvasionPage, ShowsTheTableOfAllScenariosAndTheFiguresOfEach) {
     for (std::size_t at = html.find(what); at != std::string::npos; at = html.find(what, at + 1)) ++n;
     return n;
   };
-  EXPECT_EQ(count("<svg"), 2U * 5U);
+  EXPECT_EQ(count("<script type=\"application/json\">"), 2U * 5U);
   EXPECT_EQ(count("<h2>paper_7_3: paths from above (Fig. 26)"), 1U);
   EXPECT_EQ(count("<td>0.601</td>"), 1U);
   EXPECT_EQ(count("<tr>"), count("</tr>"));

@@ -21,8 +21,6 @@ from pathlib import Path
 from judge import Judge
 
 longest = 300  # of a command [s]
-# Figures are not judged: this stands in for gnuplot, and a flight takes a third of the time.
-no_figures = "#!/bin/sh\nfor i in 0 1 2 3 4 5 6 7 8 9; do for j in 0 1 2 3 4 5 6 7 8 9; do echo '<?xml ?><svg></svg>'; done; done\n"
 
 
 class Campaign:
@@ -30,15 +28,9 @@ class Campaign:
         self.options, self.folder = options, folder
         self.flown = self.refused = self.verdicts = self.commands = self.replays = self.bytes = 0
         self.codes, self.claims = {}, {}
-        programs = folder / "programs"
-        programs.mkdir()
-        (programs / "gnuplot").write_text(no_figures)
-        (programs / "gnuplot").chmod(0o755)
-        self.environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}
 
     def call(self, *arguments):
-        return subprocess.run([self.options.binary, *map(str, arguments)], capture_output=True, text=True, timeout=longest, check=False,
-                              env=self.environment)  # fmt: skip
+        return subprocess.run([self.options.binary, *map(str, arguments)], capture_output=True, text=True, timeout=longest, check=False)
 
     def differ(self, scenario, claim, sentence):
         print(f"{scenario.name}: {claim}: {sentence}", flush=True)
@@ -50,7 +42,7 @@ class Campaign:
     def stopped(self, scenario, out):
         """A flight in real time whose process is stopped on the way, so that it misses periods."""
         with subprocess.Popen([self.options.binary, "run", scenario, "-o", out, "--realtime"], stdout=subprocess.DEVNULL,
-                              stderr=subprocess.PIPE, text=True, env=self.environment) as flight:  # fmt: skip
+                              stderr=subprocess.PIPE, text=True) as flight:  # fmt: skip
             begun = time.monotonic()
             while not (out / "run.mcap").exists() and flight.poll() is None and time.monotonic() < begun + 30:
                 time.sleep(0.02)

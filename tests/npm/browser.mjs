@@ -115,6 +115,26 @@ try {
     },
     answer: async (...words) => page.waitForFunction((w) => document.querySelector('#tune output')?.textContent.includes(w), words.join(' '), { timeout: 20000 })
       .then(async () => ({ answer: await page.textContent('#tune output') })),
+    // A report's figures: their titles, and the curves of each panel.
+    figures: async () => page.evaluate(() => [...document.querySelectorAll('figure')].map((figure) => ({ title: figure.ariaLabel,
+      panels: [...figure.querySelectorAll('.axes')].map((panel) => panel.querySelectorAll('svg svg > path[stroke^="#"]').length) })))
+      .then((figures) => ({ figures, faults })),
+    // The pointer in a panel, at parts of its width, with the button pressed on the way from the first to the second.
+    point: async (panel, from, to) => {
+      const axes = page.locator('.axes').nth(Number(panel));
+      await axes.scrollIntoViewIfNeeded();
+      const { x, y, width, height } = await axes.boundingBox();
+      await page.mouse.move(x + Number(from) * width, y + 0.3 * height);
+      const readings = await page.locator('.tip:visible').allInnerTexts();
+      if (to) {
+        await page.mouse.down();
+        await page.mouse.move(x + Number(to) * width, y + 0.4 * height);
+        await page.mouse.up();
+      }
+      return { readings, ticks: await axes.locator('> svg > text').allTextContents() };
+    },
+    print: async () => page.emulateMedia({ media: 'print', colorScheme: 'dark' }).then(() => page.evaluate(() => ({
+      paper: getComputedStyle(document.body).backgroundColor, cut: getComputedStyle(document.querySelector('figure')).breakInside }))),
     moments: async (count) => page.waitForFunction((n) => window.sightline?.moments >= n, Number(count), { timeout: 20000 }).then(() => ({})),
   };
   for await (const line of createInterface({ input: process.stdin })) {

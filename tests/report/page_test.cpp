@@ -16,6 +16,13 @@ TEST(Page, ShowsAnyTextAsItIs) {
   EXPECT_THAT(page_figure({"<b>", "<i>", "<svg></svg>"}), HasSubstr("<svg></svg>"));
 }
 
+TEST(Page, HasTheScriptOfItsFiguresAndASentenceForThoseWhoRunNone) {
+  EXPECT_FALSE(figures_script().empty()) << "expected the packages of scripts/deps.sh test";
+  EXPECT_THAT(figures_script(), Not(HasSubstr("</script")));
+  EXPECT_THAT(page_end(), HasSubstr(std::string(figures_script())));
+  EXPECT_THAT(page_head("title"), HasSubstr("<noscript>"));
+}
+
 TEST(Page, ReadsOnLightAndOnDark) {
   EXPECT_THAT(page_head("title"), HasSubstr("color-scheme: light dark"));
   EXPECT_THAT(page_head("title"), HasSubstr("<title>title</title>"));

@@ -295,8 +295,8 @@ TEST(ReportHtml, IsOnePageThatAsksForNoOtherFile) {
   const std::string page = report_html(flown(100), "");
   EXPECT_EQ(page.find("<!DOCTYPE html>"), 0u);
   EXPECT_THAT(page, HasSubstr("</html>"));
-  for (const char* word :
-       {"<link", "<script", "<img", "src=", "@import", "url(http", "href=\"http", "href='http"}) {
+  for (const char* word : {"<link", "<script src", "<img", " src=", "import(", "@import", "url(http",
+                           "href=\"http", "href='http"}) {
     EXPECT_THAT(page, Not(HasSubstr(word)));
   }
 }

@@ -178,5 +178,35 @@ TEST(Page, AFlightIsTunedInTheBrowser) {
   EXPECT_EQ(json::parse(replayed.out)["differing"], 0);
 }
 
+TEST(ReportPage, ShowsCurvesReadsThemZoomsAndPrints) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  ASSERT_NE(sightline("run " + page_scenario(folder, 4).string() + " -o " + out.string(), folder).code, 2);
+  const auto answers = browse("file://" + (out / "report.html").string(),
+                              "figures\\npoint 1 0.5\\npoint 1 0.3 0.5\\npoint 0 0.5\\nprint\\n", folder);
+  ASSERT_EQ(answers.size(), 5U);
+  EXPECT_EQ(answers[0]["faults"], json::array());
+  std::size_t drawn = 0;
+  for (const json& figure : answers[0]["figures"]) {
+    for (const json& curves : figure["panels"]) EXPECT_GE(curves, 1) << figure["title"];
+    drawn += figure["panels"].size();
+  }
+  EXPECT_GE(drawn, 10U);
+  // Of 900 px, the axes begin at 102 px and are 780 px wide. Both panels of the first figure have
+  // the same time axis.
+  const auto time_at = [](double part, double low, double high) {
+    return low + (900 * part - 102) / 780 * (high - low);
+  };
+  const auto time_of = [](const json& reading) { return std::stod(reading.get<std::string>().substr(6)); };
+  ASSERT_EQ(answers[1]["readings"].size(), 2U);
+  EXPECT_THAT(answers[1]["readings"][0].get<std::string>(), testing::HasSubstr("distance D: "));
+  EXPECT_THAT(answers[1]["readings"][1].get<std::string>(), testing::HasSubstr("view angle"));
+  EXPECT_NEAR(time_of(answers[1]["readings"][0]), time_at(0.5, 0.0, 4.0), 0.05);
+  EXPECT_NE(answers[2]["ticks"], answers[1]["ticks"]);
+  EXPECT_NEAR(time_of(answers[3]["readings"][1]),
+              time_at(0.5, time_at(0.3, 0.0, 4.0), time_at(0.5, 0.0, 4.0)), 0.05);
+  EXPECT_EQ(answers[4]["paper"], "rgb(255, 255, 255)");
+  EXPECT_EQ(answers[4]["cut"], "avoid");
+}
+
 }  // namespace
 }  // namespace sightline::test

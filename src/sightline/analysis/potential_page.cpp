@@ -60,7 +60,6 @@ std::string title_of(const Team& team, std::size_t coupling) {
 std::string potential_html(const Scenario& scenario, const std::vector<JudgedCoupling>& judged) {
   std::string page = page_head(fmt::format("Potentials of {}", scenario.name));
   const std::vector<Coupling> couplings = with_thirds_at(scenario.team, scenario.x0);
-  std::size_t figures = 0;
   for (const JudgedCoupling& one : judged) {
     page += fmt::format("<h1 style=\"margin-top: 4rem\">{}</h1>\n",
                         escaped(title_of(scenario.team, one.coupling)));
@@ -77,13 +76,9 @@ std::string potential_html(const Scenario& scenario, const std::vector<JudgedCou
     page += "</ul>\n</details>\n";
     const Potential& potential = couplings[one.coupling].term.potential;
     const auto& around = one.verdict.around;
-    for (const Figure& figure :
-         draw(drawings_of(around ? moved_to(*around, potential) : potential, one.verdict), figures)) {
-      page += page_figure(figure);
-      ++figures;
-    }
+    page += page_figures(drawings_of(around ? moved_to(*around, potential) : potential, one.verdict));
   }
-  return page + "</body>\n</html>\n";
+  return page + page_end();
 }
 
 std::string verdict_json(const Scenario& scenario, const std::vector<JudgedCoupling>& judged) {

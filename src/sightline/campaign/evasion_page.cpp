@@ -9,12 +9,6 @@
 #include "sightline/scenario/closed_loop.hpp"
 
 namespace sightline {
-namespace {
-
-constexpr std::size_t first_figure = 100;  // number in the page; the page has fewer other figures
-
-}  // namespace
-
 EvasionRuns evasion_runs(const Scenario& scenario, const CampaignPlan& plan, std::uint64_t seed, int runs) {
   const Variants variants(scenario, plan);
   EvasionRuns flown{scenario.name, {}};
@@ -73,13 +67,7 @@ std::string evasion_html(const EvasionPlan& plan, std::span<const EvasionRuns> f
       "view angle, limit {:g} rad, count from {:g} s on.</p>\n",
       escaped(plan.obstacle), escaped(plan.target), plan.d_obstacle, plan.d_min, plan.d_max, plan.alpha,
       plan.from);
-  std::size_t figures = first_figure;
-  for (const EvasionRuns& scenario : flown) {
-    for (const Figure& figure : draw(evasion_drawings(plan, scenario), figures)) {
-      html += page_figure(figure);
-      ++figures;
-    }
-  }
+  for (const EvasionRuns& scenario : flown) html += page_figures(evasion_drawings(plan, scenario));
   return html;
 }
 

@@ -288,8 +288,7 @@ std::string campaign_html(const std::vector<CampaignTable>& tables, const Campai
       distribution(all, "fraction_in_view", "Fraction of the time in view", "fraction [-]",
                    "From the start on, all observers at once."),
       distribution(all, "energy", "Energy of the inputs", "u'Ru dt [s]", "Of all robots.")};
-  for (const Figure& figure : draw(std::move(drawings))) page += page_figure(figure);
-  return page + more + worst(first, command, folder) + "</body>\n</html>\n";
+  return page + page_figures(std::move(drawings)) + more + worst(first, command, folder) + page_end();
 }
 
 }  // namespace sightline

@@ -1,4 +1,5 @@
-/// Curves, maps and surfaces as figures of a page, drawn by gnuplot.
+/// Curves, maps and surfaces as figures of a page: data that its script, viewer/src/figures.js,
+/// draws.
 #pragma once
 
 #include <array>
@@ -75,7 +76,7 @@ struct Drawing {
   int columns = 1;  ///< panels side by side
 };
 
-/// A drawing as SVG. Text and axes take the page's colour, for light and dark pages.
+/// A picture that is drawn here. Text takes the page's colour, for light and dark pages.
 struct Figure {
   std::string title, caption;  ///< plain text
   std::string svg;             ///< one <svg> element
@@ -88,9 +89,13 @@ struct Figure {
 /// @param most  >= 2 + 2 columns
 std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> columns, std::size_t most);
 
-/// Figures of all drawings with content; omits curves and panels without a point.
-/// @param first  number of the first figure in its page, for unique ids
-/// @throws std::runtime_error with a sentence if gnuplot is missing or fails
-std::vector<Figure> draw(std::vector<Drawing> drawings, std::size_t first = 0);
+/// Replaces values that an axis cannot show by gaps; removes curves, panels and drawings without a
+/// point.
+void prune(std::vector<Drawing>& drawings);
+
+/// A pruned drawing as JSON, safe within an element of HTML: columns, and for each panel its axes,
+/// curves, grid, notes and moments. A gap is null; a grid with rows has the x of one row and the y
+/// of one column.
+std::string to_json(const Drawing& drawing);
 
 }  // namespace sightline

@@ -482,11 +482,9 @@ std::string report_html(const Recording& recording, std::string_view summary, st
   for (const Figure& figure : graph_figures(r)) page += page_figure(figure);
   for (const Figure& figure : camera_figures(r)) page += page_figure(figure);
   page += notes_of(r);
-  for (const Figure& figure : draw(drawings_of(r))) page += page_figure(figure);
-  page += event_table(r);
-  page += fmt::format("<details><summary>Scenario</summary>\n<pre>{}</pre>\n</details>\n</body>\n</html>\n",
-                      escaped(r.scenario));
-  return page;
+  page += page_figures(drawings_of(r)) + event_table(r);
+  return page + fmt::format("<details><summary>Scenario</summary>\n<pre>{}</pre>\n</details>\n{}",
+                            escaped(r.scenario), page_end());
 }
 
 void write_report(const std::filesystem::path& folder) {

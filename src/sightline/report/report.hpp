@@ -19,12 +19,12 @@ std::vector<Drawing> drawings_of(const Recording& recording);
 /// The page with all its figures; it loads no other file.
 /// @param summary  text of summary.json; empty: missing, as for a run that was killed
 /// @param partition  text of partition.json, of a partitioned team; ignored if it is of another run
-/// @throws std::runtime_error with a sentence if the summary is invalid or gnuplot is missing
+/// @throws std::runtime_error with a sentence if the summary is invalid
 std::string report_html(const Recording& recording, std::string_view summary,
                         std::string_view partition = {});
 
 /// Writes report.html into a run's folder, from run.mcap, timing.csv and summary.json.
-/// @throws std::runtime_error with a sentence for a file that cannot be read, drawn or written
+/// @throws std::runtime_error with a sentence for a file that cannot be read or written
 void write_report(const std::filesystem::path& folder);
 
 }  // namespace sightline

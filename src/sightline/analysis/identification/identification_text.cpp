@@ -182,10 +182,9 @@ std::string identification_html(const Identification& found, const FlownMotion& 
     panel.curves = {std::move(measured), std::move(predicted)};
     drawing.panels.push_back(std::move(panel));
   }
-  std::string page = page_head(fmt::format("Identification of {}", found.robot));
-  page += fmt::format("<pre>{}</pre>\n", escaped(to_string(found)));
-  for (const Figure& figure : draw({std::move(drawing)})) page += page_figure(figure);
-  return page + "</body>\n</html>\n";
+  const std::string page = page_head(fmt::format("Identification of {}", found.robot));
+  return page + fmt::format("<pre>{}</pre>\n", escaped(to_string(found))) +
+         page_figures({std::move(drawing)}) + page_end();
 }
 
 }  // namespace sightline

@@ -18,7 +18,6 @@ std::string template_text(const Identification& found, const FittedModel& model,
 std::string to_json(const Identification& found);
 
 /// HTML page with predictions of 1 s each over the held-out part.
-/// @throws std::runtime_error if gnuplot is missing or fails
 std::string identification_html(const Identification& found, const FlownMotion& motion);
 
 }  // namespace sightline
