@@ -13,6 +13,7 @@ import json as _json
 from . import _sightline
 from ._sightline import *  # noqa: F401,F403
 from ._sightline import Log, Scenario, __version__, compiler  # noqa: F401
+from .plot import figures  # noqa: F401
 from .tracing import (  # noqa: F401
     Symbol,
     TraceError,
@@ -51,7 +52,7 @@ class Flight:
         return not self.faults
 
     def report(self):
-        """Makes report.html, one file with all figures, by gnuplot. Its path."""
+        """Makes report.html, one file with all figures. Its path."""
         _sightline.write_report(self.folder)
         return self.folder / "report.html"
 
@@ -164,7 +165,7 @@ class Campaign:
         return _sightline.campaign_lines(self.scenario.name, self.file)
 
     def report(self):
-        """Makes campaign.html, one file with all figures, by gnuplot. Its path."""
+        """Makes campaign.html, one file with all figures. Its path."""
         return _sightline.write_campaign_page(self.scenario, self.file, int(self.about["seed"]))
 
     def __len__(self):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -90,7 +91,11 @@ def test_ctrl_c_leaves_a_log_up_to_there(scenarios, tmp_path):
 def test_a_flight_shows_itself_and_makes_its_report(scenarios, tmp_path):
     flight = flown(scenarios, tmp_path)
     assert str(tmp_path) in repr(flight) and "<table>" in flight._repr_html_()
-    assert flight.report().stat().st_size > 10_000
+    page = flight.report().read_text()
+    files = sl.figures(flight.folder)
+    assert len(files) == page.count("<figure ")
+    for file in files:
+        assert ElementTree.parse(file).getroot().tag == "{http://www.w3.org/2000/svg}svg"
 
 
 def test_refusals_carry_the_sentence_of_the_library(scenarios, tmp_path):
