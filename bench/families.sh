@@ -28,25 +28,10 @@ for robots in 8 16 32 64 128 256 512 1024; do
     awk -F'|' -v n="$robots" '$2 == " swarm_" n "_crossing " { print n, $5 + 0, $6 + 0 }' >>"$work/swarm.txt"
 done
 
-gnuplot <<PLOT
-set terminal svg size 760,520 font "Helvetica,14" background "white"
-set output "bench/families.svg"
-set title "Time of one update over the number of robots"
-set xlabel "robots"
-set ylabel "median time of one update [us]"
-set logscale xy
-set xrange [6:1400]
-set xtics (8, 16, 32, 64, 128, 256, 512, 1024)
-set format y "10^{%L}"
-set grid
-set key right bottom
-plot "$work/swarm.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#7a3b9a" lw 2 title "swarm, its worst second", \
-  "$work/mutual_chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#b3002d" lw 2 title "mutual\\\\_chain", \
-  "$work/strong_chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#d95f02" lw 2 title "strong\\\\_chain (B)", \
-  "$work/cascade.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#c9a400" lw 2 title "cascade", \
-  "$work/grid.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#2f7d32" lw 2 title "grid", \
-  "$work/chain.txt" using 1:2 with linespoints pt 7 ps 0.6 lc rgb "#1b6ca8" lw 2 title "chain (A)"
-PLOT
+/usr/bin/python3 bench/loglog.py bench/families.svg "Time of one update over the number of robots" \
+  "swarm, its worst second|#7a3b9a|o-|$work/swarm.txt|2" "mutual_chain|#b3002d|o-|$work/mutual_chain.txt|2" \
+  "strong_chain (B)|#d95f02|o-|$work/strong_chain.txt|2" "cascade|#c9a400|o-|$work/cascade.txt|2" \
+  "grid|#2f7d32|o-|$work/grid.txt|2" "chain (A)|#1b6ca8|o-|$work/chain.txt|2"
 
 exponent() { power_law "$work/$1.txt" 2 "$2" "$3" | cut -d' ' -f1; }
 {

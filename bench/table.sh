@@ -47,26 +47,11 @@ read -r masked masked_at_1 <<<"$(fit 3 2)"
 read -r masked_from_8 _ <<<"$(fit 3 8)"
 read -r peer peer_at_1 <<<"$(fit 4 2)"
 
-gnuplot <<PLOT
-set terminal svg size 760,520 font "Helvetica,14" background "white"
-set output "bench/scaling.svg"
-set title "Time of one update over the number of robots in a chain"
-set xlabel "robots"
-set ylabel "median time of one update [us]"
-set logscale xy
-set xrange [1.7:75]
-set yrange [1:*]
-set xtics (2, 4, 8, 16, 32, 64)
-set format y "10^{%L}"
-set grid
-set key at graph 0.97, 0.62
-plot $peer_at_1 * x ** $peer with lines lc rgb "#bbbbbb" lw 2 title "IPOPT, to the optimum: robots^{$peer}", \
-  "$work/scaling.txt" using 1:4 with points pt 7 ps 0.8 lc rgb "#777777" notitle, \
-  $joint_at_1 * x ** $joint with lines lc rgb "#d95f02" lw 2 title "newton\\\\_riccati, all feel the couplings: robots^{$joint}", \
-  "$work/scaling.txt" using 1:2 with points pt 7 ps 0.8 lc rgb "#d95f02" notitle, \
-  $masked_at_1 * x ** $masked with lines dt 2 lc rgb "#1b6ca8" lw 2 title "newton\\\\_riccati, the watching robot alone: robots^{$masked}", \
-  "$work/scaling.txt" using 1:3 with points pt 6 ps 0.8 lc rgb "#1b6ca8" notitle
-PLOT
+/usr/bin/python3 bench/loglog.py bench/scaling.svg "Time of one update over the number of robots in a chain" \
+  "|#777777|o|$work/scaling.txt|4" "|#d95f02|o|$work/scaling.txt|2" "|#1b6ca8|o|$work/scaling.txt|3" \
+  "IPOPT, to the optimum: robots^$peer|#bbbbbb|-|$peer_at_1 $peer" \
+  "newton_riccati, all feel the couplings: robots^$joint|#d95f02|-|$joint_at_1 $joint" \
+  "newton_riccati, the watching robot alone: robots^$masked|#1b6ca8|--|$masked_at_1 $masked"
 
 ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
 {

@@ -105,10 +105,9 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
 if(TARGET sightline_python)
   # It imports numpy; the rest of the package does without.
-  string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", python3-numpy")
+  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS python3-numpy)
 endif()
 # Who links the libraries needs what they are linked with.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS

@@ -3,7 +3,7 @@
 # arm64 adds to `test` a cross compiler, qemu-user and the libraries for AArch64; ci does without, and is of Debian 12.
 set -euo pipefail
 
-packages=(cmake esbuild g++ gnuplot-nox libcli11-dev libfmt-dev libjs-three libsqlite3-dev libtomlplusplus-dev
+packages=(cmake esbuild g++ libcli11-dev libfmt-dev libjs-three libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
 test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-dev cyclonedds-tools doxygen dpkg-dev
   file furo iproute2 libapriltag-dev libblas-dev libegl1-mesa-dev libeigen3-dev libfastcdr-dev libfastrtps-dev

@@ -196,32 +196,29 @@ noise() {
 
 # $1: the table's numbers
 plot_noise() {
-  local angle i=1 found='' range='' bias=''
-  for angle in 0 30 45 55 65 72; do
-    awk -v angle=$angle '$1 == 1 && $2 == angle' "$1" >"$out/noise_$angle.txt"
-    found+="'$out/noise_$angle.txt' using 3:4 with points pointtype 7 linecolor $i title '$angle°', '' using 3:5 with lines linecolor $i notitle, "
-    bias+="'$out/noise_$angle.txt' using (\$4 >= 30 ? \$3 : NaN):6 with points pointtype 7 linecolor $i notitle, '' using (\$5 >= 30 ? \$3 : NaN):7 with lines linecolor $i notitle, "
-    range+="'$out/noise_$angle.txt' using (\$4 >= 30 ? \$3 : NaN):8 with points pointtype 7 linecolor $i notitle, '' using (\$5 >= 30 ? \$3 : NaN):9 with lines linecolor $i notitle, "
-    i=$((i + 1))
-  done
-  gnuplot <<PLOT
-set terminal svg size 1100,420 font "Helvetica,13" background "white"
-set output "docs/noise.svg"
-set multiplot layout 1,3 title "One plate of 0.2 m at 320 x 240, by the angle to its normal: rendered (points), drawn (lines)"
-set xlabel "distance [m]"
-set xrange [0.9:3.1]
-set grid
-set key bottom left
-set ylabel "found [%]"
-set yrange [-3:103]
-plot ${found%, }
-unset key
-set ylabel "bias of range [%]"
-set yrange [-1.5:1.5]
-plot ${bias%, }
-set ylabel "standard deviation of range [%]"
-set yrange [0:*]
-plot ${range%, }
+  /usr/bin/python3 - "$1" <<'PLOT'
+import sys
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+matplotlib.rcParams["svg.hashsalt"] = "noise"
+rows = np.loadtxt(sys.argv[1], comments="#")
+figure = Figure(figsize=(11, 4.2), layout="constrained")
+figure.suptitle("One plate of 0.2 m at 320 x 240, by the angle to its normal: rendered (points), drawn (lines)")
+panels = (("found [%]", 3, (-3, 103)), ("bias of range [%]", 5, (-1.5, 1.5)), ("standard deviation of range [%]", 7, (0, None)))
+for ax, (label, column, limits) in zip(figure.subplots(1, 3), panels):
+    for i, angle in enumerate((0, 30, 45, 55, 65, 72)):
+        of = rows[(rows[:, 0] == 1) & (rows[:, 1] == angle)]
+        for k, mark in enumerate("o-"):
+            # A range counts where at least 30 % are found.
+            y = of[:, column + k] if column == 3 else np.where(of[:, 3 + k] >= 30, of[:, column + k], np.nan)
+            ax.plot(of[:, 2], y, mark, color=f"C{i}", label=f"{angle}°" if mark == "o" else None)
+    ax.set(xlabel="distance [m]", ylabel=label, xlim=(0.9, 3.1), ylim=limits)
+    ax.grid()
+figure.axes[0].legend(loc="lower left")
+figure.savefig("docs/noise.svg", metadata={"Date": None})
 PLOT
 }
 

@@ -248,8 +248,7 @@ TEST_F(Install, the_debian_package_holds_a_program_that_flies_its_pages_and_its_
   ASSERT_EQ(shell("dpkg-deb -x " + path("packages/") + "*.deb " + path("root"), folder_).code, 0);
   const auto fields = shell("dpkg-deb -f " + path("packages/") + "*.deb", folder_);
   EXPECT_THAT(fields.out,
-              AllOf(ContainsRegex("Depends: .*libfmt[0-9]+"), ContainsRegex("Depends: .*libsqlite3"),
-                    HasSubstr("Recommends: gnuplot-nox")));
+              AllOf(ContainsRegex("Depends: .*libfmt[0-9]+"), ContainsRegex("Depends: .*libsqlite3")));
   const auto version = shell(path("root/usr/bin/sightline") + " --version", folder_);
   EXPECT_EQ(version.code, 0) << version.err;
   EXPECT_THAT(version.out, HasSubstr("sightline "));
