@@ -1,10 +1,9 @@
-#include "sightline/report/camera_figure.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sightline/record/logged_flight.hpp"
+#include "sightline/report/run_figures.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/folder.hpp"
 

@@ -1,10 +1,9 @@
-#include "sightline/report/localization_figure.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "sightline/record/log.hpp"
+#include "sightline/report/run_figures.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/folder.hpp"
 

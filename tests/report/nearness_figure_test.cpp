@@ -1,10 +1,9 @@
-#include "sightline/report/nearness_figure.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "sightline/report/run_figures.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,5 +1,3 @@
-#include "sightline/report/paths_figure.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sightline/report/run_figures.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

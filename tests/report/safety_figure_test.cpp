@@ -1,8 +1,8 @@
-#include "sightline/report/safety_figure.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
 namespace {

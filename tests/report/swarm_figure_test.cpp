@@ -1,9 +1,9 @@
-#include "sightline/report/swarm_figure.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
 namespace {

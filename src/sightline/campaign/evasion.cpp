@@ -11,6 +11,7 @@
 
 #include "sightline/base/no_value.hpp"
 #include "sightline/judge/summary.hpp"
+#include "sightline/report/curves.hpp"
 
 namespace sightline {
 namespace {
@@ -21,10 +22,10 @@ using Panel = Drawing::Panel;
 using CurveColumn = std::vector<double>;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double row_time = 0.1;       // [s]
-constexpr double apart = 4.2;          // interval between the marked positions of Fig. 26 [s]
-constexpr double arrow = 0.25;         // length of a heading's arrow [m]
-constexpr std::size_t rows_max = 240;  // per curve
+constexpr double row_time = 0.1;         // [s]
+constexpr double apart = 4.2;            // interval between the marked positions of Fig. 26 [s]
+constexpr double arrow = 0.25;           // length of a heading's arrow [m]
+constexpr std::size_t rows_shown = 240;  // per curve
 constexpr std::size_t robot_colour = 0, target_colour = 2;
 
 BodyId body_of(const Team& team, std::string_view name) {
@@ -45,12 +46,6 @@ SensorMount mount_of(const Team& team, BodyId agent, BodyId target) {
 }
 
 using Axis = double Vec3<double>::*;
-
-CurveColumn along(const std::vector<Vec3<double>>& p, Axis axis) {
-  CurveColumn result;
-  for (const Vec3<double>& point : p) result.push_back(point.*axis);
-  return result;
-}
 
 /// Unwraps an angle over time, to avoid lines from pi to -pi.
 CurveColumn with_gaps(CurveColumn angle) {
@@ -74,13 +69,7 @@ Panel panel_of(const EvasionRuns& flown, std::string y_label, const CurveColumn&
   for (std::size_t i = 0; i < flown.runs.size(); ++i) {
     const EvasionSeries& series = flown.runs[i].series();
     const CurveColumn y = get(series);
-    Curve curve{"", i % Drawing::colours, Mark::thin, {}, {}};
-    const std::array columns = {std::span<const double>(y)};
-    for (const std::size_t k : rows_to_draw(columns, rows_max)) {
-      curve.x.push_back(series.time[k]);
-      curve.y.push_back(y[k]);
-    }
-    panel.curves.push_back(std::move(curve));
+    panel.curves.push_back(thinned("", i % Drawing::colours, Mark::thin, series.time, y, rows_shown));
     if (!series.time.empty()) end = std::max(end, series.time.back());
   }
   for (const double limit : limits)

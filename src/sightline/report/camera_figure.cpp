@@ -1,11 +1,10 @@
-#include "sightline/report/camera_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string>
 
 #include "sightline/report/page.hpp"
+#include "sightline/report/run_figures.hpp"
 #include "sightline/scenario/scenario_text.hpp"
 
 namespace sightline {

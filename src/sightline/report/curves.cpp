@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
 
 namespace sightline {
@@ -29,6 +28,19 @@ std::vector<double> along(const std::vector<Vec3<double>>& p, double Vec3<double
   return result;
 }
 
+Drawing::Curve thinned(std::string title, std::size_t colour, Drawing::Mark mark, std::span<const double> x,
+                       std::span<const double> y, std::size_t rows) {
+  const std::size_t size = std::min(x.size(), y.size());
+  const std::array columns = {y.first(size), x.first(size)};
+  const bool rising = std::is_sorted(x.begin(), x.end());  // then the ends are extremes
+  Drawing::Curve result{std::move(title), colour, mark, {}, {}};
+  for (const std::size_t i : rows_to_draw(std::span(columns).first(rising ? 1 : 2), rows)) {
+    result.x.push_back(x[i]);
+    result.y.push_back(y[i]);
+  }
+  return result;
+}
+
 Curves::Curves(const Recording& recording)
     : recording_(recording),
       rows_(std::clamp<std::size_t>(rows_of_all / std::max<std::size_t>(1, recording.bodies.size()), rows_min,
@@ -36,15 +48,7 @@ Curves::Curves(const Recording& recording)
 
 Drawing::Curve Curves::curve(std::string title, std::size_t colour, Drawing::Mark mark,
                              const std::vector<double>& x, const std::vector<double>& y) const {
-  const std::size_t size = std::min(x.size(), y.size());
-  const std::array columns = {std::span(y).first(size), std::span(x).first(size)};
-  const bool rising = std::is_sorted(x.begin(), x.end());  // then the ends are extremes
-  Drawing::Curve result{std::move(title), colour, mark, {}, {}};
-  for (const std::size_t i : rows_to_draw(std::span(columns).first(rising ? 1 : 2), rows_)) {
-    result.x.push_back(x[i]);
-    result.y.push_back(y[i]);
-  }
-  return result;
+  return thinned(std::move(title), colour, mark, x, y, rows_);
 }
 
 Drawing::Curve Curves::over_time(std::string title, std::size_t colour, Drawing::Mark mark,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,12 +20,16 @@ std::string label(std::string_view name, std::size_t size = 18);
 /// One coordinate of each point.
 std::vector<double> along(const std::vector<Vec3<double>>& p, double Vec3<double>::*axis);
 
+/// y over x with at most `rows` points; keeps the extremes of both.
+Drawing::Curve thinned(std::string title, std::size_t colour, Drawing::Mark mark, std::span<const double> x,
+                       std::span<const double> y, std::size_t rows = rows_max);
+
 class Curves {
  public:
   /// @param recording  must outlive this object; has at least one period
   explicit Curves(const Recording& recording);
 
-  /// y over x; thinning keeps the extremes of both.
+  /// y over x, thinned.
   Drawing::Curve curve(std::string title, std::size_t colour, Drawing::Mark mark,
                        const std::vector<double>& x, const std::vector<double>& y) const;
   Drawing::Curve over_time(std::string title, std::size_t colour, Drawing::Mark mark,

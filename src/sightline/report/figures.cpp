@@ -20,34 +20,6 @@ using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
 using Grid = Drawing::Grid;
 
-}  // namespace
-
-std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> columns, std::size_t most) {
-  const std::size_t rows = columns.empty() ? 0 : columns.front().size();
-  std::set<std::size_t> kept;
-  if (rows <= most) {
-    for (std::size_t i = 0; i < rows; ++i) kept.insert(kept.end(), i);
-    return {kept.begin(), kept.end()};
-  }
-  const std::size_t stretches = (most - 2) / (2 * columns.size());
-  for (std::size_t s = 0; s < stretches; ++s) {
-    const std::size_t begin = s * rows / stretches, end = (s + 1) * rows / stretches;
-    for (const auto& column : columns) {
-      std::size_t low = begin, high = begin;
-      for (std::size_t i = begin; i < end; ++i) {
-        if (!std::isfinite(column[i])) continue;
-        if (!(column[low] <= column[i])) low = i;
-        if (!(column[high] >= column[i])) high = i;
-      }
-      kept.insert({low, high});
-    }
-  }
-  kept.insert({0, rows - 1});
-  return {kept.begin(), kept.end()};
-}
-
-namespace {
-
 // Whether differences and products of a value stay finite.
 bool is_drawn(double value) { return std::abs(value) <= 1e100; }
 
@@ -59,10 +31,9 @@ bool has_a_number(const std::vector<double>& values) {
 void prune(Grid& grid) {
   for (double& z : grid.z)
     if (!is_drawn(z)) z = no_value;
-  const auto has_place = [](const std::vector<double>& at) {
-    return std::all_of(at.begin(), at.end(), is_drawn);
-  };
-  if (!has_a_number(grid.z) || !has_place(grid.x) || !has_place(grid.y)) grid = {};
+  const bool placed = std::all_of(grid.x.begin(), grid.x.end(), is_drawn) &&
+                      std::all_of(grid.y.begin(), grid.y.end(), is_drawn);
+  if (!placed || !has_a_number(grid.z)) grid = {};
 }
 void prune_notes(Panel& panel) {
   std::erase_if(panel.labels,
@@ -72,37 +43,8 @@ void prune_notes(Panel& panel) {
     if (*range && !(is_drawn((**range)[0]) && is_drawn((**range)[1]))) range->reset();
 }
 
-}  // namespace
-
-void prune(std::vector<Drawing>& drawings) {
-  for (Drawing& drawing : drawings) {
-    for (Panel& panel : drawing.panels) {
-      for (Curve& curve : panel.curves) {
-        for (std::size_t i = 0; i < curve.x.size(); ++i) {
-          const bool shown = is_drawn(curve.x[i]) && is_drawn(curve.y[i]) &&
-                             (!panel.log_x || curve.x[i] > 0) && (!panel.log_y || curve.y[i] > 0);
-          if (!shown) curve.y[i] = no_value;
-        }
-      }
-      std::erase_if(panel.curves, [](const Curve& curve) { return !has_a_number(curve.y); });
-      prune(panel.grid);
-      prune_notes(panel);
-    }
-    const bool shared = !drawing.panels.empty() && drawing.panels.front().x_label.empty();
-    const std::string x_label = shared ? drawing.panels.back().x_label : "";
-    std::erase_if(drawing.panels,
-                  [](const Panel& panel) { return panel.curves.empty() && panel.grid.z.empty(); });
-    if (shared && !drawing.panels.empty()) drawing.panels.back().x_label = x_label;
-  }
-  std::erase_if(drawings, [](const Drawing& drawing) { return drawing.panels.empty(); });
-}
-
-namespace {
-
-std::string_view name_of(Drawing::Mark mark) {
-  constexpr std::array<std::string_view, 6> names = {"line", "dashed", "thin", "points", "bars", "arrows"};
-  return names.at(static_cast<std::size_t>(mark));
-}
+constexpr std::array<std::string_view, 6> mark_names = {"line", "dashed", "thin", "points", "bars", "arrows"};
+constexpr std::array<std::string_view, 3> view_names = {"map", "surface", "cloud"};
 
 // Seven digits: more than a page can show, also after a zoom.
 std::string json_of(double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "null"; }
@@ -130,12 +72,12 @@ std::string json_of(std::span<const double> values) {
 
 std::string json_of(const Curve& curve) {
   return fmt::format(R"({{"label":{},"colour":"{}","mark":"{}","x":{},"y":{}}})", json_of(curve.title),
-                     palette.at(curve.colour), name_of(curve.mark), json_of(curve.x), json_of(curve.y));
+                     palette.at(curve.colour), mark_names.at(static_cast<std::size_t>(curve.mark)),
+                     json_of(curve.x), json_of(curve.y));
 }
 
 std::string json_of(const Grid& grid) {
   if (grid.z.empty()) return "null";
-  constexpr std::array<std::string_view, 3> views = {"map", "surface", "cloud"};
   std::vector<double> x = grid.x, y = grid.y;
   if (grid.view != Grid::View::cloud) {
     x.resize(grid.across);
@@ -143,7 +85,7 @@ std::string json_of(const Grid& grid) {
     y.resize(y.size() / grid.across);
   }
   return fmt::format(R"({{"view":"{}","across":{},"label":{},"x":{},"y":{},"z":{}}})",
-                     views.at(static_cast<std::size_t>(grid.view)), grid.across, json_of(grid.label),
+                     view_names.at(static_cast<std::size_t>(grid.view)), grid.across, json_of(grid.label),
                      json_of(x), json_of(y), json_of(grid.z));
 }
 
@@ -171,6 +113,53 @@ std::string json_of(const Panel& panel) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> rows_to_draw(std::span<const std::span<const double>> columns, std::size_t most) {
+  const std::size_t rows = columns.empty() ? 0 : columns.front().size();
+  std::set<std::size_t> kept;
+  if (rows <= most) {
+    for (std::size_t i = 0; i < rows; ++i) kept.insert(kept.end(), i);
+    return {kept.begin(), kept.end()};
+  }
+  const std::size_t stretches = (most - 2) / (2 * columns.size());
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const std::size_t begin = s * rows / stretches, end = (s + 1) * rows / stretches;
+    for (const auto& column : columns) {
+      std::size_t low = begin, high = begin;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!std::isfinite(column[i])) continue;
+        if (!(column[low] <= column[i])) low = i;
+        if (!(column[high] >= column[i])) high = i;
+      }
+      kept.insert({low, high});
+    }
+  }
+  kept.insert({0, rows - 1});
+  return {kept.begin(), kept.end()};
+}
+
+void prune(std::vector<Drawing>& drawings) {
+  for (Drawing& drawing : drawings) {
+    for (Panel& panel : drawing.panels) {
+      for (Curve& curve : panel.curves) {
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+          const bool shown = is_drawn(curve.x[i]) && is_drawn(curve.y[i]) &&
+                             (!panel.log_x || curve.x[i] > 0) && (!panel.log_y || curve.y[i] > 0);
+          if (!shown) curve.y[i] = no_value;
+        }
+      }
+      std::erase_if(panel.curves, [](const Curve& curve) { return !has_a_number(curve.y); });
+      prune(panel.grid);
+      prune_notes(panel);
+    }
+    const bool shared = !drawing.panels.empty() && drawing.panels.front().x_label.empty();
+    const std::string x_label = shared ? drawing.panels.back().x_label : "";
+    std::erase_if(drawing.panels,
+                  [](const Panel& panel) { return panel.curves.empty() && panel.grid.z.empty(); });
+    if (shared && !drawing.panels.empty()) drawing.panels.back().x_label = x_label;
+  }
+  std::erase_if(drawings, [](const Drawing& drawing) { return drawing.panels.empty(); });
+}
 
 std::string to_json(const Drawing& drawing) {
   return fmt::format(R"({{"columns":{},"panels":{}}})", drawing.columns,

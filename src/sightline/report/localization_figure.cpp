@@ -1,10 +1,8 @@
-#include "sightline/report/localization_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "sightline/report/curves.hpp"
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
 namespace {
@@ -14,22 +12,19 @@ constexpr std::size_t localized_shown = 4;
 Drawing localization_drawing(const Recording& recording, const Recording::Body& body) {
   const Recording::Localization& of = body.localization;
   const Curves curves(recording);
-  const auto over = [&](std::string title, std::size_t colour, Drawing::Mark mark,
-                        const std::vector<double>& x, const std::vector<double>& y) {
-    return curves.curve(std::move(title), colour, mark, x, y);
-  };
   Drawing::Panel error{.x_label = "", .y_label = "error [m]"};
   std::vector<double> three_sigma = of.sigma;
   for (double& sigma : three_sigma) sigma *= 3;
-  error.curves.push_back(over("of the estimate", 0, Drawing::Mark::line, of.time, of.error));
-  error.curves.push_back(over("3 sigma", Drawing::limit_colour, Drawing::Mark::dashed, of.time, three_sigma));
+  error.curves.push_back(curves.curve("of the estimate", 0, Drawing::Mark::line, of.time, of.error));
+  error.curves.push_back(
+      curves.curve("3 sigma", Drawing::limit_colour, Drawing::Mark::dashed, of.time, three_sigma));
   Drawing::Panel nees{.x_label = "", .y_label = "NEES", .log_y = true};
-  nees.curves.push_back(over("", 0, Drawing::Mark::thin, of.time, of.nees));
+  nees.curves.push_back(curves.curve("", 0, Drawing::Mark::thin, of.time, of.nees));
   nees.curves.push_back(curves.level("4, the mean of one that is right", Drawing::limit_colour, 4.0));
   Drawing::Panel fits{.x_label = "t [s]", .y_label = "χ² of detections", .log_y = true};
-  fits.curves.push_back(over("believed", 0, Drawing::Mark::points, of.estimated_time, of.estimated));
+  fits.curves.push_back(curves.curve("believed", 0, Drawing::Mark::points, of.estimated_time, of.estimated));
   if (!of.refused.empty())
-    fits.curves.push_back(over("refused", 1, Drawing::Mark::points, of.refused_time, of.refused));
+    fits.curves.push_back(curves.curve("refused", 1, Drawing::Mark::points, of.refused_time, of.refused));
   return {fmt::format("{} by what it sees", body.name),
           fmt::format("{} knows no position: the error of its estimate and what its filter estimates, the "
                       "squared error in units of the covariance, and how {} detections fitted.",

@@ -1,10 +1,10 @@
-#include "sightline/report/nearness_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
 namespace {

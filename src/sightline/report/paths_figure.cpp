@@ -1,5 +1,3 @@
-#include "sightline/report/paths_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "sightline/base/no_value.hpp"
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
 namespace {

@@ -23,16 +23,11 @@
 #include "sightline/judge/planned_view.hpp"
 #include "sightline/judge/summary.hpp"
 #include "sightline/record/thinned_recording.hpp"
-#include "sightline/report/camera_figure.hpp"
 #include "sightline/report/curves.hpp"
 #include "sightline/report/flown_figure.hpp"
 #include "sightline/report/graph_figure.hpp"
-#include "sightline/report/localization_figure.hpp"
-#include "sightline/report/nearness_figure.hpp"
 #include "sightline/report/page.hpp"
-#include "sightline/report/paths_figure.hpp"
-#include "sightline/report/safety_figure.hpp"
-#include "sightline/report/swarm_figure.hpp"
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
 namespace {

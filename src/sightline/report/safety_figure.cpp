@@ -1,12 +1,10 @@
-#include "sightline/report/safety_figure.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "sightline/report/curves.hpp"
+#include "sightline/report/run_figures.hpp"
 #include "sightline/safety/ladder.hpp"
 
 namespace sightline {

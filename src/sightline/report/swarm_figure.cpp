@@ -1,30 +1,11 @@
-#include "sightline/report/swarm_figure.hpp"
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
-#include "sightline/report/curves.hpp"
+#include "sightline/report/run_figures.hpp"
 
 namespace sightline {
-namespace {
-
-using Mark = Drawing::Mark;
-using Curve = Drawing::Curve;
 using Panel = Drawing::Panel;
-
-Curve over_time(const Recording& r, std::string title, std::size_t colour, const std::vector<double>& y) {
-  Curve curve{std::move(title), colour, Mark::line, {}, {}};
-  const std::array columns = {std::span(y).first(std::min(y.size(), r.time.size()))};
-  for (const std::size_t i : rows_to_draw(columns, rows_max)) {
-    curve.x.push_back(r.time[i]);
-    curve.y.push_back(y[i]);
-  }
-  return curve;
-}
-
-}  // namespace
 
 std::optional<Drawing> swarm_drawing(const Recording& recording) {
   if (recording.time.empty() || recording.controllers.empty() || recording.controllers[0].pairs.empty())
@@ -58,9 +39,12 @@ std::optional<Drawing> swarm_drawing(const Recording& recording) {
   Panel distance{.x_label = "", .y_label = "D [m]", .height = 160},
       pairs{.x_label = "", .y_label = "pairs", .height = 160},
       way{.x_label = "t [s]", .y_label = "to go [m]", .height = 160};
-  distance.curves = {over_time(recording, "of the two that are nearest", 0, least)};
-  pairs.curves = {over_time(recording, "kept apart", 1, recording.controllers[0].pairs)};
-  way.curves = {over_time(recording, "mean", 2, mean), over_time(recording, "farthest", 3, farthest)};
+  const auto over_time = [&](const char* title, std::size_t colour, const std::vector<double>& y) {
+    return thinned(title, colour, Drawing::Mark::line, recording.time, y);
+  };
+  distance.curves = {over_time("of the two that are nearest", 0, least)};
+  pairs.curves = {over_time("kept apart", 1, recording.controllers[0].pairs)};
+  way.curves = {over_time("mean", 2, mean), over_time("farthest", 3, farthest)};
   return Drawing{
       "Swarm",
       "Least distance of two robots; pairs that come near each other along their plans; how far the robots "
