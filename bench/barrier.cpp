@@ -56,7 +56,7 @@ bool is_barrier_case(std::string_view name) {
 }
 
 BenchRow run_barrier_bench(std::string_view name, const BenchOptions& options) {
-  using Clock = std::chrono::steady_clock;
+  using std::chrono::steady_clock;
   const int neighbours = name == "barrier_1" ? 1 : name == "barrier_4" ? 4 : 16;
   const Barrier barrier(Multirotor{}, test::lowest, test::highest, 0.01, {.floor = 0.3, .world = 100.0});
   Random random(1);
@@ -78,9 +78,9 @@ BenchRow run_barrier_bench(std::string_view name, const BenchOptions& options) {
     const Situation& s = situations[k % situations.size()];
     test::Command u = s.u;
     const std::int64_t before = options.allocations == nullptr ? 0 : options.allocations();
-    const Clock::time_point begin = Clock::now();
+    const steady_clock::time_point begin = steady_clock::now();
     const BarrierResult result = barrier.filter(s.x, s.neighbours, test::lowest, test::highest, u);
-    us[k] = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+    us[k] = std::chrono::duration<double, std::micro>(steady_clock::now() - begin).count();
     if (options.allocations != nullptr)
       row.allocations = std::max(row.allocations, options.allocations() - before);
     if (!result.active)

@@ -33,7 +33,7 @@ struct Flight {
 
 /// Only the plant runs between two updates, so caches are as warm as in a real loop.
 Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
-  using Clock = std::chrono::steady_clock;
+  using std::chrono::steady_clock;
   const std::size_t nx = at(what.team.nx()), nu = at(what.team.nu()), n = at(options.updates);
   const double dt = bench_horizon.dt;
   const auto count = [&] { return options.allocations == nullptr ? 0 : options.allocations(); };
@@ -44,9 +44,9 @@ Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
   for (std::size_t k = 0; k < n; ++k) {
     if (options.judged) std::copy(plant.x().begin(), plant.x().end(), &flight.x[k * nx]);
     const std::int64_t allocated = count();
-    const Clock::time_point begin = Clock::now();
+    const steady_clock::time_point begin = steady_clock::now();
     const Solution solution = solver.solve(dt * static_cast<double>(k), plant.x());
-    const Clock::time_point end = Clock::now();
+    const steady_clock::time_point end = steady_clock::now();
     flight.allocations = std::max(flight.allocations, count() - allocated);
     flight.us[k] = std::chrono::duration<double, std::micro>(end - begin).count();
     flight.krylov_sum += solution.iterations;

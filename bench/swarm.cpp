@@ -35,7 +35,7 @@ bool is_swarm_case(std::string_view name) { return team_size(name, "swarm").has_
 std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions& options,
                                       const std::shared_ptr<ThreadPool>& pool) {
   if (!is_swarm_case(name)) throw std::invalid_argument(fmt::format("{} is no swarm", name));
-  using Clock = std::chrono::steady_clock;
+  using std::chrono::steady_clock;
   const int robots = *team_size(name, "swarm");
   constexpr int few = 32;
   const int crossing = robots <= few ? 2600 : 6000;  // updates
@@ -64,9 +64,9 @@ std::vector<BenchRow> run_swarm_bench(std::string_view name, const BenchOptions&
       std::fill(stamps.begin(), stamps.end(), t);
       std::copy(s.u.begin(), s.u.end(), u.begin());
       const ValidStates& estimate = guard.accept_measurement(t, x, stamps);
-      const Clock::time_point begin = Clock::now();
+      const steady_clock::time_point begin = steady_clock::now();
       guard.keep_distances(t, estimate, added, u);
-      const double guarding = std::chrono::duration<double>(Clock::now() - begin).count();
+      const double guarding = std::chrono::duration<double>(steady_clock::now() - begin).count();
       if (k > 0) all.push_back(1e6 * s.elapsed), both.push_back(1e6 * (s.elapsed + guarding));
       advance(swap.team, x, s.u, bench_horizon.dt);
     }

@@ -3,7 +3,8 @@ include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightline)
 
 # Of the headers, those that these include, and no others; what the generator prints includes the table of kernels.
-set(headers sightline.hpp base/version.hpp model/text_robot.hpp run/loop.hpp safety/supervisor.hpp
+set(headers sightline.hpp base/version.hpp model/text_robot.hpp run/clock.hpp run/compensation.hpp run/guard.hpp
+  run/localizer.hpp run/loop.hpp run/sample.hpp run/spsc_queue.hpp run/team_switcher.hpp safety/supervisor.hpp
   solver/distributed/partition.hpp solver/kernels/generator.hpp
   solver/kernels/kernel_table.hpp)
 set(components core)

@@ -188,7 +188,7 @@ verdicts() {
 
 gate() {
   folder=world
-  sources=(world/command run/{valid_states,loop,loop_team})
+  sources=(world/command run/{valid_states,loop,stages/team_change})
   tests=(world/command run/valid_states scenario/applied_limits)
   filter='CommandGate.*:ValidStates.*:AppliedLimits.*'
   objects=()
@@ -228,9 +228,9 @@ gate() {
     'a start that is no state is taken|run/valid_states.cpp|if (admits(body, x))|if (true)'
     'a start is a measurement at time zero|run/valid_states.cpp|-std::numeric_limits<double>::infinity()|0.0'
     'the first body measured for all|run/valid_states.cpp|x.subspan(body.x, body.nx);$|x.subspan(0, body.nx);'
-    'limits of the last period stay open|run/loop.cpp|  gate_.open(t);|;'
-    'limits and rates kept by solvers alone|run/loop.cpp|gate_.keep_limits_and_rates(u_, added());|(void)0;'
-    'limits that an event narrows not in force|run/loop_team.cpp|  gate_.set_limits(now.limits);|;'
+    'limits of the last period stay open|run/stages/command.hpp|  p.gate.open(p.t);|;'
+    'limits and rates kept by solvers alone|run/stages/command.hpp|p.gate.keep_limits_and_rates(p.u, p.added);|(void)0;'
+    'limits that an event narrows not in force|run/stages/team_change.cpp|  p.gate.set_limits(now.limits);|;'
   )
 }
 
@@ -254,7 +254,7 @@ prepare() {
 # which others of its batch may bring along. $2: a header of the tree that tests may include.
 program() {
   local source i
-  local -a of_tests=("${test_objects[@]}")
+  local -a of_tests=("${test_objects[@]}") compiled=("${sources[@]/%/.o}")
   for i in "${!tests[@]}"; do
     [[ -n ${2:-} ]] && grep -qF "\"sightline/$2\"" "tests/${tests[i]}_test.cpp" || continue
     of_tests[i]=$1/test_$i.o
@@ -263,7 +263,7 @@ program() {
   for source in "${sources[@]}"; do
     [[ -f $1/sightline/$source.o ]] || compile -I"$1" -c "$1/sightline/$source.cpp" -o "$1/sightline/$source.o" || return 1
   done
-  c++ -Wl,--allow-multiple-definition "$1"/sightline/*/*.o "${of_tests[@]}" "${libraries[@]}" \
+  c++ -Wl,--allow-multiple-definition "${compiled[@]/#/$1/sightline/}" "${of_tests[@]}" "${libraries[@]}" \
     -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
 }
 

@@ -7,7 +7,9 @@
 #include <thread>
 
 #include "sightline/record/log.hpp"
+#include "sightline/run/clock.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/closed_loop.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/copy_log.hpp"

@@ -4,7 +4,10 @@
 
 #include <cmath>
 
+#include "sightline/run/clock.hpp"
+#include "sightline/run/guard.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/period.hpp"
 

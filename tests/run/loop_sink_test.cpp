@@ -6,7 +6,10 @@
 #include <thread>
 
 #include "sightline/model/robots.hpp"
+#include "sightline/run/clock.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/gradient_planner.hpp"
 

@@ -10,6 +10,11 @@
 #include <stdexcept>
 #include <thread>
 
+#include "sightline/run/clock.hpp"
+#include "sightline/run/guard.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
+#include "sightline/solver/solver.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/counted_new.hpp"
 

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "sightline/potential/region.hpp"
+#include "sightline/run/guard.hpp"
 #include "sightline/solver/continuation/cgmres.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/world/late_plan.hpp"
 #include "sightline/world/sensor.hpp"
 #include "tests/support/two_robots.hpp"
 

@@ -4,7 +4,10 @@
 
 #include <thread>
 
+#include "sightline/run/clock.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/world/model_world.hpp"
 #include "tests/support/seeing_world.hpp"

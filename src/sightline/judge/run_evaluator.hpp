@@ -18,6 +18,8 @@
 #include "sightline/judge/safety_summary.hpp"
 #include "sightline/judge/tracking_error.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {

@@ -10,6 +10,8 @@
 #include "sightline/judge/summary.hpp"
 #include "sightline/record/mcap.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
 
 namespace sightline {
 

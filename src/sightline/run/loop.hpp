@@ -3,30 +3,36 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <functional>
-#include <span>
+#include <memory>
+#include <string>
 #include <vector>
 
-#include "sightline/run/clock.hpp"
-#include "sightline/run/compensation.hpp"
-#include "sightline/run/controller.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/localizer.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/run/team_switcher.hpp"
-#include "sightline/run/valid_states.hpp"
-#include "sightline/solver/solver.hpp"
-#include "sightline/world/command.hpp"
-#include "sightline/world/fault.hpp"
-#include "sightline/world/world.hpp"
+#include "sightline/world/late_plan.hpp"
 
 namespace sightline {
 
+class Clock;
+class Compensation;
+class Guard;
+class Localizer;
+struct Sample;
+template <class T>
+class Sink;
+class Solver;
+class Team;
+class TeamSwitcher;
+class World;
+
 /// The solvers of one loop, each with its own Ocp.
 using Controllers = std::vector<std::reference_wrapper<Solver>>;
+
+/// A message that a simulation sends to the events of a script.
+struct TimedSignal {
+  double at = 0.0;  ///< [s], >= 0
+  std::string name;
+};
 
 struct LoopOptions {
   double duration = 60.0;      ///< [s]; round(duration / period) periods
@@ -99,67 +105,14 @@ class Loop {
   ///         sink's items are of sized_sample()
   Loop(World& world, const Controllers& controllers, Clock& clock, Sink<Sample>& sink,
        const LoopOptions& options);
-  Loop(const Loop&) = delete;  // its controllers point into the arguments of the constructor
-  Loop& operator=(const Loop&) = delete;
+  ~Loop();
 
   /// Runs all periods, once; closes the sink at the end.
   LoopOutcome run() noexcept;
 
  private:
-  void check_steered() const;
-
-  std::int64_t allocations() const noexcept {
-    return options_.allocations != nullptr ? options_.allocations() : 0;
-  }
-  Sample* claim_slot() noexcept;
-  Measured localize(double t, const Measured& reported, Sample& sample) noexcept;
-  bool apply(double t, std::int64_t periods) noexcept;
-  void fill(Sample& sample, double t, std::span<const double> x, bool is_truth) const noexcept;
-  void show_end(double t) noexcept;
-  void move_events(Sample& sample) noexcept;
-  void update(double t, const Measured& seen, Sample& sample) noexcept;
-  Solution solve(Controller& controller, double t, const ValidStates& x) noexcept;
-  void guard(double t, const ValidStates& x, Sample& sample) noexcept;
-  bool change_team(std::int64_t k, double t) noexcept;
-  void follow_team() noexcept;
-  void follow_guard(double t, std::span<const double> x, std::span<const double> known) noexcept;
-  void on_join(BodyId body, double t, std::span<const double> x) noexcept;
-  const ValidStates& compensate(double t) noexcept;
-  std::span<const double> added() const noexcept;
-  std::span<const Vec2<double>> added_lean() const noexcept;
-  void set_reference_inputs(Controller& controller, double t, const ValidStates& x) noexcept;
-  void pass_gate(double t) noexcept;
-  std::span<Controller> controllers() noexcept;
-  void steer_uncontrolled(double t, const ValidStates& x, Sample& sample) noexcept;
-  void command(int index, const Controller& controller, const Solution& solution, double t,
-               Sample& sample) noexcept;
-  void write_path(const Controller& controller, const Solution& solution, Sample& sample) noexcept;
-  void emit(const Event& event) noexcept;
-
-  World& world_;
-  Clock& clock_;
-  Sink<Sample>& sink_;
-  LoopOptions options_;
-  std::vector<Controller> controllers_;               // if the team does not change
-  std::vector<Presence> presence_, presence_before_;  // of the world's bodies
-  ValidStates measured_, met_;                        // measured or localized; where the commands take effect
-  const ValidStates* estimate_;                       // at the last update
-  double lead_;                                       // longest time from a command to its effect [s]
-  bool solvers_use_applied_ = false;                  // solvers receive the applied inputs
-  std::size_t signalled_ = 0;                         // number of signals sent
-  CommandGate gate_;
-  std::vector<double> u_;     // of the controllers and the guard, all robots of the world, without added()
-  std::vector<double> none_;  // added() without compensation: zero
-  std::vector<double> u_min_, u_max_;
-  std::vector<double> planned_at_, plan_ages_;     // of each body: time and age of its last good plan [s]
-  std::vector<double> ages_;                       // of each body's measurement [s]
-  std::vector<double> plan_;                       // inputs of one stage of a plan
-  std::vector<Event> events_;                      // not yet in a sample
-  Sample spare_;                                   // written if the sink is full
-  std::chrono::steady_clock::time_point began_{};  // at the last measurement
-  std::int64_t allocated_ = 0;                     // before the last measurement
-  bool log_is_stuck_ = false;                      // no room in the sink for log_patience
-  LoopOutcome outcome_;
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
 };
 
 }  // namespace sightline

@@ -7,7 +7,14 @@
 #include <memory>
 #include <optional>
 
+#include "sightline/run/clock.hpp"
+#include "sightline/run/compensation.hpp"
+#include "sightline/run/guard.hpp"
+#include "sightline/run/localizer.hpp"
 #include "sightline/run/loop.hpp"
+#include "sightline/run/sample.hpp"
+#include "sightline/run/spsc_queue.hpp"
+#include "sightline/run/team_switcher.hpp"
 #include "sightline/scenario/scenario.hpp"
 
 namespace sightline {

@@ -21,6 +21,7 @@
 #include "sightline/run/compensation.hpp"
 #include "sightline/run/guard.hpp"
 #include "sightline/run/localizer.hpp"
+#include "sightline/run/loop.hpp"
 #include "sightline/scenario/campaign_plan.hpp"
 #include "sightline/scenario/goal_track.hpp"
 #include "sightline/scenario/links.hpp"

@@ -4,6 +4,7 @@
 
 #include "sightline/base/same_time.hpp"
 #include "sightline/potential/potential.hpp"
+#include "sightline/world/late_plan.hpp"
 
 namespace sightline {
 namespace {

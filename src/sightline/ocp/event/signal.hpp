@@ -31,10 +31,4 @@ struct Signal {
   }
 };
 
-/// A message that a simulation sends.
-struct TimedSignal {
-  double at = 0.0;  ///< [s], >= 0
-  std::string name;
-};
-
 }  // namespace sightline
