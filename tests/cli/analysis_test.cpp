@@ -31,7 +31,8 @@ TEST(PotentialCommand, LeavesThePaperSFiguresAndVerdict) {
   ASSERT_EQ(verdict.at("couplings").size(), 3u);
   EXPECT_GT(verdict["couplings"][0]["verdict"]["gradient_vanishes"]["in_yaw_behind"], 0.9);
   const std::string page = read_file(folder / "out" / "index.html");
-  for (const char* name : {"couple[0] sensor_cone", "couple[1] keep_out", "couple[2] cohesion", "application/json"}) {
+  for (const char* name :
+       {"couple[0] sensor_cone", "couple[1] keep_out", "couple[2] cohesion", "application/json"}) {
     EXPECT_THAT(page, HasSubstr(name));
   }
 }
