@@ -5,8 +5,6 @@
 #include "sightline/report/run_figures.hpp"
 
 namespace sightline {
-using Panel = Drawing::Panel;
-
 std::optional<Drawing> swarm_drawing(const Recording& recording) {
   if (recording.time.empty() || recording.controllers.empty() || recording.controllers[0].pairs.empty())
     return std::nullopt;
@@ -36,7 +34,7 @@ std::optional<Drawing> swarm_drawing(const Recording& recording) {
     mean.push_back(sum / bound);
     farthest.push_back(most);
   }
-  Panel distance{.x_label = "", .y_label = "D [m]", .height = 160},
+  Drawing::Panel distance{.x_label = "", .y_label = "D [m]", .height = 160},
       pairs{.x_label = "", .y_label = "pairs", .height = 160},
       way{.x_label = "t [s]", .y_label = "to go [m]", .height = 160};
   const auto over_time = [&](const char* title, std::size_t colour, const std::vector<double>& y) {

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "sightline/base/no_value.hpp"
 
 namespace sightline {
 namespace {
@@ -203,7 +204,6 @@ Guard::Guard(const Team& team, const GuardOptions& options)
 const ValidStates& Guard::accept_measurement(double t, std::span<const double> measured,
                                              std::span<const double> stamps,
                                              std::span<const double> sigma) noexcept {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   events_.clear();
   if (sigma.empty())
     std::fill(sigmas_.begin(), sigmas_.end(), 0.0);

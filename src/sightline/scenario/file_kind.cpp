@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view scenario = "a scenario file (TOML)",
+constexpr std::string_view scenario_file = "a scenario file (TOML)",
                            no_log =
                                "a scenario file (TOML); logs are read from the folder of a run, as run "
                                "and fly write it";
@@ -35,14 +35,14 @@ constexpr std::array magics = {
           {"an SQLite database, as a rosbag2 .db3 or the table of a campaign",
            "a scenario file (TOML); campaign --resume takes the folder of a campaign"}},
     Magic{"\x89HDF\r\n"sv, {"an HDF5 file", no_log}},
-    Magic{"\x1f\x8b"sv, {"a gzip archive", scenario}},
-    Magic{"PK\x03\x04"sv, {"a zip archive", scenario}},
-    Magic{"\x28\xb5\x2f\xfd"sv, {"a zstd archive", scenario}},
-    Magic{"\xfd\x37zXZ"sv, {"an xz archive", scenario}},
-    Magic{"%PDF-"sv, {"a PDF", scenario}},
-    Magic{"\x89PNG"sv, {"a PNG picture", scenario}},
-    Magic{"\xff\xd8\xff"sv, {"a JPEG picture", scenario}},
-    Magic{"\x7f\x45LF"sv, {"a program (ELF)", scenario}},
+    Magic{"\x1f\x8b"sv, {"a gzip archive", scenario_file}},
+    Magic{"PK\x03\x04"sv, {"a zip archive", scenario_file}},
+    Magic{"\x28\xb5\x2f\xfd"sv, {"a zstd archive", scenario_file}},
+    Magic{"\xfd\x37zXZ"sv, {"an xz archive", scenario_file}},
+    Magic{"%PDF-"sv, {"a PDF", scenario_file}},
+    Magic{"\x89PNG"sv, {"a PNG picture", scenario_file}},
+    Magic{"\xff\xd8\xff"sv, {"a JPEG picture", scenario_file}},
+    Magic{"\x7f\x45LF"sv, {"a program (ELF)", scenario_file}},
 };
 
 /// A log of sightline or of another program; the header names the library that wrote it.
@@ -118,7 +118,7 @@ FileKind yaml_kind(const std::vector<std::string_view>& lines) {
   }
   const std::string_view first = lines.front();
   const bool begins = first.starts_with("---") || first.starts_with("%YAML") || first.starts_with("- ");
-  if (begins || !yaml_key(first).empty()) return {"YAML", scenario, true};
+  if (begins || !yaml_key(first).empty()) return {"YAML", scenario_file, true};
   return {};
 }
 
@@ -134,10 +134,10 @@ FileKind text_kind(std::string_view head) {
   const std::vector<std::string_view> lines = lines_of(head);
   if (lines.empty()) return {};
   const std::string_view first = trimmed_left(lines.front());
-  if (first.starts_with('{')) return {"JSON", scenario, true};
+  if (first.starts_with('{')) return {"JSON", scenario_file, true};
   if (first.starts_with('<'))
     return {"XML", "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"", true};
-  if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario, true};
+  if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario_file, true};
   // In TOML, a line in [ ] is a header, not a row of a table.
   if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&
       is_table(lines[0], lines[1]))
