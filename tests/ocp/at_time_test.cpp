@@ -1,8 +1,7 @@
-#include "sightline/ocp/event/at_time.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/ocp/event.hpp"
 #include "tests/support/monitored_line.hpp"
 
 namespace sightline {

@@ -1,8 +1,7 @@
-#include "sightline/ocp/event/condition.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/ocp/event.hpp"
 #include "sightline/potential/sensor_cone.hpp"
 #include "tests/support/monitored_line.hpp"
 

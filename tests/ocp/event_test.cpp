@@ -42,20 +42,6 @@ TEST(Script, AWeightRampsForASecondWhereAnObserverChangesItsTarget) {
   EXPECT_EQ(ramp_of(event), 0.25);
 }
 
-TEST(Script, AnEventSaysItsNameStageChangesAndRamp) {
-  const Team team = event_team(4, 2);
-  const TeamEvent event{.name = "hand over",
-                        .trigger = AfterTime{2},
-                        .actions = {RemoveBody{BodyId{1}}, Observe{AgentId{BodyId{3}}, BodyId{0}}},
-                        .stage = "near",
-                        .enter = "far"};
-  EXPECT_EQ(
-      in_words(event, team),
-      "hand over, after 2 s, in stage near: remove uav1; uav3 observes uav0; enter stage far, over 1 s");
-  const TeamEvent each{.name = "e", .trigger = Signal{"go"}, .actions = {AddBody{BodyId{1}}}, .repeat = true};
-  EXPECT_EQ(in_words(each, team), "e, on the signal go, as often as that comes about: add uav1");
-}
-
 TEST(Script, OneThatCanBeFlownHasNoFault) {
   EXPECT_THAT(faults({at(5.0, RemoveBody{BodyId{3}}), at(9.0, AddBody{BodyId{3}}),
                       at(12.0, Observe{AgentId{BodyId{3}}, BodyId{0}}),

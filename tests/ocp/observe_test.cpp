@@ -1,11 +1,11 @@
-#include "sightline/ocp/event/observe.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sightline/ocp/active_team.hpp"
+#include "sightline/ocp/event.hpp"
 #include "sightline/potential/bearing.hpp"
 #include "sightline/potential/pass_right.hpp"
+#include "sightline/potential/protection.hpp"
 #include "sightline/potential/region.hpp"
 #include "tests/support/event_team.hpp"
 

@@ -1,9 +1,8 @@
-#include "sightline/ocp/event/remove_body.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sightline/ocp/active_team.hpp"
+#include "sightline/ocp/event.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -1,5 +1,3 @@
-#include "sightline/ocp/event/set_wind.hpp"
-
 #include <gtest/gtest.h>
 
 #include "sightline/ocp/active_team.hpp"

@@ -8,6 +8,7 @@
 #include "sightline/ocp/active_team.hpp"
 #include "sightline/potential/distance.hpp"
 #include "sightline/potential/sensor_cone.hpp"
+#include "sightline/scenario/read_event.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/refusal.hpp"
 

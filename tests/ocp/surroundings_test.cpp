@@ -1,4 +1,4 @@
-#include "sightline/ocp/event/surroundings.hpp"
+#include "sightline/ocp/surroundings.hpp"
 
 #include <gtest/gtest.h>
 

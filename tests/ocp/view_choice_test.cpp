@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sightline/ocp/active_team.hpp"
+#include "sightline/ocp/event_instant.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

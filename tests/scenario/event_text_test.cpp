@@ -27,8 +27,7 @@ struct EventScene : test::Scene {
   std::vector<Action> actions(const std::string& text) const {
     const EventScope scope{team, observers, simulation, {}, terms};
     const TomlDocument document = parse_toml(text, "a");
-    const TomlTable at(document);
-    return read_actions(at, at.keys().at(0), scope);
+    return read_actions(TomlTable(document), scope);
   }
   template <class A>
   A one(const std::string& text) const {

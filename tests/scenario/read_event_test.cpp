@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/event_team.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
@@ -131,6 +132,20 @@ TEST(ReadEvent, random_times_of_coming_and_going_are_taken_in_turn_and_refused_o
     EXPECT_EQ(parsed(text).script.events.size(), static_cast<std::size_t>(changes));
     EXPECT_THROW(parsed(text + last), ScenarioError);
   }
+}
+
+TEST(ReadEvent, an_event_says_its_name_stage_changes_and_ramp) {
+  const Team team = event_team(4, 2);
+  const TeamEvent event{.name = "hand over",
+                        .trigger = AfterTime{2},
+                        .actions = {RemoveBody{BodyId{1}}, Observe{AgentId{BodyId{3}}, BodyId{0}}},
+                        .stage = "near",
+                        .enter = "far"};
+  EXPECT_EQ(
+      in_words(event, team),
+      "hand over, after 2 s, in stage near: remove uav1; uav3 observes uav0; enter stage far, over 1 s");
+  const TeamEvent each{.name = "e", .trigger = Signal{"go"}, .actions = {AddBody{BodyId{1}}}, .repeat = true};
+  EXPECT_EQ(in_words(each, team), "e, on the signal go, as often as that comes about: add uav1");
 }
 
 }  // namespace

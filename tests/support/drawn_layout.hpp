@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sightline/base/index.hpp"
-#include "sightline/ocp/view_choice.hpp"
+#include "sightline/ocp/event_instant.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "sightline/world/view_flight.hpp"
 

@@ -5,12 +5,27 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sightline/ocp/apply_action.hpp"
+
 namespace sightline {
 namespace {
 
 Ramp settled(const Ramp& ramp, double t) { return ramp.lasts() && ramp.has_settled(t) ? Ramp{} : ramp; }
 
 }  // namespace
+
+Reference TeamState::reference(AgentId id, double t) const {
+  const Reference& last = agents[place(id)].x_ref;
+  const auto turn = std::find_if(turns.begin(), turns.end(), [&](const Turn& it) { return it.agent == id; });
+  if (turn == turns.end() || turn->ramp.has_settled(t)) return last;
+  return Reference::between(turn->from, last, turn->ramp);
+}
+
+bool TeamState::has_term(std::string_view name) const {
+  const auto called = [&](const auto& term) { return term.name == name && term.ramp.lasts(); };
+  return !name.empty() && (std::any_of(couplings.begin(), couplings.end(), called) ||
+                           std::any_of(constraints.begin(), constraints.end(), called));
+}
 
 ActiveTeam::ActiveTeam(Team all, std::vector<Presence> presence) {
   now_ = {.all = std::move(all),
@@ -33,7 +48,7 @@ std::string ActiveTeam::apply(const Action& action, double t, double ramp) {
   const auto over = [t](const auto& term) { return term.ramp.is_over(t); };
   std::erase_if(now_.couplings, over);
   std::erase_if(now_.constraints, over);
-  return std::visit([&](const auto& it) { return it.apply(TeamChange{now_, t, ramp}); }, action);
+  return apply_action(action, now_, t, ramp);
 }
 
 /// Couplings that keep the steered robots of a swarm off its robots that brake or descend.

@@ -3,11 +3,42 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/ocp/event.hpp"
+#include "sightline/ocp/surroundings.hpp"
+#include "sightline/ocp/team.hpp"
+#include "sightline/potential/ramp.hpp"
 
 namespace sightline {
+
+/// A robot whose reference blends from the previous to the present one.
+struct Turn {
+  AgentId agent;
+  Reference from;
+  Ramp ramp;
+};
+
+/// State that events change. Bodies are those of `all`.
+struct TeamState {
+  Team all;                         ///< only its bodies are used
+  std::vector<Agent> agents;        ///< with present tuning, in the order of `all`
+  std::vector<Coupling> couplings;  ///< in force or fading
+  std::vector<Constraint> constraints;
+  std::vector<Turn> turns;
+  std::vector<Presence> presence;  ///< of each body
+  Surroundings around{};
+
+  /// Index of a robot in `agents`.
+  std::size_t place(AgentId id) const {
+    return static_cast<std::size_t>(&all.agent(id) - all.agents().data());
+  }
+  /// Reference of a robot from time t [s] on.
+  Reference reference(AgentId id, double t) const;
+  /// Whether a coupling or constraint of that name is in force or fading in.
+  bool has_term(std::string_view name) const;
+};
 
 /// Present state of each body of a team, for the evaluation and the guard of commands.
 struct Membership {

@@ -4,16 +4,97 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
+#include "sightline/base/range.hpp"
 #include "sightline/ocp/active_team.hpp"
 
 namespace sightline {
 namespace {
 
+// The subject of an action: two changes of one subject at one time contradict each other. An empty
+// one contradicts nothing.
+
+std::string of_body(const Team& all, BodyId body) { return fmt::format("\"{}\"", all.name(body)); }
+std::string of_term(std::string_view name) {
+  return name.empty() ? std::string() : fmt::format("the coupling or constraint \"{}\"", name);
+}
+std::string whom(const Team& all, AgentId observes) {
+  return fmt::format("whom {} observes", of_body(all, observes));
+}
+
+std::string subject(const RemoveBody& it, const Team& all) { return of_body(all, it.body); }
+std::string subject(const RemoveTerm& it, const Team& /*all*/) { return of_term(it.name); }
+std::string subject(const AddBody& it, const Team& all) { return of_body(all, it.body); }
+std::string subject(const AddCoupling& it, const Team& /*all*/) { return of_term(it.coupling.name); }
+std::string subject(const AddConstraint& it, const Team& /*all*/) { return of_term(it.constraint.name); }
+std::string subject(const RetuneAgent& it, const Team& all) {
+  return fmt::format("the tuning of {}", of_body(all, it.agent));
+}
+std::string subject(const RetuneTerm& it, const Team& /*all*/) { return of_term(it.name); }
+std::string subject(const Observe& it, const Team& all) { return whom(all, it.observer); }
+std::string subject(const SetReference& it, const Team& all) {
+  return fmt::format("the reference of {}", of_body(all, it.agent));
+}
+std::string subject(const HandOver& it, const Team& all) { return whom(all, it.observer); }
+std::string subject(const MoveBody& it, const Team& all) {
+  return fmt::format("the place of {}", of_body(all, it.body));
+}
+std::string subject(const SetWind& /*it*/, const Team& /*all*/) { return "the wind"; }
+std::string subject(const InjectFault& /*it*/, const Team& /*all*/) { return {}; }
+
 std::string subject_of(const Action& action, const Team& all) {
-  return std::visit([&](const auto& it) { return it.subject(all); }, action);
+  return std::visit([&](const auto& it) { return subject(it, all); }, action);
+}
+
+/// Whether an action is of one of these kinds.
+template <class... Kinds>
+bool is_one_of(const Action& action) {
+  return (std::holds_alternative<Kinds>(action) || ...);
+}
+
+/// Numbers of a trigger that are out of range, a sentence each.
+std::vector<std::string> number_faults(const Trigger& trigger, bool repeats) {
+  std::vector<std::string> all;
+  const auto fault = [&]<class... Args>(fmt::format_string<Args...> sentence, Args&&... args) {
+    all.push_back(fmt::format(sentence, std::forward<Args>(args)...));
+  };
+  if (const auto* at = std::get_if<AtTime>(&trigger); at != nullptr && !at_least_zero(at->t))
+    fault("at = {}, expected >= 0 s", at->t);
+  if (const auto* after = std::get_if<AfterTime>(&trigger); after != nullptr && !at_least_zero(after->delay))
+    fault("after = {}, expected >= 0 s", after->delay);
+  const auto* const when = std::get_if<Condition>(&trigger);
+  if (when == nullptr) return all;
+  if (!at_least_zero(when->hysteresis)) fault("hysteresis = {}, expected >= 0", when->hysteresis);
+  if (!at_least_zero(when->dwell)) fault("dwell = {}, expected >= 0 s", when->dwell);
+  if (!std::isfinite(when->threshold)) fault("a threshold of {}, expected a number", when->threshold);
+  const bool is_angle = std::holds_alternative<ViewAngleOf>(when->measure);
+  const bool is_above = when->side == Condition::Side::above;
+  if ((is_angle || std::holds_alternative<DistanceOf>(when->measure) ||
+       std::holds_alternative<AgeOf>(when->measure)) &&
+      !is_above && when->threshold <= 0) {
+    fault("below = {}, expected > 0: a distance, an angle or an age never is below", when->threshold);
+  }
+  if (is_angle && is_above && when->threshold >= std::numbers::pi)
+    fault("above = {}, expected less than pi: an angle never is above", when->threshold);
+  if (repeats && when->hysteresis == 0 && when->dwell == 0)
+    fault("a condition that repeats could come about each period, expected hysteresis > 0 or dwell > 0 s");
+  return all;
+}
+
+bool has_a_time(const Trigger& trigger) {
+  return std::holds_alternative<AtTime>(trigger) || std::holds_alternative<AfterTime>(trigger);
+}
+
+/// Whether it can occur at the begin of its stage. A time of the run occurs once, a signal comes from
+/// outside.
+bool takes_no_time(const Trigger& trigger) {
+  const auto* const after = std::get_if<AfterTime>(&trigger);
+  const auto* const when = std::get_if<Condition>(&trigger);
+  return (after != nullptr && after->delay <= 0) || (when != nullptr && when->dwell <= 0);
 }
 
 class Examination {
@@ -40,13 +121,10 @@ class Examination {
     if (event.actions.empty() && event.enter.empty()) {
       fault(i, "the event changes nothing, expected an action or a stage to enter");
     }
-    const auto check = [&](const auto& trigger) {
-      if (event.repeat && !trigger.may_repeat) {
-        fault(i, "repeat = true of an event with a time, expected a condition or a signal");
-      }
-      for (std::string& sentence : trigger.faults(event.repeat)) faults_.push_back({i, std::move(sentence)});
-    };
-    std::visit(check, event.trigger);
+    if (event.repeat && has_a_time(event.trigger))
+      fault(i, "repeat = true of an event with a time, expected a condition or a signal");
+    for (std::string& sentence : number_faults(event.trigger, event.repeat))
+      faults_.push_back({i, std::move(sentence)});
   }
 
   void check_stages() {
@@ -82,15 +160,11 @@ class Examination {
     }
   }
 
-  static bool takes_no_time(const TeamEvent& event) {
-    return std::visit([](const auto& trigger) { return trigger.takes_no_time(); }, event.trigger);
-  }
-
   /// Rejects cycles of stages that follow each other in no time.
   void check_cycles() {
     std::map<std::string, std::vector<std::size_t>> ways;
     for (std::size_t i = 0; i < events_.size(); ++i) {
-      if (!events_[i].enter.empty() && !events_[i].stage.empty() && takes_no_time(events_[i]))
+      if (!events_[i].enter.empty() && !events_[i].stage.empty() && takes_no_time(events_[i].trigger))
         ways[events_[i].stage].push_back(i);
     }
     std::set<std::string> known;
@@ -192,38 +266,14 @@ std::string_view region_of(std::string_view stage) {
 
 double ramp_of(const TeamEvent& event) {
   if (event.ramp) return *event.ramp;
-  double longest = 0.0;
-  const auto count = [&](const auto& action) {
-    if constexpr (requires { action.usual_ramp; }) longest = std::max(longest, action.usual_ramp);
-  };
-  for (const Action& action : event.actions) std::visit(count, action);
-  return longest;
+  return std::any_of(event.actions.begin(), event.actions.end(), is_one_of<Observe, MoveBody, SetWind>) ? 1.0
+                                                                                                        : 0.0;
 }
 
 bool changes_surroundings(const Script& script) {
-  const auto changes = [](const Action& action) {
-    return std::visit(
-        [](const auto& it) {
-          return requires { it.changes_surroundings; };
-        },
-        action);
-  };
-  return std::any_of(script.events.begin(), script.events.end(), [&](const TeamEvent& event) {
-    return std::any_of(event.actions.begin(), event.actions.end(), changes);
+  return std::any_of(script.events.begin(), script.events.end(), [](const TeamEvent& event) {
+    return std::any_of(event.actions.begin(), event.actions.end(), is_one_of<MoveBody, SetWind, InjectFault>);
   });
-}
-
-std::string in_words(const TeamEvent& event, const Team& all) {
-  const auto words = [&](const auto& it) { return it.describe(all); };
-  std::string text = fmt::format("{}, {}", event.name, std::visit(words, event.trigger));
-  if (!event.stage.empty()) text += fmt::format(", in stage {}", event.stage);
-  if (event.repeat) text += ", as often as that comes about";
-  std::vector<std::string> changes;
-  for (const Action& action : event.actions) changes.push_back(std::visit(words, action));
-  if (!event.enter.empty()) changes.push_back(fmt::format("enter stage {}", event.enter));
-  text += fmt::format(": {}", fmt::join(changes, "; "));
-  if (const double ramp = ramp_of(event); ramp > 0) text += fmt::format(", over {} s", ramp);
-  return text;
 }
 
 std::vector<ScriptFault> faults_of(const Script& script, const ActiveTeam& active_team) {

@@ -7,56 +7,179 @@
 /// and "x:b" exclude each other only, not those of another x or of none.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
-#include "sightline/ocp/event/add_body.hpp"
-#include "sightline/ocp/event/add_term.hpp"
-#include "sightline/ocp/event/after_time.hpp"
-#include "sightline/ocp/event/at_time.hpp"
-#include "sightline/ocp/event/condition.hpp"
-#include "sightline/ocp/event/hand_over.hpp"
-#include "sightline/ocp/event/inject_fault.hpp"
-#include "sightline/ocp/event/move_body.hpp"
-#include "sightline/ocp/event/observe.hpp"
-#include "sightline/ocp/event/remove_body.hpp"
-#include "sightline/ocp/event/remove_term.hpp"
-#include "sightline/ocp/event/retune_agent.hpp"
-#include "sightline/ocp/event/retune_term.hpp"
-#include "sightline/ocp/event/set_reference.hpp"
-#include "sightline/ocp/event/set_wind.hpp"
-#include "sightline/ocp/event/signal.hpp"
+#include "sightline/ocp/surroundings.hpp"
+#include "sightline/ocp/team.hpp"
+#include "sightline/ocp/view_choice.hpp"
 
 namespace sightline {
 
-/// When: a struct of ocp/event/, each complete in a file of its own. Its constants and functions:
-///
-///   keys           its keys in a scenario; exactly one key of an event is of a trigger
-///   may_repeat     whether it can occur more than once
-///   faults         numbers out of range, a sentence each
-///   takes_no_time  whether it can occur at the begin of its stage
-///   occurs         evaluated once in each period; neither allocates nor throws
-///   describe       a text for the user
-///   read           from the event's table
-///   bodies         that it refers to, if any; they must be present
+// What a condition looks at. There is no measure of an absent body.
+
+/// Distance of the positions of two bodies [m].
+struct DistanceOf {
+  BodyId a, b;
+};
+
+/// The angle between the sensor's axis and the target, (71) [rad].
+struct ViewAngleOf {
+  BodyId observer, target;
+  SensorMount mount{};
+};
+
+/// Age of the last measurement of a body [s].
+struct AgeOf {
+  BodyId body;
+};
+
+/// Violation of a limit, in its unit: > 0 outside.
+struct ExcessOf {
+  Potential potential;  ///< one that states a limit
+  BodyId a, b;          ///< a potential of one robot has the same body twice
+};
+
+/// How much nearer the robot b is to a target than the robot a, which b would replace [m]. Infinite
+/// if a is not steered, so that b replaces a robot that brakes or sinks; no measure if b is not
+/// steered. Made by shapes only (shape.hpp).
+struct NearerThan {
+  BodyId a, b, target;
+};
+
+/// 1 in the period in which a choice turns an observer to this target, or to nobody; else 0. Made
+/// by shapes only.
+struct TurnedTo {
+  std::size_t choice = 0;    ///< index in the script
+  std::size_t observer = 0;  ///< index in the choice
+  int target = ViewChoice::nobody;
+  BodyId body{};  ///< the observer
+};
+
+using Measure = std::variant<DistanceOf, ViewAngleOf, AgeOf, ExcessOf, NearerThan, TurnedTo>;
+
+// When.
+
+/// Occurs at this time of the run.
+struct AtTime {
+  double t = 0.0;  ///< [s], >= 0
+};
+
+/// Occurs at this time after its stage began; for an event of all stages, after the run began.
+struct AfterTime {
+  double delay = 0.0;  ///< [s], >= 0
+};
+
+/// Holds once the measure has been beyond the threshold for `dwell`; ends once the measure has
+/// returned by more than `hysteresis`.
+struct Condition {
+  enum class Side { above, below };
+
+  Measure measure;
+  Side side = Side::above;
+  double threshold = 0.0;
+  double hysteresis = 0.0;  ///< in the measure's unit, >= 0
+  double dwell = 0.0;       ///< [s], >= 0
+};
+
+/// A message from outside, by its name; it is lost if no event waits for it.
+struct Signal {
+  std::string name;
+};
+
 using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 
-/// What: likewise.
-///
-///   key            its key in a scenario, if it has one; actions with the same key differ by
-///   kinds          of which exactly one is in its table, with the keys `beside`
-///   named          made of a body alone, if it can be: remove = "uav2"
-///   expected       in the error for a value that is not a table, if more than "a table"
-///   read           from its table
-///   apply          makes the change; returns the reason of a rejection, a sentence, with nothing changed
-///   subject        what it changes: two changes of one subject at one time contradict each other
-///   describe       a text for the user
-///   needs          bodies that must be present, if any
-///   usual_ramp     default duration of its weights' change, if not 0 [s]
-///   changes_surroundings  defined if it changes the world around the team
+// What.
+
+/// Behaviour of a robot that leaves the team.
+enum class Afterwards {
+  vanish,  ///< it is removed
+  hold,    ///< it brakes and stays; its couplings still act on the other robots
+  land,    ///< it brakes and descends to the ground
+};
+
+struct RemoveBody {
+  BodyId body;
+  Afterwards afterwards = Afterwards::vanish;  ///< of a robot; other bodies vanish
+};
+
+/// Fades out a coupling or constraint, by its name.
+struct RemoveTerm {
+  std::string name;
+};
+
+/// The body joins at its start, with its couplings to bodies that are present.
+struct AddBody {
+  BodyId body;
+};
+
+struct AddCoupling {
+  Coupling coupling;
+};
+
+struct AddConstraint {
+  Constraint constraint;
+};
+
+/// New weights, u_ref or limits of a robot. Values that are left out do not change.
+struct RetuneAgent {
+  AgentId agent;
+  std::optional<std::vector<double>> Q{}, R{}, Q_f{}, u_ref{};
+  std::optional<InputLimits> limits{};
+};
+
+/// Of a coupling or constraint; values that are left out do not change.
+struct RetuneTerm {
+  std::string name;
+  std::optional<double> weight{};
+  std::optional<Potential> potential{};
+};
+
+/// The robot observes another body from now on. Its couplings with a sensor move to the new target,
+/// and so do those that hold it to the previous target. Couplings that keep the two apart
+/// (protection.hpp) stay, and the new target gets the same if it has none. If a region does both,
+/// its limits that keep them apart stay behind.
+struct Observe {
+  AgentId observer;
+  BodyId target;
+};
+
+struct SetReference {
+  AgentId agent;
+  Reference reference;
+};
+
+/// An observer of a choice (view_choice.hpp) turns to another target: couplings of these names fade
+/// out, if they are in force; others of the same names fade in. Made by shapes only.
+struct HandOver {
+  AgentId observer{};
+  std::vector<std::string> names{};
+  std::vector<Coupling> couplings{};  ///< empty: no target
+};
+
+/// A target or an obstacle moves to a place, over the ramp, and stays there; for a simulated world.
+struct MoveBody {
+  BodyId body;
+  Vec3<double> p;  ///< in G [m]
+};
+
+/// Another steady wind, which rises over the ramp; for a simulated world.
+struct SetWind {
+  Vec3<double> acceleration;  ///< in G [m/s^2]
+};
+
+/// A fault of a body's measurements that begins now; for a simulated world.
+struct InjectFault {
+  Surroundings::FaultKind kind;
+  BodyId body;
+  double lasts;           ///< [s], > 0
+  Vec3<double> offset{};  ///< of a jump, in G [m]
+};
+
 using Action = std::variant<RemoveBody, RemoveTerm, AddBody, AddCoupling, AddConstraint, RetuneAgent,
                             RetuneTerm, Observe, SetReference, HandOver, MoveBody, SetWind, InjectFault>;
 
@@ -72,12 +195,9 @@ struct TeamEvent {
   std::optional<double> ramp{};  ///< of the weights that change [s], >= 0; none: ramp_of()
 };
 
-/// Duration of the change of an event's weights [s]: its own, else the longest usual_ramp of its
-/// actions, else 0.
+/// Duration of the change of an event's weights [s]: its own; else 1 s if it turns an observer,
+/// moves a body or changes the wind, else 0.
 double ramp_of(const TeamEvent& event);
-
-/// An event as a text for the user: its name, its trigger, its changes.
-std::string in_words(const TeamEvent& event, const Team& all);
 
 /// "x" of a stage "x:a"; empty for one without.
 std::string_view region_of(std::string_view stage);

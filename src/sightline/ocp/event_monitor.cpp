@@ -49,8 +49,7 @@ std::span<const std::size_t> EventMonitor::look(const EventContext& known) noexc
     if (state.over || (state.stage != 0 && state.stage != region_of_stage(state.stage).stage)) continue;
     const double began = state.stage == 0 ? 0.0 : region_of_stage(state.stage).began;
     const EventInstant moment{all_, known, began, signalled, state.condition, choosers_};
-    const auto occurs = [&](const auto& trigger) { return trigger.occurs(moment); };
-    if (std::visit(occurs, script_.events[i].trigger)) triggered_.push_back(i);
+    if (occurs(script_.events[i].trigger, moment)) triggered_.push_back(i);
   }
   for (const std::size_t i : triggered_) {
     states_[i].over = !script_.events[i].repeat;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/ocp/event.hpp"
+#include "sightline/ocp/event_instant.hpp"
 
 namespace sightline {
 

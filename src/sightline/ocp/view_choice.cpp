@@ -6,6 +6,7 @@
 #include "sightline/base/index.hpp"
 #include "sightline/base/same_time.hpp"
 #include "sightline/base/throw_invalid.hpp"
+#include "sightline/ocp/event_instant.hpp"
 
 namespace sightline {
 namespace {

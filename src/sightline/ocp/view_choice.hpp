@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "sightline/ocp/event/moment.hpp"
+#include "sightline/ocp/team.hpp"
 
 namespace sightline {
+
+struct EventContext;
+struct EventInstant;
 
 /// Variance that the view of a target adds to the observer's position, by their distance.
 struct ViewVariance {

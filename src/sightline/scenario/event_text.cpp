@@ -3,50 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "sightline/potential/protection.hpp"
 #include "sightline/scenario/read_region.hpp"
 
 namespace sightline {
-namespace {
-
-/// Whether a scenario names this action by the key.
-template <class A>
-bool is_called(std::string_view key) {
-  if constexpr (requires { A::key; }) return A::key == key;
-  return false;
-}
-
-Action read_action(const TomlValue& value, std::string_view key, const EventScope& scope) {
-  std::optional<Action> action;
-  std::string_view expected = "a table";
-  std::vector<std::string_view> kinds, beside;
-  for_each_kind<Action>([&]<class A>(Kind<A>) {
-    if (!is_called<A>(key)) return;
-    if constexpr (requires { A::expected; }) expected = A::expected;
-    if constexpr (requires { A::kinds; }) kinds.insert(kinds.end(), A::kinds.begin(), A::kinds.end());
-    if constexpr (requires { A::beside; }) beside.insert(beside.end(), A::beside.begin(), A::beside.end());
-    if constexpr (requires { A::named(BodyId{}); }) {
-      if (value.is_text()) action = A::named(read_body(value, scope.team));
-    }
-  });
-  if (action) return std::move(*action);
-  if (!value.is_table()) value.throw_invalid(expected);
-  const EventText text(value.table(), scope);
-  const std::string_view kind = kinds.empty() ? std::string_view() : text.choice(kinds, beside);
-  for_each_kind<Action>([&]<class A>(Kind<A>) {
-    if (!is_called<A>(key)) return;
-    if constexpr (requires { A::kinds; }) {
-      if (!contains(A::kinds, kind)) return;
-    }
-    if constexpr (requires { A::key; }) action = A::read(text, kind);
-  });
-  return std::move(*action);
-}
-
-}  // namespace
-
 AgentId EventText::robot(std::string_view key) const {
   return AgentId{scope_->team.find(read_name(*this, key, scope_->team, Among::robots, "a robot"))};
 }
@@ -162,33 +123,6 @@ Constraint read_added_constraint(const TomlTable& constrain, const EventScope& s
 
 BodyId read_body(const TomlValue& value, const Team& team) {
   return team.find(value.word(body_names(team, Among::bodies), "a robot, target or obstacle"));
-}
-
-Trigger read_trigger(const TomlTable& event, const EventScope& scope,
-                     std::initializer_list<std::string_view> others) {
-  std::vector<std::string_view> keys;
-  for_each_kind<Trigger>([&]<class T>(Kind<T>) { keys.insert(keys.end(), T::keys.begin(), T::keys.end()); });
-  const std::string_view key = event.choice(keys, others);
-  std::optional<Trigger> trigger;
-  for_each_kind<Trigger>([&]<class T>(Kind<T>) {
-    if (contains(T::keys, key)) trigger = T::read(EventText(event, scope), key);
-  });
-  return std::move(*trigger);
-}
-
-bool is_action(std::string_view key) {
-  bool known = false;
-  for_each_kind<Action>([&]<class A>(Kind<A>) { known = known || is_called<A>(key); });
-  return known;
-}
-
-std::vector<Action> read_actions(const TomlTable& event, std::string_view key, const EventScope& scope) {
-  const TomlValue value = event.value(key, "an action");
-  if (!value.is_array()) return {read_action(value, key, scope)};
-  std::vector<Action> list;
-  for (const TomlValue& item : value.items()) list.push_back(read_action(item, key, scope));
-  if (list.empty()) value.throw_invalid("one or more");
-  return list;
 }
 
 }  // namespace sightline

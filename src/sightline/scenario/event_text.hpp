@@ -22,7 +22,7 @@ struct EventScope {
   std::vector<NamedTerm> terms{};     ///< likewise
 };
 
-/// A table of an event, as a trigger or an action reads it (ocp/event/). Every function throws
+/// A table of an event, from which its trigger or an action is read. Every function throws
 /// ScenarioError.
 class EventText : public TomlTable {
  public:
@@ -83,10 +83,7 @@ BodyId read_body(const TomlValue& value, const Team& team);
 Trigger read_trigger(const TomlTable& event, const EventScope& scope,
                      std::initializer_list<std::string_view> others);
 
-/// Whether the key of an event is that of an action.
-bool is_action(std::string_view key);
-
-/// The actions under such a key: one, or an array of them.
-std::vector<Action> read_actions(const TomlTable& event, std::string_view key, const EventScope& scope);
+/// The actions of an event, in the order of the file: one under a key, or an array of them.
+std::vector<Action> read_actions(const TomlTable& event, const EventScope& scope);
 
 }  // namespace sightline

@@ -53,11 +53,17 @@ TeamEvent read_event(const TomlTable& at, const EventScope& scope, const Script&
   if (at.has("enter")) event.enter = read_label(at, "enter");
   if (at.has("repeat")) event.repeat = at.boolean("repeat");
   if (at.has("ramp")) event.ramp = at.number("ramp", time_range);
-  for (const std::string& key : at.keys()) {
-    if (!is_action(key)) continue;
-    for (Action& action : read_actions(at, key, scope)) event.actions.push_back(std::move(action));
-  }
+  event.actions = read_actions(at, scope);
   return event;
+}
+
+/// The bodies that a measure of [[event]] refers to.
+std::vector<BodyId> bodies_of(const Measure& measure) {
+  if (const auto* distance = std::get_if<DistanceOf>(&measure)) return {distance->a, distance->b};
+  if (const auto* angle = std::get_if<ViewAngleOf>(&measure)) return {angle->observer, angle->target};
+  if (const auto* age = std::get_if<AgeOf>(&measure)) return {age->body};
+  if (const auto* excess = std::get_if<ExcessOf>(&measure)) return {excess->a, excess->b};
+  return {};
 }
 
 /// Rejects events about bodies that are never present. `tables` belong to the script's last events.
@@ -76,20 +82,14 @@ void check_presence(const std::vector<TomlTable>& tables, const Script& script, 
                                                scenario.team.name(body)));
     };
     const TeamEvent& event = script.events[script.events.size() - tables.size() + i];
-    const auto check_trigger = [&](const auto& trigger) {
-      if constexpr (requires { trigger.bodies(); }) {
-        for (const BodyId body : trigger.bodies()) {
-          for (const std::string_view key : trigger.keys) check(key, body);
-        }
+    if (const auto* condition = std::get_if<Condition>(&event.trigger)) {
+      for (const BodyId body : bodies_of(condition->measure)) {
+        for (const std::string_view key : {"when", "lost", "seen"}) check(key, body);
       }
-    };
-    std::visit(check_trigger, event.trigger);
-    const auto check_action = [&](const auto& action) {
-      if constexpr (requires { action.needs(); }) {
-        for (const BodyId body : action.needs()) check(action.key, body);
-      }
-    };
-    for (const Action& action : event.actions) std::visit(check_action, action);
+    }
+    for (const Action& action : event.actions) {
+      if (const auto* observe = std::get_if<Observe>(&action)) check("observe", observe->target);
+    }
   }
 }
 

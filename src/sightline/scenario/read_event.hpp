@@ -1,7 +1,10 @@
-/// Reads the events of a scenario, [[event]]: changes in flight and their times. See
+/// Reads and describes the events of a scenario, [[event]]: changes in flight and their times. See
 /// docs/events.md.
 #pragma once
 
+#include <array>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/ocp/event.hpp"
@@ -16,5 +19,12 @@ std::vector<TimedSignal> read_signals(const TomlTable& simulation);
 /// Reads all of [[event]], for the team and its presence at the start. Rejects every fault that is
 /// known without a flight.
 Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers);
+
+/// The kinds of faults by their words, in the order of Surroundings::FaultKind.
+inline constexpr std::array<std::string_view, 3> fault_words = {"dropout", "freeze", "jump"};
+
+/// An event as a text for the user: its name, its trigger, its changes.
+std::string in_words(const TeamEvent& event, const Team& all);
+std::string in_words(const Action& action, const Team& all);
 
 }  // namespace sightline

@@ -14,6 +14,7 @@
 
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/throw_invalid.hpp"
+#include "sightline/scenario/read_event.hpp"
 #include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 
@@ -245,8 +246,7 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(error.what());
   }
-  const std::string words =
-      std::visit([&](const auto& action) { return action.describe(scenario_.team); }, event.actions.front());
+  const std::string words = in_words(event.actions.front(), scenario_.team);
   event.name =
       shortened(one_line(fmt::format("tune {}: {}", script_ + tuned.size(), words)), name_size_max - 4);
   keys += fmt::format("name = {}\n", in_quotes(event.name));
@@ -366,7 +366,7 @@ Json Tuner::tunables() const {
           {"references", references},
           {"bodies", bodies},
           {"wind", now_.wind},
-          {"faults", InjectFault::words_of_kinds},
+          {"faults", fault_words},
           {"ramp", usual_ramp},
           {"changes", scenario_.tuned->size()}};
 }

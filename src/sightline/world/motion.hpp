@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/ocp/event/surroundings.hpp"
+#include "sightline/ocp/surroundings.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/world/disturbance.hpp"
 

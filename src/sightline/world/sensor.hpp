@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/ocp/event/surroundings.hpp"
+#include "sightline/ocp/surroundings.hpp"
 #include "sightline/ocp/team.hpp"
 #include "sightline/world/disturbance.hpp"
 #include "sightline/world/fault.hpp"

@@ -1,4 +1,4 @@
-#include "sightline/ocp/event/moment.hpp"
+#include "sightline/ocp/event_instant.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,9 @@
-/// Changes that events make to the simulated world around a team: positions of targets and
-/// obstacles, wind, measurement faults. Worlds that are not simulated ignore them.
+/// What events change around a team: which bodies are present, and of a simulated world the
+/// positions of targets and obstacles, the wind and measurement faults.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,14 @@
 
 namespace sightline {
 
+enum class Presence : std::uint8_t {
+  absent,   ///< not in the world
+  steered,  ///< a robot of the team
+  hold,     ///< present, not controlled: a robot that brakes and stays, a target or an obstacle
+  land,     ///< a robot that brakes and descends
+};
+
+/// Changes of a simulated world; others ignore them.
 struct Surroundings {
   /// A target or an obstacle that moves to a place and stays there, whatever its motion was before.
   struct Move {

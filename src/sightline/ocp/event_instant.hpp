@@ -1,10 +1,11 @@
-/// Input of an event's trigger: the state of a period, and the history of the event.
+/// Whether a trigger occurs, by the state of a period and the history of its event.
 #pragma once
 
 #include <span>
 
 #include "sightline/base/index.hpp"
-#include "sightline/ocp/event/team_change.hpp"
+#include "sightline/ocp/event.hpp"
+#include "sightline/ocp/surroundings.hpp"
 
 namespace sightline {
 
@@ -23,8 +24,6 @@ struct ConditionState {
   bool fired = false;  ///< since it last began to hold
   double since = 0.0;  ///< when it began to hold [s]
 };
-
-class ViewChooser;
 
 /// State of a period at which a trigger is evaluated.
 struct EventInstant {
@@ -47,5 +46,8 @@ struct EventInstant {
     return all.model(body).sight(known.x.data() + all.state_offset(body), u);
   }
 };
+
+/// To be called once in each period; neither allocates nor throws.
+bool occurs(const Trigger& trigger, const EventInstant& now) noexcept;
 
 }  // namespace sightline
