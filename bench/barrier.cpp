@@ -15,7 +15,7 @@ namespace {
 
 struct Situation {
   test::State x;
-  test::Command u;
+  test::VehicleInput u;
   std::vector<Neighbour> neighbours;
 };
 
@@ -64,7 +64,7 @@ BenchRow run_barrier_bench(std::string_view name, const BenchOptions& options) {
   int conflicts = 0;
   while (situations.size() < 500) {
     const Situation s = situation(barrier, neighbours, random);
-    test::Command u = s.u;
+    test::VehicleInput u = s.u;
     const BarrierResult result = barrier.filter(s.x, s.neighbours, test::lowest, test::highest, u);
     if (!result.active) continue;
     situations.push_back(s);
@@ -76,7 +76,7 @@ BenchRow run_barrier_bench(std::string_view name, const BenchOptions& options) {
   std::vector<double> us(static_cast<std::size_t>(options.updates));
   for (std::size_t k = 0; k < us.size(); ++k) {
     const Situation& s = situations[k % situations.size()];
-    test::Command u = s.u;
+    test::VehicleInput u = s.u;
     const std::int64_t before = options.allocations == nullptr ? 0 : options.allocations();
     const steady_clock::time_point begin = steady_clock::now();
     const BarrierResult result = barrier.filter(s.x, s.neighbours, test::lowest, test::highest, u);

@@ -13,12 +13,12 @@
 #include <thread>
 
 #include "bench/ipopt.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/quantile.hpp"
-#include "sightline/base/version.hpp"
+#include "sightline/config.hpp"
 #include "sightline/solver/newton/influence.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/cases.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

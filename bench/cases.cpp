@@ -10,8 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/robots.hpp"
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/ocp/ocp.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "sightline/run/team_switcher.hpp"
+#include "sightline/loop.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/team_flight.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "bench/shooting.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/ocp/ocp.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -13,7 +13,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
 #include "worlds/mujoco/camera/rendered_detections.hpp"
 
 namespace {

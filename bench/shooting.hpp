@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "sightline/formula/interpret.hpp"
-#include "sightline/ocp/ocp.hpp"
-#include "sightline/potential/heading_error_limit.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

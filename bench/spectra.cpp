@@ -22,13 +22,11 @@
 #include <vector>
 
 #include "bench/cases.hpp"
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/formula/derive.hpp"
-#include "sightline/solver/continuation/gmres.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "sightline/solver/newton/influence.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace {

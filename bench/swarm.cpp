@@ -6,10 +6,10 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/quantile.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/swap_team.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/bench.hpp"
-#include "sightline/base/thread_pool.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

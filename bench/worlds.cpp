@@ -1,4 +1,6 @@
 // Cost of a vehicle's step of 1 ms in each vehicle world:  build/release/bin/bench_worlds
+#include "sightline/worlds.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include <vector>
 
 #include "sightline/mujoco.hpp"
-#include "sightline/world/rotor_world.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "cli/arguments.hpp"
 
-#include "sightline/base/thread_pool.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::cli {
 namespace {

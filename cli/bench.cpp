@@ -9,7 +9,7 @@
 #include "cli/allocations.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
 #include "bench/bench.hpp"

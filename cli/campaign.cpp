@@ -1,5 +1,3 @@
-#include "sightline/campaign/campaign.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,6 +14,7 @@
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
 #include "cli/slurm.hpp"
+#include "sightline/analysis.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/campaign/evasion_page.hpp"

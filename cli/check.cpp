@@ -2,13 +2,12 @@
 
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "sightline/analysis/preflight.hpp"
+#include "sightline/analysis.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/base/version.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/config.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/renamed.hpp"
-#include "sightline/scenario/scenario.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline::cli {

@@ -14,10 +14,10 @@
 
 #include "cli/arguments.hpp"
 #include "cli/output.hpp"
-#include "sightline/base/failure.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/nearest.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/links.hpp"
+#include "sightline/registry.hpp"
 
 namespace sightline {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "bridges/dds/fleet/bridge.hpp"
 #include "sightline/analysis/identification/excitation.hpp"
-#include "sightline/record/logged_flight.hpp"
-#include "sightline/run/clock.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/page_server.hpp"
 
 namespace sightline::cli {

@@ -13,9 +13,9 @@
 #include "cli/commands.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/service_thread.hpp"
 
 namespace sightline::cli {
 namespace {

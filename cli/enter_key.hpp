@@ -6,7 +6,7 @@
 
 #include <atomic>
 
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 #include "sightline/server/paced_clock.hpp"
 
 namespace sightline::cli {

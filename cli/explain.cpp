@@ -1,8 +1,7 @@
-#include "sightline/analysis/explain.hpp"
-
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::cli {
 

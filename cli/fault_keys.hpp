@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "bridges/dds/fleet/link_fault.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::cli {
 

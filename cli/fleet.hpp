@@ -5,7 +5,7 @@
 
 #include "bridges/dds/fleet/bridge.hpp"
 #include "cli/commands.hpp"
-#include "sightline/scenario/registry.hpp"
+#include "sightline/registry.hpp"
 
 namespace sightline::cli {
 

@@ -11,13 +11,13 @@
 #include "cli/fault_keys.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/c_callback.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/run/realtime.hpp"
-#include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/registry.hpp"
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline::cli {
 namespace {

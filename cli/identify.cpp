@@ -9,10 +9,9 @@
 #include "sightline/analysis/identification/identification_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/record/folder_lock.hpp"
-#include "sightline/record/replay.hpp"
+#include "sightline/log.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
-#include "sightline/scenario/scenario.hpp"
 
 namespace sightline::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <atomic>
 
 #include "bridges/dds/fleet/bridge.hpp"
-#include "sightline/run/spsc_queue.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/server/flight_page.hpp"
 
 namespace sightline::cli {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_partition.hpp"
 #include "sightline/solver/distributed/partition_convergence.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline::cli {
 

@@ -3,7 +3,7 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/scenario/registry.hpp"
+#include "sightline/registry.hpp"
 
 namespace sightline::cli {
 namespace {

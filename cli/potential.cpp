@@ -7,8 +7,8 @@
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/record/folder_lock.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/log.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::cli {
 namespace {

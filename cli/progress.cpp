@@ -10,7 +10,7 @@
 #include <mutex>
 
 #include "cli/output.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::cli {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/record/replay.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,8 +6,9 @@
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/version.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/config.hpp"
+#include "sightline/log.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
 
 namespace sightline::cli {

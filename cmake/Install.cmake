@@ -2,42 +2,35 @@
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightline)
 
-# Of the headers, those that these include, and no others; what the generator prints includes the table of kernels.
-set(headers sightline.hpp base/version.hpp model/text_robot.hpp run/clock.hpp run/compensation.hpp run/guard.hpp
-  run/localizer.hpp run/loop.hpp run/sample.hpp run/spsc_queue.hpp run/team_switcher.hpp safety/supervisor.hpp
-  solver/distributed/partition.hpp solver/kernels/generator.hpp
-  solver/kernels/kernel_table.hpp)
+# The public headers, each of the component whose library it describes.
+set(headers barrier base estimator events formula kernels loop model potential potentials robots sensors sightline solver
+  solvers supervisor team vehicle world worlds)
 set(components core)
 install(TARGETS sightline_core EXPORT sightline_core)
 if(TARGET sightline)
-  list(APPEND headers analysis/explain.hpp analysis/preflight.hpp campaign/campaign.hpp links.hpp record/log.hpp
-    record/logged_flight.hpp record/recording.hpp record/replay.hpp judge/summary.hpp report/report.hpp scenario/closed_loop.hpp scenario/scenario.hpp)
+  list(APPEND headers analysis judge log registry report scenario)
   list(APPEND components sightline)
   install(TARGETS sightline EXPORT sightline_sightline)
 endif()
 if(TARGET sightline_command_line)
-  list(APPEND headers command_line.hpp)
+  list(APPEND headers command_line)
   list(APPEND components cli)
   install(TARGETS sightline_command_line EXPORT sightline_cli)
   install(TARGETS sightline_cli)
 endif()
 if(TARGET sightline_mujoco)
-  list(APPEND headers mujoco.hpp)
+  list(APPEND headers mujoco)
   list(APPEND components mujoco)
   install(TARGETS sightline_mujoco EXPORT sightline_mujoco)
   install(FILES cmake/FindMuJoCo.cmake cmake/FindEGL.cmake DESTINATION ${config_dir})
 endif()
 if(TARGET sightline_dds)
-  list(APPEND headers dds.hpp)
+  list(APPEND headers dds)
   list(APPEND components dds)
   install(TARGETS sightline_dds EXPORT sightline_dds)
 endif()
-list(TRANSFORM headers PREPEND sightline/)
-install(CODE "
-set(headers \"${headers}\")
-set(folders \"${PROJECT_SOURCE_DIR}/src;${PROJECT_SOURCE_DIR}/worlds/mujoco/include;${PROJECT_SOURCE_DIR}/bridges/dds/include;${generated}\")
-set(destination \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")")
-install(SCRIPT cmake/InstallHeaders.cmake)
+list(TRANSFORM headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/include/sightline/\\1.hpp")
+install(FILES ${headers} ${generated}/sightline/config.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sightline)
 
 foreach(component IN LISTS components)
   install(EXPORT sightline_${component} NAMESPACE sightline:: DESTINATION ${config_dir}

@@ -2,7 +2,7 @@
 # they run as fast as the library's; without it they are interpreted, and give the same bits. The header names them, with
 # any numbers: a function serves all.
 #
-#   #include <sightline/solver/kernels/generator.hpp>
+#   #include <sightline/kernels.hpp>
 #
 #   inline void sightline_formulas(sightline::Generator& generator) {
 #     using namespace sightline;
@@ -29,7 +29,7 @@ function(sightline_add_formulas target header)
 
 #include <cstdio>
 
-#include "sightline/solver/kernels/generator.hpp"
+#include "sightline/kernels.hpp"
 
 int main(int, char** argv) {
   sightline::Generator generator;

@@ -1,8 +1,8 @@
 // A robot, a potential and a reference of one's own that scenarios call by name; each says its parameters itself.
 #pragma once
 
-#include <sightline/potential/reference.hpp>
-#include <sightline/solver/kernels/generator.hpp>
+#include <sightline/kernels.hpp>
+#include <sightline/potential.hpp>
 
 /// A blimp that its propellers push forward and up, and turn; x = [p, d, v_f, v_z], u = [u_f, u_z, u_psi].
 struct Blimp {

@@ -1,7 +1,7 @@
 // A potential of one's own, a template over its scalar; its derivatives are found for it.
 #pragma once
 
-#include <sightline/solver/kernels/generator.hpp>
+#include <sightline/kernels.hpp>
 
 /// Keeps a robot out of the air that another's rotors throw down: a Gaussian column below the other.
 ///

@@ -1,7 +1,7 @@
 // A robot of one's own: a struct with its equations, templates over their scalar; all derivatives are found for it.
 #pragma once
 
-#include <sightline/solver/kernels/generator.hpp>
+#include <sightline/kernels.hpp>
 
 /// A boat with a propeller and a rudder that slides to the side as it turns; x = [p, d, v_f, v_s, r].
 struct Boat {

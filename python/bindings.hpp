@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::python {
 

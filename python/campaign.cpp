@@ -1,6 +1,4 @@
 // Campaigns: many runs of one scenario, each with its own draws.
-#include "sightline/campaign/campaign.hpp"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -9,10 +7,11 @@
 #include <thread>
 
 #include "python/waited.hpp"
+#include "sightline/analysis.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/campaign/page.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/record/folder_lock.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline::python {
 namespace {

@@ -4,10 +4,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "python/waited.hpp"
-#include "sightline/links.hpp"
-#include "sightline/record/logged_flight.hpp"
-#include "sightline/record/replay.hpp"
-#include "sightline/report/report.hpp"
+#include "sightline/log.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/report.hpp"
 #include "sightline/scenario/file_kind.hpp"
 
 namespace sightline::python {

@@ -14,7 +14,7 @@
 
 #include "python/bindings.hpp"
 #include "python/recorded.hpp"
-#include "sightline/model/text_robot.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline::python {
 namespace {

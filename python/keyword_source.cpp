@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "sightline/base/nearest.hpp"
-#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::python {
 namespace {

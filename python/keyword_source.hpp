@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "python/bindings.hpp"
-#include "sightline/base/parameter.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::python {
 

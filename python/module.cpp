@@ -6,8 +6,8 @@
 
 #include "python/bindings.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/version.hpp"
-#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/config.hpp"
+#include "sightline/scenario.hpp"
 
 PYBIND11_MODULE(_sightline, module) {
   namespace python = sightline::python;

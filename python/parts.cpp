@@ -9,9 +9,8 @@
 
 #include "python/bindings.hpp"
 #include "python/keyword_source.hpp"
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/scenario/registry.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/registry.hpp"
 
 namespace sightline::python {
 namespace {

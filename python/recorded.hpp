@@ -21,10 +21,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/formula/expression.hpp"
-#include "sightline/formula/parse.hpp"
-#include "sightline/potential/potential.hpp"
-#include "sightline/potential/reference.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potential.hpp"
 
 namespace sightline::python {
 

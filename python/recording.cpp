@@ -1,6 +1,4 @@
 // A log as numpy arrays, which are read-only views of the log's memory.
-#include "sightline/record/recording.hpp"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -10,7 +8,7 @@
 #include <memory>
 
 #include "python/bindings.hpp"
-#include "sightline/record/log_text.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline::python {
 namespace {

@@ -1,15 +1,13 @@
 // Scenarios, and their checks before a flight.
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include "python/bindings.hpp"
-#include "sightline/analysis/explain.hpp"
-#include "sightline/analysis/preflight.hpp"
-#include "sightline/links.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline::python {

@@ -1,5 +1,5 @@
 // Solvers by name, and the simulated plant.
-#include "sightline/solver/solver.hpp"
+#include "sightline/solver.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -9,10 +9,9 @@
 #include <mutex>
 
 #include "python/bindings.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_part.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline::python {
 namespace {

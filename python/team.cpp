@@ -1,11 +1,11 @@
 // Team, its bodies, and the potentials and limits that act on them.
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include "python/bindings.hpp"
-#include "sightline/ocp/shape.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline::python {
 namespace {

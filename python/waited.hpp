@@ -6,7 +6,7 @@
 #include <future>
 
 #include "python/bindings.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::python {
 

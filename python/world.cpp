@@ -1,5 +1,5 @@
 // Steps the world of a scenario period by period, for controllers written in Python.
-#include "sightline/world/world.hpp"
+#include "sightline/world.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "python/bindings.hpp"
-#include "sightline/base/matrix.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/base.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::python {
 namespace {

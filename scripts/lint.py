@@ -10,13 +10,26 @@ from collections import defaultdict
 from pathlib import Path
 
 tree = Path(__file__).resolve().parents[1]
-product = ("src", "worlds", "bridges", "cli", "python", "examples", "bench")
+product = ("include", "src", "worlds", "bridges", "cli", "python", "examples", "bench")
 everything = product + ("tests",)
 
 # Rooms of src/sightline from the lowest; a file includes its own room or a lower one.
 floors = ("base", "formula", "model", "potential", "ocp", "solver safety estimate", "world", "run", "scenario", "judge",
           "record", "report", "campaign analysis", "server")
 height = {room: i for i, floor in enumerate(floors) for room in floor.split()}
+# The public headers, include/sightline/NAME.hpp, and their rooms; those of programs are in none.
+public = {name: rooms.split() for rooms, names in (
+    ("base", "base config"), ("formula", "formula"), ("model", "model robots"), ("potential", "potential potentials"),
+    ("ocp", "team events"), ("solver", "solver solvers kernels"), ("safety", "barrier supervisor"), ("estimate", "estimator"),
+    ("world", "vehicle sensors world worlds"), ("run", "loop"), ("scenario", "scenario registry"), ("judge", "judge"),
+    ("record", "log"), ("report", "report"), ("campaign analysis", "analysis"), ("", "sightline command_line mujoco dds"))
+    for name in names.split()}
+
+
+def rooms_of(header):
+    """Rooms of a header of the library, sightline/NAME.hpp or sightline/ROOM/FILE.hpp."""
+    parts = header.removesuffix(".hpp").split("/")
+    return public.get(parts[1]) if len(parts) == 2 else [parts[1]]
 
 # Functions of <cmath> that round, and gave the same bits on x86-64 and AArch64 in all arguments that scripts/arm64.sh tries.
 same_bits = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "pow", "log1p"}
@@ -43,29 +56,32 @@ class Source:
     def under(self, *folders):
         return any(self.name.startswith(folder + "/") for folder in folders)
 
-    def room(self):
-        parts = self.name.split("/")
-        return parts[2] if parts[:2] == ["src", "sightline"] and len(parts) > 3 else None
+    def rooms(self):
+        parts = self.name.split("/", 1)
+        return rooms_of(parts[1]) or [] if parts[0] in ("src", "include") and parts[1].startswith("sightline/") else []
 
     def at(self, match):
         return self.text[:match.start()].count("\n") + 1
 
 
 def layer(source):
-    """A file of src/sightline includes its own room or a lower one, by its path from the root of the includes."""
-    if not source.under("src/sightline"):
+    """A file of the library includes its own room or a lower one, by its path from the root of the includes; a public header
+    includes public headers alone."""
+    if not source.under("src/sightline", "include/sightline"):
         return
     for line, name in source.includes:
         beside = (tree / source.name).parent / name
         if any(name.startswith(folder + "/") for folder in everything) or name.startswith("../") or beside.exists():
-            yield line, f"includes {name}, expected sightline/ROOM/FILE.hpp"
-        if not source.room() or not name.startswith("sightline/"):
+            yield line, f"includes {name}, expected sightline/FILE.hpp or sightline/ROOM/FILE.hpp"
+        if not name.startswith("sightline/"):
             continue
-        other = name.split("/")[1]
-        if other not in height:
+        others, own = rooms_of(name), source.rooms()
+        if others is None or any(other not in height for other in others):
             yield line, f"includes {name}, which is in no room"
-        elif other != source.room() and height[other] >= height[source.room()]:
-            yield line, f"includes {name}, expected a room below {source.room()}"
+        elif source.under("include") and name.count("/") > 1:
+            yield line, f"includes {name}, expected a public header"
+        elif own and not set(own) & set(others) and min(map(height.get, own)) <= max(map(height.get, others), default=-1):
+            yield line, f"includes {name}, expected a room below {own[0]}"
 
 
 def component(source):
@@ -94,7 +110,7 @@ def bits(source):
 
 def thread(source):
     """Threads are made by base/service_thread.hpp, which catches what ends a thread."""
-    if source.under(*product) and source.name != "src/sightline/base/service_thread.hpp":
+    if source.under(*product) and source.name != "include/sightline/base.hpp":
         for made in makes_thread.finditer(source.code):
             yield source.at(made), f"makes a thread by {made[0]}, expected ServiceThread"
 
@@ -154,10 +170,12 @@ def self_test():
     """Each rule finds what it forbids and nothing else."""
     bad = {
         "layer": [("src/sightline/base/a.hpp", '#include "sightline/record/log.hpp"'),
-                  ("src/sightline/safety/a.hpp", '#include "sightline/solver/solver.hpp"'),
+                  ("src/sightline/base/a.hpp", '#include "sightline/log.hpp"'),
+                  ("include/sightline/team.hpp", '#include "sightline/ocp/weights.hpp"'),
+                  ("src/sightline/safety/a.hpp", '#include "sightline/solver.hpp"'),
                   ("src/sightline/world/a.hpp", '#include "sightline/attic/old.hpp"'),
-                  ("src/sightline/world/a.hpp", '#include "world.hpp"'),
-                  ("src/sightline/ocp/a.hpp", '#include "event/condition.hpp"'),
+                  ("src/sightline/safety/a.hpp", '#include "projection.hpp"'),
+                  ("src/sightline/solver/a.hpp", '#include "newton/workspace.hpp"'),
                   ("src/sightline/world/a.hpp", '#include "tests/support/tree.hpp"')],
         "component": [("src/sightline/run/a.cpp", "#include <dds/dds.h>"), ("cli/run.cpp", "#include <sightline/dds.hpp>"),
                       ("tests/run/a.cpp", '#include "python/module.hpp"'), ("cli/a.cpp", "#include <mujoco/mujoco.h>")],
@@ -170,7 +188,7 @@ def self_test():
         "json": [("cli/a.cpp", "text = json.dump();")],
         "one-class": [("cli/a.hpp", "namespace sightline {\nstruct A {\n};\n}  // namespace sightline")],
     }
-    good = [("src/sightline/solver/a.hpp", '#include "sightline/ocp/ocp.hpp"\n#include <vector>\n#include "sightline/solver/b.hpp"'),
+    good = [("src/sightline/solver/a.hpp", '#include "sightline/team.hpp"\n#include <vector>\n#include "sightline/solver/b.hpp"'),
             ("bridges/dds/a.cpp", "#include <dds/dds.h>"), ("cli/main.cpp", "#include <sightline/dds.hpp>"),
             ("src/sightline/run/a.cpp", "x = std::sin(x) + sightline::norm(x, y) + std::sqrt(x);  // std::hypot(x)"),
             ("cli/a.cpp", 'std::thread::hardware_concurrency(); std::this_thread::yield(); say("a");  // std::thread'),

@@ -218,7 +218,7 @@ gate() {
     'limits of u alone without what is added|command.cpp|std::clamp(u\[k\], low - by, high - by)|std::clamp(u[k], low, high)'
     'a start beyond its limits|command.cpp|std::clamp(agent(\*of).u_ref\[i\], low\[i\], high\[i\])|agent(*of).u_ref[i]'
     'rest within the limits of the start|command.cpp|of->limits->at(t, low, high)|of->limits->at(0.0, low, high)'
-    'what is huge is a state|run/valid_states.hpp|largest = 1e9;|largest = 1e10;'
+    'what is huge is a state|./loop.hpp|largest = 1e9;|largest = 1e10;'
     'a heading without a length is a state|run/valid_states.cpp|return body.model.normalise(scratch_.data());|return true;'
     'what is measured at no time is valid|run/valid_states.cpp|can_be_valid \&\& stamp < std::numeric_limits<double>::infinity() \&\&|can_be_valid \&\&'
     'what follows from nothing valid is valid|run/valid_states.cpp|of.valid_\[i\] != 0|true'
@@ -235,7 +235,7 @@ gate() {
 }
 
 fail() { echo "mutants.sh: $1" >&2; exit 2; }
-compile() { c++ "${flags[@]}" "$@" -Isrc -I"$build/generated"; }
+compile() { c++ "${flags[@]}" "$@" -Iinclude -Isrc -I"$build/generated"; }
 prepare() {
   local source
   rm -rf "$work/tests" && mkdir -p "$work/tests"
@@ -269,14 +269,16 @@ program() {
 
 # The mutant of $1 in the tree $2; `header` is the one that it changes.
 mutate() {
-  local name file from to user
+  local name file from to user from_folder
   header=
   IFS='|' read -r name file from to <<<"$1"
   [[ $file == */* ]] || file=$folder/$file
-  mkdir -p "$2/sightline/${file%/*}"
+  from_folder=src/sightline
+  [[ $file != ./* ]] || from_folder=include/sightline file=${file#./}  # a public header
+  mkdir -p "$(dirname "$2/sightline/$file")"
   rm -f "$2/sightline/${file%.*}.o" "$2/tests"
-  sed "s|$from|$to|" "src/sightline/$file" >"$2/sightline/$file"
-  cmp -s "$2/sightline/$file" "src/sightline/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
+  sed "s|$from|$to|" "$from_folder/$file" >"$2/sightline/$file"
+  cmp -s "$2/sightline/$file" "$from_folder/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
   [[ $file == *.hpp ]] || return 0
   header=$file  # all of its layer may include it
   for user in "${sources[@]}"; do rm -f "$2/sightline/$user.o"; done

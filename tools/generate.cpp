@@ -7,19 +7,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/limits.hpp"
-#include "sightline/potential/pass_right.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
-#include "sightline/solver/kernels/generator.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "cli/arguments.hpp"
-#include "sightline/base/version.hpp"
+#include "sightline/config.hpp"
 
 namespace sightline::cli {
 namespace {

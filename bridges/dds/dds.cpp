@@ -5,7 +5,7 @@
 #include "bridges/dds/doctor.hpp"
 #include "bridges/dds/first_flyer.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
-#include "sightline/links.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/run/realtime.hpp"
 
 namespace sightline {

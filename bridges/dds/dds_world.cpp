@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
 
 namespace sightline::dds {

@@ -19,7 +19,7 @@
 #include "bridges/dds/topics/prediction_exchange.hpp"
 #include "bridges/dds/topics/seen_bodies.hpp"
 #include "bridges/dds/topics/services.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::dds {
 

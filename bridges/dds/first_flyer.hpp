@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bridges/dds/domain.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::dds {
 

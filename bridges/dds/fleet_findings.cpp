@@ -7,7 +7,7 @@
 #include <iterator>
 #include <limits>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/scenario/read_safety.hpp"
 

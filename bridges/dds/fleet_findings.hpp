@@ -9,7 +9,7 @@
 #include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/topics/surroundings.hpp"
 #include "bridges/dds/topics/tag_subscriber.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::dds {
 

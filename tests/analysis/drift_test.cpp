@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

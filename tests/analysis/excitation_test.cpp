@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/identified.hpp"
 #include "tests/support/refusal.hpp"
 

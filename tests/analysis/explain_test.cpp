@@ -1,13 +1,10 @@
-#include "sightline/analysis/explain.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random.hpp"
 

@@ -7,9 +7,7 @@
 #include <functional>
 #include <numbers>
 
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

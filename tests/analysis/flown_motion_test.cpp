@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

@@ -4,8 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/point_mass.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

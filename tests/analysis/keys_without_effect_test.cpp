@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "sightline/analysis/preflight.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

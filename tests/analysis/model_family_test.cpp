@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

@@ -4,9 +4,8 @@
 
 #include <cmath>
 
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

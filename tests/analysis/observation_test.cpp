@@ -7,10 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/slope.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace sightline {

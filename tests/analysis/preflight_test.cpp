@@ -1,8 +1,8 @@
-#include "sightline/analysis/preflight.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 namespace {

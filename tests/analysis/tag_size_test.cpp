@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bridges/dds/fleet/finding.hpp"
-#include "sightline/analysis/preflight.hpp"
+#include "sightline/analysis.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {

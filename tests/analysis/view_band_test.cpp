@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/analysis/preflight.hpp"
+#include "sightline/analysis.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {

@@ -1,10 +1,9 @@
-#include "sightline/base/elementary.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numbers>
 
+#include "sightline/base.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

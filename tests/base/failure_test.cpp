@@ -1,10 +1,10 @@
-#include "sightline/base/failure.hpp"
-
 #include <gtest/gtest.h>
 
 #include <new>
 #include <stdexcept>
 #include <string>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,7 +1,6 @@
-#include "sightline/base/fixed.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/base.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/strict.hpp"

@@ -1,6 +1,6 @@
-#include "sightline/base/index.hpp"
-
 #include <gtest/gtest.h>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/base/integrate.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sightline/base.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

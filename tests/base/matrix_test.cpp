@@ -1,11 +1,10 @@
-#include "sightline/base/matrix.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 
+#include "sightline/base.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,10 +1,10 @@
-#include "sightline/base/or_nan.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <stdexcept>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,9 +1,9 @@
-#include "sightline/base/parameter.hpp"
-
 #include <gtest/gtest.h>
 
 #include <map>
 #include <stdexcept>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,9 +1,8 @@
-#include "sightline/base/rotation.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
+#include "sightline/base.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,8 +1,8 @@
-#include "sightline/base/same_time.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

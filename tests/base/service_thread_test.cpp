@@ -1,5 +1,3 @@
-#include "sightline/base/service_thread.hpp"
-
 #include <gtest/gtest.h>
 #include <pthread.h>
 
@@ -8,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,9 +1,9 @@
-#include "sightline/base/subnormals.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <thread>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

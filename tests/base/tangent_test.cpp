@@ -1,9 +1,8 @@
-#include "sightline/base/tangent.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 
+#include "sightline/base.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"

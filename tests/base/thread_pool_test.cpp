@@ -1,5 +1,3 @@
-#include "sightline/base/thread_pool.hpp"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -7,6 +5,8 @@
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

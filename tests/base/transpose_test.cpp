@@ -1,9 +1,9 @@
-#include "sightline/base/transpose.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstddef>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

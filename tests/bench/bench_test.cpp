@@ -11,7 +11,7 @@
 #include "bench/ipopt.hpp"
 #include "bench/swarm.hpp"
 #include "cli/allocations.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "tests/support/paper_team.hpp"
 #endif
 

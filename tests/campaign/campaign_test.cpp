@@ -1,9 +1,8 @@
-#include "sightline/campaign/campaign.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/registry.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/registry.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/seeing_world.hpp"
 #include "tests/support/small_campaign.hpp"

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "sightline/judge/run_evaluator.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

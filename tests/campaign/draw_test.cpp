@@ -1,11 +1,11 @@
-#include "sightline/campaign/draw.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
+
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 namespace {

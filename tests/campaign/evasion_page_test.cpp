@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/campaign/campaign.hpp"
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 namespace {

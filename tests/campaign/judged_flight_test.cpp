@@ -8,10 +8,7 @@
 
 #include "sightline/judge/run_evaluator.hpp"
 #include "sightline/judge/summary.hpp"
-#include "sightline/record/logged_flight.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/record/recording.hpp"
-#include "sightline/record/replay.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

@@ -1,10 +1,10 @@
-#include "sightline/campaign/shard.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 #include <stdexcept>
+
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "sightline/base/version.hpp"
+#include "sightline/config.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"

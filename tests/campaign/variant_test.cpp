@@ -1,10 +1,10 @@
-#include "sightline/campaign/variant.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 namespace {

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refused_scenarios.hpp"
 #include "tests/support/short_scenario.hpp"

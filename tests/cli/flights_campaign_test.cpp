@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 
 namespace sightline {

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/short_scenario.hpp"

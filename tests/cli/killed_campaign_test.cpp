@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "sightline/campaign/database.hpp"
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"

@@ -6,7 +6,7 @@
 #include <pty.h>
 #include <sys/socket.h>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/short_scenario.hpp"

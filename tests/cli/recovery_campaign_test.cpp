@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/command.hpp"

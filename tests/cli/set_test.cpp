@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sightline/record/replay.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 
 namespace sightline {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "sightline/judge/summary.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "tests/support/campaign.hpp"
 

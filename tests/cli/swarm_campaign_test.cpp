@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <iostream>
 
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"

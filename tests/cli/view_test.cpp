@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/page_client.hpp"
 #include "tests/support/served.hpp"

@@ -13,7 +13,7 @@
 #include "bridges/dds/topics/pose_subscriber.hpp"
 #include "bridges/dds/topics/services.hpp"
 #include "bridges/dds/topics/tag_subscriber.hpp"
-#include "sightline/base/failure.hpp"
+#include "sightline/base.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/page_client.hpp"
 

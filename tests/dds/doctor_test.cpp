@@ -11,7 +11,7 @@
 #include "bridges/dds/links/px4_layout.hpp"
 #include "bridges/dds/simulators/ros2_rover.hpp"
 #include "sightline/base/now.hpp"
-#include "sightline/links.hpp"
+#include "sightline/registry.hpp"
 #include "tests/dds/rig.hpp"
 
 extern "C" {

@@ -13,7 +13,7 @@
 
 #include "bridges/dds/links/px4_layout.hpp"
 #include "bridges/dds/topics/service.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "tests/dds/garbler.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/campaign.hpp"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
 #include "tests/dds/fly.hpp"
 #include "tests/dds/rig.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sightline/estimate/place.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline::dds {
 namespace {

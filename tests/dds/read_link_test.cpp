@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "bridges/dds/fleet/link.hpp"
-#include "sightline/links.hpp"
-#include "sightline/scenario/goal_track.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/scenario_text.hpp"
 

@@ -18,7 +18,7 @@
 #include "bridges/dds/simulators/px4_vehicle.hpp"
 #include "cli/allocations.hpp"
 #include "cli/linked_sink.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/scenario_text.hpp"
 

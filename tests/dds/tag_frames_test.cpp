@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/world/disturbance.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 namespace {

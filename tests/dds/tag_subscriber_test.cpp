@@ -10,7 +10,7 @@
 #include "bridges/dds/domain.hpp"
 #include "bridges/dds/topics/tag_frames.hpp"
 #include "sightline/base/now.hpp"
-#include "sightline/links.hpp"
+#include "sightline/registry.hpp"
 #include "tests/dds/own_domain.hpp"
 #include "tests/support/command.hpp"
 

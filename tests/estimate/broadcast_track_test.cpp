@@ -1,10 +1,9 @@
-#include "sightline/estimate/broadcast_track.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "sightline/base/rotation.hpp"
+#include "sightline/base.hpp"
+#include "sightline/estimator.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,9 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "sightline/estimate/broadcast_track.hpp"
 #include "sightline/estimate/heading_filter.hpp"
 #include "sightline/estimate/out_of_sequence_filter.hpp"
-#include "sightline/estimate/pose_filter.hpp"
+#include "sightline/estimator.hpp"
 #include "tests/support/filter_derivatives.hpp"
 #include "tests/support/synthetic_flight.hpp"
 

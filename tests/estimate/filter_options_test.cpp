@@ -1,9 +1,8 @@
-#include "sightline/estimate/filter_options.hpp"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "sightline/estimator.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

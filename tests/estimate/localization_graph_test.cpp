@@ -1,7 +1,6 @@
-#include "sightline/estimate/localization_graph.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/estimator.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,9 +1,8 @@
-#include "sightline/estimate/measurement.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
+#include "sightline/estimator.hpp"
 #include "tests/support/filter_derivatives.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,7 +1,6 @@
-#include "sightline/estimate/place.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/estimator.hpp"
 #include "tests/support/filter_derivatives.hpp"
 
 namespace sightline {

@@ -1,10 +1,9 @@
-#include "sightline/estimate/pose_filter.hpp"
-
 #include <gtest/gtest.h>
 
 #include <set>
 #include <string>
 
+#include "sightline/estimator.hpp"
 #include "tests/support/synthetic_flight.hpp"
 
 namespace sightline {

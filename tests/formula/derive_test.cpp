@@ -1,12 +1,9 @@
-#include "sightline/formula/derive.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
-#include "sightline/formula/interpret.hpp"
-#include "sightline/formula/trace.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"

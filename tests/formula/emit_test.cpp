@@ -1,11 +1,9 @@
-#include "sightline/formula/emit.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <string>
 
-#include "sightline/formula/trace.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

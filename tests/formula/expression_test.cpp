@@ -1,12 +1,10 @@
-#include "sightline/formula/expression.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "sightline/formula/interpret.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,12 +1,11 @@
-#include "sightline/formula/graph.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 #include <tuple>
 
-#include "sightline/base/elementary.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

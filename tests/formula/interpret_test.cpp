@@ -1,5 +1,3 @@
-#include "sightline/formula/interpret.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/trace.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"
 #include "tests/support/wide.hpp"

@@ -1,9 +1,8 @@
-#include "sightline/formula/lexer.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 
+#include "sightline/formula.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

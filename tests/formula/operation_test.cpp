@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "sightline/base/lane.hpp"
+#include "sightline/base.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,5 +1,3 @@
-#include "sightline/formula/parse.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/formula/interpret.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula_text.hpp"
 #include "tests/support/refusal.hpp"

@@ -1,5 +1,3 @@
-#include "sightline/formula/program.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,9 +5,8 @@
 #include <optional>
 #include <set>
 
-#include "sightline/base/elementary.hpp"
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/trace.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"
 #include "tests/support/wide.hpp"

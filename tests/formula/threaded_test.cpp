@@ -1,11 +1,8 @@
-#include "sightline/formula/threaded.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/trace.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/formula.hpp"
 #include "tests/support/random.hpp"
 

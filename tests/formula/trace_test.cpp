@@ -1,10 +1,8 @@
-#include "sightline/formula/trace.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "sightline/formula/interpret.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"
 #include "tests/support/strict.hpp"

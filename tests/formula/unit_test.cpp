@@ -1,8 +1,8 @@
-#include "sightline/formula/unit.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
+
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

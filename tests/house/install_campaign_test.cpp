@@ -7,7 +7,7 @@
 #include <regex>
 #include <vector>
 
-#include "sightline/base/lane.hpp"
+#include "sightline/base.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/command.hpp"
 
@@ -158,7 +158,7 @@ TEST_F(Install, a_component_that_was_not_built_is_refused_by_name) {
 TEST_F(Install, the_whole_library_is_found_by_cmake_and_by_pkg_config) {
   const std::string scenario = tree + "/scenarios/paper_7_1.toml";
   write(folder_ / "source/reads.cpp",
-        "#include <sightline/scenario/scenario.hpp>\n#include <cstdio>\n"
+        "#include <sightline/scenario.hpp>\n#include <cstdio>\n"
         "int main(int, char** argv) { std::puts(sightline::read_scenario(argv[1]).name.c_str()); }\n");
   ASSERT_EQ(configured("find_package(sightline REQUIRED)\nadd_executable(reads reads.cpp)\n"
                        "target_link_libraries(reads PRIVATE sightline::sightline)\n",

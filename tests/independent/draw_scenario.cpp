@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/random_scenario.hpp"
 
 /// With safety.start_outside, or as it is where that is refused.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "sightline/potential/distance.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

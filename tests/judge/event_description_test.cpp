@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "sightline/run/sample.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

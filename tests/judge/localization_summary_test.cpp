@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

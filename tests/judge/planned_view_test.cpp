@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/potential/bearing.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <type_traits>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/period.hpp"
 
 namespace sightline {

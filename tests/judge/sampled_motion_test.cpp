@@ -7,9 +7,9 @@
 #include <limits>
 #include <random>
 
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

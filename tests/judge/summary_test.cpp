@@ -12,12 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline {
 namespace {

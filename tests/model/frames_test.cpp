@@ -1,5 +1,3 @@
-#include "sightline/model/frames.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -8,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/model.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/strict.hpp"

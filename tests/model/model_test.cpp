@@ -1,4 +1,4 @@
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"

@@ -1,4 +1,4 @@
-#include "sightline/model/robots.hpp"
+#include "sightline/robots.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "sightline/base/integrate.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/model.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

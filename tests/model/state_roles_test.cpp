@@ -8,13 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/model.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/text_robot.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/robots.hpp"
 
 namespace sightline {

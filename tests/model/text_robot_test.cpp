@@ -1,15 +1,12 @@
-#include "sightline/model/text_robot.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,11 +1,9 @@
-#include "sightline/model/velocity_multirotor.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/model/model.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/world/rotorcraft.hpp"
 #include "tests/mujoco/team.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/scenario/closed_loop.hpp"
-#include "sightline/world/tag_pose.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/sensors.hpp"
 #include "tests/mujoco/team.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/mujoco.hpp"
-#include "sightline/world/rotor_world.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/mixed_fleet.hpp"
 

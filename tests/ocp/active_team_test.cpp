@@ -1,13 +1,9 @@
-#include "sightline/ocp/active_team.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/pass_right.hpp"
+#include "sightline/events.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/potential/region.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

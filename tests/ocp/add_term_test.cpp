@@ -1,9 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/event.hpp"
-#include "sightline/potential/bounds.hpp"
+#include "sightline/events.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/event.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/events.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/monitored_line.hpp"
 
 namespace sightline {

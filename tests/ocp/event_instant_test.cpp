@@ -1,8 +1,7 @@
-#include "sightline/ocp/event_instant.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/events.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

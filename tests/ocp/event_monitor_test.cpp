@@ -1,8 +1,7 @@
-#include "sightline/ocp/event_monitor.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/events.hpp"
 #include "tests/support/monitored_line.hpp"
 
 namespace sightline {

@@ -1,9 +1,8 @@
-#include "sightline/ocp/event.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/events.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/refusal.hpp"
 

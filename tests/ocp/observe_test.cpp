@@ -1,12 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/event.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/pass_right.hpp"
+#include "sightline/events.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/potential/region.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -1,5 +1,3 @@
-#include "sightline/ocp/ocp.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +7,8 @@
 #include <map>
 #include <thread>
 
-#include "sightline/formula/interpret.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/team.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random_team.hpp"
 

@@ -1,8 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/event.hpp"
+#include "sightline/events.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/event.hpp"
+#include "sightline/events.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -1,13 +1,10 @@
-#include "sightline/ocp/shape.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/events.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/scenario/read_event.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/refusal.hpp"

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/event.hpp"
+#include "sightline/events.hpp"
 #include "tests/support/monitored_line.hpp"
 
 namespace sightline {

@@ -1,6 +1,6 @@
-#include "sightline/ocp/surroundings.hpp"
-
 #include <gtest/gtest.h>
+
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

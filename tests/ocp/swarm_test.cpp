@@ -1,11 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/ocp.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/pass_right.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/team.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,13 +1,9 @@
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 
 #include <gtest/gtest.h>
 
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/limits.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

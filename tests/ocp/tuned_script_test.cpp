@@ -1,8 +1,8 @@
-#include "sightline/ocp/tuned_script.hpp"
-
 #include <gtest/gtest.h>
 
 #include <thread>
+
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

@@ -1,11 +1,8 @@
-#include "sightline/ocp/view_choice.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/event_instant.hpp"
+#include "sightline/events.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

@@ -1,9 +1,8 @@
-#include "sightline/potential/bearing.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

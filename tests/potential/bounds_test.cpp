@@ -1,7 +1,6 @@
-#include "sightline/potential/bounds.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

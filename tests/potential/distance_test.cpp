@@ -1,7 +1,6 @@
-#include "sightline/potential/distance.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/potentials.hpp"
 #include "tests/support/apart.hpp"
 
 namespace sightline {

@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

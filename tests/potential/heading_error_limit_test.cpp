@@ -1,5 +1,3 @@
-#include "sightline/potential/heading_error_limit.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,10 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/text_robot.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

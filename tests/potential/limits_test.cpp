@@ -1,5 +1,3 @@
-#include "sightline/potential/limits.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/model/model.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,4 +1,4 @@
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,15 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include "sightline/base/tangent.hpp"
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/pass_right.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"

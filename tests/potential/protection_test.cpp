@@ -2,12 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/pass_right.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

@@ -1,7 +1,6 @@
-#include "sightline/potential/ramp.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/potential.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,11 +1,10 @@
-#include "sightline/potential/reference.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potential.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

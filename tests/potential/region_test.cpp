@@ -1,13 +1,9 @@
-#include "sightline/potential/region.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

@@ -1,14 +1,12 @@
-#include "sightline/potential/relaxed_barrier.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/potential/limits.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

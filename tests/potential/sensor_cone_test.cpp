@@ -1,7 +1,6 @@
-#include "sightline/potential/sensor_cone.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,8 +1,7 @@
-#include "sightline/potential/slope.hpp"
-
 #include <gtest/gtest.h>
 
-#include "sightline/base/tangent.hpp"
+#include "sightline/base.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/apart.hpp"
 
 namespace sightline {

@@ -1,9 +1,8 @@
-#include "sightline/potential/step.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "sightline/potential.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"

@@ -6,9 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/formula/trace.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/strict.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "sightline/log.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/record/recording.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/leaning_flight.hpp"
 

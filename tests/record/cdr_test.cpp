@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

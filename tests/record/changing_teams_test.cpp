@@ -8,7 +8,7 @@
 
 #include "sightline/judge/event_description.hpp"
 #include "sightline/judge/summary.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <queue>
 
 #include "sightline/judge/present_team.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/scenario_flight.hpp"
 
 namespace sightline {

@@ -1,5 +1,3 @@
-#include "sightline/record/folder_lock.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/record/replay.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/log.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/mcap.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 

@@ -1,5 +1,3 @@
-#include "sightline/record/log_text.hpp"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -8,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

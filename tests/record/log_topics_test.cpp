@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "sightline/record/log.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/keeping_sink.hpp"
 #include "tests/support/scenario_text.hpp"

@@ -1,12 +1,10 @@
-#include "sightline/record/logged_flight.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <optional>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 

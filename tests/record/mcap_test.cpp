@@ -1,5 +1,3 @@
-#include "sightline/record/mcap.hpp"
-
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -10,6 +8,7 @@
 #include <iterator>
 #include <random>
 
+#include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

@@ -1,16 +1,13 @@
-#include "sightline/record/recorded_flight.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <thread>
 
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/run/clock.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/copy_log.hpp"
 #include "tests/support/folder.hpp"

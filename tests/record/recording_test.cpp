@@ -1,5 +1,3 @@
-#include "sightline/record/recording.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +7,9 @@
 #include <functional>
 #include <numbers>
 
-#include "sightline/base/version.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/config.hpp"
+#include "sightline/log.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/record/log.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/command.hpp"

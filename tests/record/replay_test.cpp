@@ -1,11 +1,10 @@
-#include "sightline/record/replay.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "sightline/log.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "sightline/record/logged_flight.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/log.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/view_scenario.hpp"

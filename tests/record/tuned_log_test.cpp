@@ -5,9 +5,7 @@
 
 #include <optional>
 
-#include "sightline/record/logged_flight.hpp"
-#include "sightline/record/recording.hpp"
-#include "sightline/record/replay.hpp"
+#include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/view_scenario.hpp"

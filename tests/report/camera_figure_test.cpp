@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/record/logged_flight.hpp"
+#include "sightline/log.hpp"
 #include "sightline/report/run_figures.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

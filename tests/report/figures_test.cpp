@@ -1,5 +1,3 @@
-#include "sightline/report/figures.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "sightline/report.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 
 #include "sightline/record/log.hpp"
 #include "sightline/report/run_figures.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

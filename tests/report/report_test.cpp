@@ -1,4 +1,4 @@
-#include "sightline/report/report.hpp"
+#include "sightline/report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "sightline/judge/summary.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random.hpp"

@@ -1,5 +1,3 @@
-#include "sightline/run/clock.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <thread>
 
 #include "sightline/base/now.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

@@ -1,23 +1,13 @@
-#include "sightline/run/compensation.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/run/clock.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/distributed/partition.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"

@@ -1,11 +1,10 @@
-#include "sightline/run/controller.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/events.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/valid.hpp"
 

@@ -1,14 +1,10 @@
-#include "sightline/run/feed_forward.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

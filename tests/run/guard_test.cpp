@@ -1,5 +1,3 @@
-#include "sightline/run/guard.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "sightline/base/index.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

@@ -4,11 +4,8 @@
 
 #include <cmath>
 
-#include "sightline/run/clock.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/period.hpp"
 
 namespace sightline {

@@ -1,18 +1,12 @@
-#include "sightline/run/localizer.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/potential/tracking.hpp"
-#include "sightline/run/clock.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/telemetry_world.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/refusal.hpp"

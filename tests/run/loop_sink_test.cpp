@@ -5,12 +5,9 @@
 #include <atomic>
 #include <thread>
 
-#include "sightline/model/robots.hpp"
-#include "sightline/run/clock.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/model.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/gradient_planner.hpp"
 
 namespace sightline {

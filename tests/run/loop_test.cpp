@@ -1,4 +1,4 @@
-#include "sightline/run/loop.hpp"
+#include "sightline/loop.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,12 +10,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "sightline/run/clock.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/solver/solver.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/solver.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/counted_new.hpp"
 
 namespace sightline {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/world/rotor_world.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/counted_new.hpp"
 

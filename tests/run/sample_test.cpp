@@ -1,13 +1,11 @@
-#include "sightline/run/sample.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <set>
 #include <string>
 
-#include "sightline/safety/ladder.hpp"
-#include "sightline/safety/track.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 namespace {

@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "sightline/run/clock.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/spsc_queue.hpp"
+#include "sightline/loop.hpp"
 #include "tests/support/searching_flight.hpp"
 
 namespace sightline {

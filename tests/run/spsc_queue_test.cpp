@@ -1,10 +1,10 @@
-#include "sightline/run/spsc_queue.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <random>
 #include <thread>
+
+#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

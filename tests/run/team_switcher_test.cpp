@@ -1,14 +1,12 @@
-#include "sightline/run/team_switcher.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <new>
 
-#include "sightline/potential/region.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/gradient_planner.hpp"

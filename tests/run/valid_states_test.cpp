@@ -1,5 +1,3 @@
-#include "sightline/run/valid_states.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +5,9 @@
 #include <limits>
 #include <random>
 
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

@@ -1,14 +1,12 @@
-#include "sightline/ocp/view_choice.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "sightline/ocp/shape.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/reference.hpp"
+#include "sightline/events.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/team_flight.hpp"
 
 namespace sightline {

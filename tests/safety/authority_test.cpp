@@ -1,15 +1,12 @@
-#include "sightline/safety/authority.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

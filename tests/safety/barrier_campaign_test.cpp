@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/safety/barrier.hpp"
+#include "sightline/barrier.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/period.hpp"
@@ -114,7 +114,7 @@ TEST(BarrierCampaign, TheSafeSetIsLeftByNoSample) {
     }
     n.p = p + far * direction;
     const double before = filter.reserve(x, n);
-    test::Command u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
+    test::VehicleInput u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
     violation =
         std::max(violation, filter.filter(x, std::span(&n, 1), test::lowest, test::highest, u).violation);
     test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});

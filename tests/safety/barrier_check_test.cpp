@@ -8,9 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/safety/barrier.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/random.hpp"

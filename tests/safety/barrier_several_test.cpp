@@ -5,7 +5,7 @@
 namespace sightline {
 namespace {
 
-using test::Command;
+using test::VehicleInput;
 using test::Encirclement;
 using test::Fate;
 using test::highest;
@@ -74,7 +74,7 @@ TEST(BarrierAgainstSeveral, AtTheCeilingItSinksOutOfARing) {
     const double angle = std::numbers::pi * static_cast<double>(i) / 3;
     pursuers[i] = {.p = {1.6 * std::cos(angle), 1.6 * std::sin(angle), 6.0}, .d_hard = 0.6, .speed_max = 0.2};
   }
-  Command u = {0, 0, 0, 0};
+  VehicleInput u = {0, 0, 0, 0};
   const BarrierResult result = filter.filter(x, pursuers, lowest, highest, u);
   EXPECT_FALSE(result.surrounded);
   EXPECT_FALSE(result.conflict);
@@ -90,7 +90,7 @@ TEST(BarrierAgainstSeveral, APlanThatClimbsLagsByWhatTheRateAllowsAtMost) {
       const Vec3<double> p = {far * std::cos(angle), far * std::sin(angle), 1};
       pursuers[i] = {.p = p, .d_hard = 0.6, .speed_max = 0.4};
     }
-    Command u = {0, 0, -1, 0};
+    VehicleInput u = {0, 0, -1, 0};
     const BarrierResult result = filter.filter(x, pursuers, lowest, highest, u);
     EXPECT_FALSE(result.surrounded);
     const double climb = filter.options().authority, rate = filter.options().rate;
@@ -104,7 +104,7 @@ TEST(BarrierAgainstSeveral, WhoIsFarAwayOrOnTheSameSideChangesNothing) {
   const Neighbour threat{.p = {1.75, 0, 1}, .d_hard = 0.6, .speed_max = 1.0};
   for (const Vec3<double>& beside : {Vec3<double>{-10.5, 0, 1}, {0, 11, 1}, {6, 0.5, 1}, {5, -0.5, 2}}) {
     const std::array<Neighbour, 2> both = {threat, Neighbour{.p = beside, .d_hard = 0.6, .speed_max = 1.0}};
-    Command alone = {1, 0, 0, 0.1}, u = alone;
+    VehicleInput alone = {1, 0, 0, 0.1}, u = alone;
     const BarrierResult one = filter.filter(x, std::span(&threat, 1), lowest, highest, alone),
                         two = filter.filter(x, both, lowest, highest, u);
     EXPECT_TRUE(one.active);
@@ -127,7 +127,7 @@ TEST(BarrierAgainstSeveral, StaysOnTheWayThatItTook) {
         others.push_back({.p = pursuers[i].p, .v = v[i], .d_hard = e.d_hard, .speed_max = pursuers[i].speed});
       }
       const EvasiveManeuver before = maneuver;
-      Command u = test::wish(e, x, pursuers);
+      VehicleInput u = test::wish(e, x, pursuers);
       filter.filter(x, others, lowest, highest, u, maneuver);
       taken += maneuver.taken;
       turns += before.taken && maneuver.taken && dot(before.along, maneuver.along) < 0.5;

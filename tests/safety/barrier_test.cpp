@@ -1,4 +1,4 @@
-#include "sightline/safety/barrier.hpp"
+#include "sightline/barrier.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "cli/allocations.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
@@ -16,7 +16,7 @@ namespace sightline {
 namespace {
 
 using test::barrier;
-using test::Command;
+using test::VehicleInput;
 using test::control_period;
 using test::highest;
 using test::lowest;
@@ -84,7 +84,7 @@ TEST(Barrier, UsesUpItsReserveNoFasterThanItsRate) {
     State x = random_state(random, 2.0);
     Neighbour n = uncooperative_at(filter, x, k % 2 == 0 ? 0.0 : uniform(random, 0.0, 0.1), random);
     const double before = filter.reserve(x, n);
-    Command u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
+    VehicleInput u = k % 3 == 0 ? test::towards(x, n.p) : uniform_array<4>(random, -1, 1);
     const BarrierResult result = filter.filter(x, std::span(&n, 1), lowest, highest, u);
     EXPECT_FALSE(result.conflict);
     EXPECT_NEAR(result.reserve, before, 1e-12);
@@ -102,8 +102,8 @@ TEST(Barrier, LeavesACommandAloneBitForBitThatIsSafe) {
   for (int k = 0; k < 2000; ++k) {
     const State x = random_state(random, 1.0);
     const Neighbour n = uncooperative_at(filter, x, uniform(random, 4.0, 8.0), random);
-    const Command wanted = uniform_array<4>(random, -1, 1);
-    Command u = wanted;
+    const VehicleInput wanted = uniform_array<4>(random, -1, 1);
+    VehicleInput u = wanted;
     const BarrierResult result = filter.filter(x, std::span(&n, 1), lowest, highest, u);
     EXPECT_FALSE(result.active);
     EXPECT_EQ(u, wanted);
@@ -117,7 +117,7 @@ TEST(Barrier, KeepsTheDistanceToWhatStandsStill) {
     const Neighbour n{.p = {start, 0.2, 1.3}, .d_hard = 0.6, .speed_max = 0.0};
     double nearest = 1e9;
     for (int k = 0; k < 1500; ++k) {
-      Command u = test::towards(x, n.p);
+      VehicleInput u = test::towards(x, n.p);
       filter.filter(x, std::span(&n, 1), lowest, highest, u);
       test::fly(Multirotor{}, x, u, control_period,
                 [&](const Vec3<double>& p, double) { nearest = std::min(nearest, norm(p - n.p)); });
@@ -153,12 +153,12 @@ TEST(Barrier, KeepsFloorCeilingAndTheWorldsBounds) {
   Random random(5);
   for (int k = 0; k < 60; ++k) {
     State x = random_state(random, 2.0);
-    Command wanted = uniform_array<4>(random, -1, 1);
+    VehicleInput wanted = uniform_array<4>(random, -1, 1);
     double low = 1e9, high = 0, out = 0;
     for (int i = 0; i < 800; ++i) {
       if (i % 100 == 0) wanted = uniform_array<4>(random, -1, 1);
       if (k % 2 == 0) wanted = test::towards(x, {k % 4 == 0 ? 50.0 : -50.0, 30, k % 4 == 0 ? -9.0 : 9.0});
-      Command u = wanted;
+      VehicleInput u = wanted;
       filter.filter(x, {}, lowest, highest, u);
       test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         low = std::min(low, p.z);
@@ -180,7 +180,7 @@ TEST(Barrier, KeepsItsMarginBesideTheWalls) {
   for (const double climb : {-1.0, 1.0}) {
     State x = {0, 0, 1, 1, 0, 0, 0};
     for (int k = 0; k < 500; ++k) {
-      Command u = {0, 0, climb, 0};
+      VehicleInput u = {0, 0, climb, 0};
       EXPECT_FALSE(filter.filter(x, {}, lowest, highest, u).conflict);
       test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
     }
@@ -204,7 +204,7 @@ TEST(Barrier, KeepsTheFloorWhateverPressesFromAbove) {
       if (k % 2 == 0) n.p.z = x[2] + uniform(random, 0.0, 0.5);
     }
     for (int i = 0; i < 100; ++i) {
-      Command u = {0, 0, -1, 0};
+      VehicleInput u = {0, 0, -1, 0};
       conflicts += filter.filter(x, others, lowest, highest, u).conflict;
       test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         EXPECT_GE(p.z, 0.3 - 1e-9);
@@ -220,7 +220,7 @@ TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
   for (const double side : {1.0, -1.0}) {  // at the floor with one above, and at the ceiling with one below
     State x = {0, 0, side > 0 ? 0.3 : 2.0, 1, 0, 0, 0};
     const Neighbour threat{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
-    Command u = {0, 0, 0, 0};
+    VehicleInput u = {0, 0, 0, 0};
     EXPECT_TRUE(filter.filter(x, std::span(&threat, 1), lowest, highest, u).conflict);
     const double z = x[2];
     test::fly(Multirotor{}, x, u, control_period, [](const Vec3<double>&, double) {});
@@ -238,7 +238,7 @@ TEST(Barrier, KeepsTheBoundsOfTheWorldBeforeADistanceThatIsLost) {
     for (int k = 0; k < 300; ++k) {
       const Neighbour threat{
           .p = {x[0] - 0.5 * outward.x, x[1] - 0.5 * outward.y, 1.0}, .d_hard = 0.6, .speed_max = 0.0};
-      Command u = {outward.x, outward.y, 0, 0};
+      VehicleInput u = {outward.x, outward.y, 0, 0};
       conflicts += filter.filter(x, std::span(&threat, 1), lowest, highest, u).conflict;
       test::fly(Multirotor{}, x, u, control_period, [&](const Vec3<double>& p, double) {
         EXPECT_LE(outward.x * p.x + outward.y * p.y, world + 1e-9);
@@ -252,7 +252,7 @@ TEST(Barrier, TellsAConflictAndDividesIt) {
   const Barrier filter = barrier();
   const State x = {0, 0, 1, 1, 0, 0, 0};
   const std::array<Neighbour, 2> both = {Neighbour{.p = {0.7, 0, 1}}, Neighbour{.p = {-0.8, 0, 1}}};
-  Command u = {1, 0.3, 0, 0};
+  VehicleInput u = {1, 0.3, 0, 0};
   const BarrierResult result = filter.filter(x, both, lowest, highest, u);
   EXPECT_TRUE(result.conflict);
   EXPECT_TRUE(result.active);
@@ -266,7 +266,7 @@ TEST(Barrier, TellsAConflictAndDividesIt) {
 TEST(Barrier, NamesWhatIsTightest) {
   const Barrier filter = barrier({.floor = 0.3, .ceiling = 5.0, .world = 20.0});
   const std::array<Neighbour, 2> others = {Neighbour{.p = {8, 0, 1}}, Neighbour{.p = {0, 2.2, 1}}};
-  Command u = {0, 1, 0, 0};
+  VehicleInput u = {0, 1, 0, 0};
   BarrierResult result = filter.filter(State{0, 0, 1, 1, 0, 0, 0}, others, lowest, highest, u);
   EXPECT_EQ(result.neighbour, 1);
   EXPECT_EQ(result.wall, Wall::none);
@@ -292,7 +292,7 @@ TEST(Barrier, HeedsThePressingOnesOfAHundred) {
     const Neighbour threat = uncooperative_at(filter, x, 0.0, random);
     const std::size_t at = random() % threats.size();
     threats[at] = threat;
-    Command alone = test::towards(x, threat.p), u = alone;
+    VehicleInput alone = test::towards(x, threat.p), u = alone;
     const BarrierResult one = filter.filter(x, std::span(&threat, 1), lowest, highest, alone);
     const BarrierResult result = filter.filter(x, threats, lowest, highest, u);
     EXPECT_EQ(u, alone);
@@ -313,7 +313,7 @@ TEST(Barrier, GivesFiniteCommandsWithinTheLimitsWhateverItIsTold) {
       n = {.p = position(x) + uniform(random, 0.3, 4) * test::any_direction(random, true)};
       if (k % 2 == 0) n.behavior = Behavior::cooperative;
     }
-    Command u = uniform_array<4>(random, -1, 1);
+    VehicleInput u = uniform_array<4>(random, -1, 1);
     const auto any = [&] { return odd[random() % odd.size()]; };
     for (int i = 0; i < 2; ++i) {
       Neighbour& n = others[random() % 3];
@@ -342,7 +342,7 @@ TEST(Barrier, GivesFiniteCommandsWithinTheLimitsWhateverItIsTold) {
 TEST(Barrier, TellsAConflictOfNumbersThatAreNone) {
   const Barrier filter = barrier();
   Neighbour n{.p = {3, not_a_number, 1}};
-  Command u = {0.5, 0, 0, 0};
+  VehicleInput u = {0.5, 0, 0, 0};
   EXPECT_TRUE(filter.filter(State{0, 0, 1, 1, 0, 0, 0}, std::span(&n, 1), lowest, highest, u).conflict);
   n.p.y = 0;
   EXPECT_FALSE(filter.filter(State{0, 0, 1, 1, 0, 0, 0}, std::span(&n, 1), lowest, highest, u).conflict);
@@ -358,7 +358,7 @@ TEST(Barrier, AllocatesNothing) {
   for (int k = 0; k < 200; ++k) {
     const State x = random_state(random, 1.0);
     for (Neighbour& n : others) n = uncooperative_at(filter, x, 0.0, random);
-    Command u = uniform_array<4>(random, -1, 1);
+    VehicleInput u = uniform_array<4>(random, -1, 1);
     const std::int64_t before = cli::allocations();
     filter.filter(x, others, lowest, highest, u);
     EXPECT_EQ(cli::allocations(), before);
@@ -385,7 +385,7 @@ TEST(Barrier, TwoRobotsInOnePlacePart) {
   const Barrier filter = barrier();
   std::array<State, 2> x = {State{0, 0, 1, 1, 0, 0, 0}, State{0, 0, 1, 1, 0, 0, 0}};
   for (int k = 0; k < 300; ++k) {
-    std::array<Command, 2> u{};
+    std::array<VehicleInput, 2> u{};
     for (std::size_t i = 0; i < 2; ++i) {
       const Neighbour other{.p = position(x[1 - i]),
                             .v = {x[1 - i][5], x[1 - i][6], 0},

@@ -9,7 +9,7 @@
 namespace sightline {
 namespace {
 
-using test::Command;
+using test::VehicleInput;
 using test::highest;
 using test::lowest;
 using test::State;
@@ -55,7 +55,7 @@ TEST(BarrierThreats, OfSeveralTheLeastReserveCountsInWhateverOrderTheyAreTold) {
     }
     double least = 1e9;
     for (const Neighbour& n : all) least = std::min(least, filter.reserve(x, n));
-    Command first = test::towards(x, all.back().p), second = first;
+    VehicleInput first = test::towards(x, all.back().p), second = first;
     const BarrierResult reported = filter.filter(x, all, lowest, highest, first);
     EXPECT_EQ(reported.reserve, least);
     std::rotate(all.begin(), all.begin() + 1, all.end());
@@ -76,7 +76,7 @@ TEST(BarrierThreats, AMemberThatCannotComeTooNearChangesNothing) {
     Neighbour far = near;
     far.p = Vec3<double>{0, 0, 1} + uniform(random, 15, 30) * test::any_direction(random, true);
     const std::vector<Neighbour> both = {far, near};
-    Command alone = {1, 0, 0, 0}, u = alone;
+    VehicleInput alone = {1, 0, 0, 0}, u = alone;
     const BarrierResult one = filter.filter(x, {&near, 1}, lowest, highest, alone);
     const BarrierResult two = filter.filter(x, both, lowest, highest, u);
     EXPECT_EQ(u, alone);

@@ -1,13 +1,12 @@
-#include "sightline/safety/brake.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "sightline/base/integrate.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/world.hpp"
 #include "tests/support/adversary.hpp"
 
 namespace sightline {

@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/safety/escape.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "sightline/barrier.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 

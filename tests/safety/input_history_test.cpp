@@ -1,8 +1,7 @@
-#include "sightline/safety/input_history.hpp"
-
 #include <gtest/gtest.h>
 
-#include "sightline/world/disturbance.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/safety/ladder.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "sightline/world/disturbance.hpp"
+#include "sightline/supervisor.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

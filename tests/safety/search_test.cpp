@@ -1,12 +1,10 @@
-#include "sightline/safety/search.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/point_mass.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/supervisor.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/safety/supervisor.hpp"
+#include "sightline/supervisor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/potential/distance.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/period.hpp"
 
 namespace sightline {

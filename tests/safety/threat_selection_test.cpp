@@ -1,21 +1,19 @@
 // Who of many presses on a robot, and who does not count in a period.
-#include "sightline/safety/threat_selection.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "cli/allocations.hpp"
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/period.hpp"
 
 namespace sightline {
 namespace {
 
-using test::Command;
+using test::VehicleInput;
 using test::control_period;
 using test::highest;
 using test::lowest;
@@ -83,8 +81,8 @@ TEST(ThreatSelection, MembersThatNothingCanBringTooNearChangeNeitherCommandNorRe
     std::vector<Neighbour> watched = near;
     for (const double side : {-1.0, 1.0})
       watched.push_back({.p = {side * 500, 0, 1.5}, .d_hard = 0.6, .speed_max = 0.0});
-    const Command wanted = uniform_array<4>(random, -1, 1);
-    Command u = wanted, of_all = wanted;
+    const VehicleInput wanted = uniform_array<4>(random, -1, 1);
+    VehicleInput u = wanted, of_all = wanted;
     const BarrierResult one = filter.filter(x, near, lowest, highest, u);
     const BarrierResult all = filter.filter(x, watched, lowest, highest, of_all);
     EXPECT_EQ(u, of_all) << trial;

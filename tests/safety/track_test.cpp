@@ -1,14 +1,13 @@
-#include "sightline/safety/track.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "sightline/base/integrate.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/supervisor.hpp"
+#include "sightline/world.hpp"
 #include "tests/support/period.hpp"
 
 namespace sightline {

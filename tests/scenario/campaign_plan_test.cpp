@@ -1,7 +1,7 @@
-#include "sightline/scenario/campaign_plan.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

@@ -1,14 +1,13 @@
-#include "sightline/scenario/closed_loop.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <thread>
 
-#include "sightline/model/point_mass.hpp"
-#include "sightline/scenario/registry.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sightline/ocp/event_monitor.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/events.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/scene.hpp"

@@ -1,11 +1,10 @@
-#include "sightline/scenario/goal_track.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/scenario/registry.hpp"
+#include "sightline/registry.hpp"
 #include "tests/support/scenario_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"

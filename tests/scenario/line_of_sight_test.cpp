@@ -2,7 +2,7 @@
 /// scenarios/third_robot.toml another robot.
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_camera.hpp"
 
 namespace sightline {

@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/registry.hpp"
-#include "sightline/world/camera_world.hpp"
-#include "sightline/world/synthetic_detections.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scenario_text.hpp"
 

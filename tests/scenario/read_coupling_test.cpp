@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/scene.hpp"
 

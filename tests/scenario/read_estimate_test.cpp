@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"

@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/potential/pass_right.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_coupling.hpp"
-#include "sightline/scenario/scenario.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

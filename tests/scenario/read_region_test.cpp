@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "sightline/potential/finite.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/formula_text.hpp"

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/scenario_text.hpp"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sightline/potential/distance.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

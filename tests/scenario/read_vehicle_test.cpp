@@ -10,11 +10,10 @@
 #include <limits>
 #include <sstream>
 
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/registry.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/rotor_world.hpp"
+#include "sightline/base.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/scenario_text.hpp"

@@ -1,12 +1,12 @@
-#include "sightline/scenario/registry.hpp"
+#include "sightline/registry.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"

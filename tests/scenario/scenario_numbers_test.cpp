@@ -1,11 +1,10 @@
-#include "sightline/scenario/scenario_numbers.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/random.hpp"

@@ -1,4 +1,4 @@
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <random>
 
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/scenario_text.hpp"

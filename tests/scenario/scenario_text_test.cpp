@@ -1,5 +1,3 @@
-#include "sightline/scenario/scenario_text.hpp"
-
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -7,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "sightline/scenario.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "sightline/record/cdr.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/paced_clock.hpp"
 #include "tests/support/foxglove_ears.hpp"
 #include "tests/support/page_client.hpp"

@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "sightline/judge/planned_view.hpp"
-#include "sightline/record/folder_lock.hpp"
+#include "sightline/log.hpp"
 #include "sightline/record/log.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/page_client.hpp"

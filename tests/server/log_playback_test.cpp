@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "sightline/record/logged_flight.hpp"
+#include "sightline/log.hpp"
 #include "sightline/server/page_server.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/foxglove_ears.hpp"

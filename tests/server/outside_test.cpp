@@ -7,11 +7,9 @@
 #include <optional>
 #include <thread>
 
-#include "sightline/base/failure.hpp"
-#include "sightline/base/service_thread.hpp"
-#include "sightline/record/logged_flight.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/base.hpp"
+#include "sightline/log.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/flight_page.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/folder.hpp"

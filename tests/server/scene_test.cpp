@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "sightline/report/palette.hpp"
+#include "sightline/report.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {

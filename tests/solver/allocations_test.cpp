@@ -5,9 +5,7 @@
 
 #include <array>
 
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/refusal.hpp"

@@ -4,11 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/distributed/partition.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/newton_riccati_of.hpp"

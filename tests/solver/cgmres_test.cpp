@@ -1,11 +1,9 @@
 // What is its own; the laws it shares with multiple shooting are in continuation_test.cpp.
-#include "sightline/solver/continuation/cgmres.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/solver/continuation/cmscgmres.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"

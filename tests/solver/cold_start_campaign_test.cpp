@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/potential/bounds.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/paper_team.hpp"
 #include "tests/support/random_team.hpp"

@@ -1,14 +1,10 @@
-#include "sightline/solver/continuation/continuation.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"

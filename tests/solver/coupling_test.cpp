@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/paper_team.hpp"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "tests/support/random.hpp"
 

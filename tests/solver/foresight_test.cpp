@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
@@ -15,13 +15,13 @@
 namespace sightline {
 namespace {
 
-using Numbers = std::vector<double>;
+using Values = std::vector<double>;
 
 /// A solver that begins with the plan before as it was.
 class Held {
  public:
   explicit Held(const Team& team) : solver_(team, default_horizon), u_(static_cast<std::size_t>(team.nu())) {}
-  Solution solve(double t, const Numbers& x) {
+  Solution solve(double t, const Values& x) {
     for (int k = 0; started_ && k < default_horizon.N; ++k) {
       solver_.plan(k, u_);
       solver_.set_plan(k, u_);
@@ -32,7 +32,7 @@ class Held {
 
  private:
   NewtonRiccati solver_;
-  Numbers u_;
+  Values u_;
   bool started_ = false;
 };
 
@@ -40,7 +40,7 @@ struct Errors {
   double own = 0.0, held = 0.0;
 };
 /// Mean of |u - u*| over a closed loop of 3 s from `since` on, where states are measured with noise of `sigma`.
-Errors errors(const Team& team, Numbers x, double since, double sigma, double period = 0.01,
+Errors errors(const Team& team, Values x, double since, double sigma, double period = 0.01,
               const NewtonRiccatiOptions& options = {}) {
   NewtonRiccati own(team, default_horizon, options),
       optimum(team, default_horizon,
@@ -50,7 +50,7 @@ Errors errors(const Team& team, Numbers x, double since, double sigma, double pe
   Errors sum;
   int updates = 0;
   for (double t = 0.0; t < 3.0; t += period) {
-    Numbers measured = x;
+    Values measured = x;
     for (double& entry : measured) entry += sigma * uniform(random, -1.7, 1.7);
     const Solution best = optimum.solve(t, measured), a = own.solve(t, measured), b = held.solve(t, measured);
     if (t >= since) {

@@ -1,12 +1,11 @@
-#include "sightline/solver/kernels/generator.hpp"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <filesystem>
 
-#include "sightline/model/robots.hpp"
-#include "sightline/potential/distance.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/folder.hpp"
 
 namespace sightline {

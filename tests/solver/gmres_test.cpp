@@ -1,5 +1,3 @@
-#include "sightline/solver/continuation/gmres.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -8,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/solvers.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

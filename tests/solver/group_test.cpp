@@ -1,9 +1,7 @@
-#include "sightline/solver/newton/group.hpp"
-
 #include <gtest/gtest.h>
 
-#include "sightline/model/robots.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/model.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 

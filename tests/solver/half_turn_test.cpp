@@ -7,15 +7,10 @@
 #include <memory>
 #include <numbers>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
 #include "sightline/model/state_roles.hpp"
-#include "sightline/model/text_robot.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/random.hpp"
 

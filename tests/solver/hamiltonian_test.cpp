@@ -1,9 +1,8 @@
-#include "sightline/solver/continuation/hamiltonian.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 
+#include "sightline/solvers.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random_team.hpp"
 

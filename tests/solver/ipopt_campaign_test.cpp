@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bench/ipopt.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random_team.hpp"
@@ -39,7 +39,7 @@ struct Tally {
 
 void compare(Random& random, Tally& tally) {
   const Team team =
-      random_team(random, 2 + static_cast<int>(random() % 5), Feeling::everyone, Fleet::any_size);
+      random_team(random, 2 + static_cast<int>(random() % 5), Feeling::everyone, RandomRobots::any_size);
   const Ocp ocp(team, default_horizon);
   std::vector<double> x = random_states(random, team, uniform(random, 1.0, 4.0));
   for (int i = 0; i < team.bodies(); ++i)

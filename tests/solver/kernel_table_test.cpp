@@ -1,5 +1,3 @@
-#include "sightline/solver/kernels/kernel_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,18 +5,10 @@
 #include <limits>
 
 #include "examples/own_potential.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/limits.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
-#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

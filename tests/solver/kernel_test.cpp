@@ -1,8 +1,7 @@
-#include "sightline/solver/kernels/kernel.hpp"
-
 #include <gtest/gtest.h>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/model.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

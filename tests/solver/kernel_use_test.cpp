@@ -1,14 +1,11 @@
-#include "sightline/solver/kernels/kernel_use.hpp"
-
 #include <gtest/gtest.h>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/solver.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/default_horizon.hpp"
 
 namespace sightline {

@@ -6,8 +6,7 @@
 #include <numeric>
 
 #include "cli/allocations.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/pass_right.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/solver/newton/coupling.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "tests/support/random.hpp"

@@ -1,5 +1,3 @@
-#include "sightline/solver/newton/newton_riccati.hpp"
-
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -12,9 +10,9 @@
 
 #include "cli/allocations.hpp"
 #include "examples/own_potential.hpp"
-#include "sightline/solver/continuation/hamiltonian.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/kernels.hpp"
 #include "sightline/solver/newton/update.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/potential/distance.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

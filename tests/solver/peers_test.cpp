@@ -1,10 +1,9 @@
-#include "sightline/solver/distributed/peers.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
 #include "cli/allocations.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

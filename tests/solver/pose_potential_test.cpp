@@ -1,13 +1,10 @@
-#include "sightline/solver/kernels/pose_potential.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/region.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/random_team.hpp"
 

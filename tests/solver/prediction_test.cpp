@@ -1,9 +1,8 @@
-#include "sightline/solver/prediction.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "sightline/solver.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

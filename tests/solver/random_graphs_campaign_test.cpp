@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/campaign.hpp"
 #include "tests/support/random_graph.hpp"
 

@@ -5,13 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/limits.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/distributed/partition.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/newton_riccati_of.hpp"
@@ -20,12 +16,12 @@
 namespace sightline {
 namespace {
 
-using Numbers = std::vector<double>;
+using Values = std::vector<double>;
 using testing::HasSubstr;
 
 /// A robot that goes to a place 1 m off and looks at a body on its way.
 template <RobotModel M>
-Team looker(const M& robot, const Numbers& R_rate) {
+Team looker(const M& robot, const Values& R_rate) {
   Team team;
   AgentOptions<M> options;
   options.Q[0] = options.Q[1] = options.Q[2] = 2.0;
@@ -40,12 +36,12 @@ Team looker(const M& robot, const Numbers& R_rate) {
 }
 
 /// Of the plan of one robot and an obstacle from x on: stage costs times h, and those of the rates.
-double cost_of(const Team& team, const Horizon& horizon, Numbers x, const std::vector<Numbers>& u,
-               const Numbers& before) {
+double cost_of(const Team& team, const Horizon& horizon, Values x, const std::vector<Values>& u,
+               const Values& before) {
   const double h = horizon.h();
-  const Numbers& R = team.agents()[0].R_rate;
+  const Values& R = team.agents()[0].R_rate;
   double cost = 0.0;
-  Numbers rate(x.size());
+  Values rate(x.size());
   for (std::size_t k = 0; k < u.size(); ++k) {
     cost += h * stage_cost(team, static_cast<double>(k) * h, x, u[k]);
     for (std::size_t i = 0; i < u[k].size(); ++i) {
@@ -64,23 +60,23 @@ double cost_of(const Team& team, const Horizon& horizon, Numbers x, const std::v
 
 template <RobotModel M>
 void expect_stationary(const M& robot) {
-  const Numbers R_rate = {0.02, 0.05, 0.0, 0.1}, before = {0.1, -0.05, 0.02, 0.1};
+  const Values R_rate = {0.02, 0.05, 0.0, 0.1}, before = {0.1, -0.05, 0.02, 0.1};
   const Team team = looker(robot, R_rate);
   NewtonRiccati solver(team, default_horizon, {.max_newton_steps = 200, .tolerance = 1e-9, .max_krylov = 20});
-  Numbers x(static_cast<std::size_t>(team.nx()));
+  Values x(static_cast<std::size_t>(team.nx()));
   team.model(BodyId{0}).at_rest({{0.2, 0, 1}, {0.8, 0.6}}, x.data());
   x[x.size() - 6] = 3.0, x[x.size() - 5] = 0.5, x[x.size() - 4] = 1.0, x[x.size() - 2] = 0.1;
-  solver.set_applied({before, Numbers(4)});
+  solver.set_applied({before, Values(4)});
   const Solution solution = solver.solve(0.0, x);
   EXPECT_EQ(solution.status, Status::converged);
-  std::vector<Numbers> u(static_cast<std::size_t>(default_horizon.N), Numbers(4));
+  std::vector<Values> u(static_cast<std::size_t>(default_horizon.N), Values(4));
   for (std::size_t k = 0; k < u.size(); ++k) solver.plan(static_cast<int>(k), u[k]);
-  EXPECT_EQ(Numbers(solution.u.begin(), solution.u.end()), u[0]);
+  EXPECT_EQ(Values(solution.u.begin(), solution.u.end()), u[0]);
   for (std::size_t k = 0; k < u.size(); ++k) {
     for (std::size_t i = 0; i < 4; ++i) {
       ASSERT_LT(std::abs(u[k][i]), 0.999) << "no limit is active";
       constexpr double by = 1e-4;
-      std::vector<Numbers> more = u, less = u;
+      std::vector<Values> more = u, less = u;
       more[k][i] += by, less[k][i] -= by;
       const double slope = (cost_of(team, default_horizon, x, more, before) -
                             cost_of(team, default_horizon, x, less, before)) /
@@ -89,7 +85,7 @@ void expect_stationary(const M& robot) {
     }
   }
   double moved = 0.0;
-  for (const Numbers& of_stage : u) moved = std::max(moved, std::abs(of_stage[0] - u[0][0]));
+  for (const Values& of_stage : u) moved = std::max(moved, std::abs(of_stage[0] - u[0][0]));
   EXPECT_GT(moved, 0.05);
 }
 
@@ -100,27 +96,27 @@ TEST(RateCost, APlanIsStationaryInTheWholeCostFromTheInputThatWasApplied) {
 
 /// Inputs of a closed loop of 12 s, and where it ends.
 struct RateFlight {
-  std::vector<Numbers> u;
-  Numbers x;
+  std::vector<Values> u;
+  Values x;
   double fastest(std::size_t i) const {
     double most = 0.0;
     for (std::size_t k = 1; k < u.size(); ++k) most = std::max(most, std::abs(u[k][i] - u[k - 1][i]) / 0.01);
     return most;
   }
 };
-RateFlight flown(Solver& solver, Numbers x) {
+RateFlight flown(Solver& solver, Values x) {
   RateFlight flight;
-  flight.x = fly(solver, std::move(x), 1200, [&](double, const Numbers&, const Solution& s) {
+  flight.x = fly(solver, std::move(x), 1200, [&](double, const Values&, const Solution& s) {
     flight.u.emplace_back(s.u.begin(), s.u.end());
     for (const double u : s.u) ASSERT_LE(std::abs(u), 1.0);
   });
   return flight;
 }
-const Numbers from_afar = {-1, 0.5, 1, 1, 0, 0, 0, /**/ 3, 0.5, 1, 0, 0, 0};
+const Values from_afar = {-1, 0.5, 1, 1, 0, 0, 0, /**/ 3, 0.5, 1, 0, 0, 0};
 
 TEST(RateCost, SlowsTheInputThatHasItAndTheRobotArrivesAllTheSame) {
   NewtonRiccati free(looker(Multirotor{}, {}), default_horizon),
-      next_to_nothing(looker(Multirotor{}, Numbers(4, 1e-12)), default_horizon),
+      next_to_nothing(looker(Multirotor{}, Values(4, 1e-12)), default_horizon),
       slow(looker(Multirotor{}, {0.3, 0.3, 0.0, 0.0}), default_horizon),
       slower(looker(Multirotor{}, {3.0, 3.0, 0.0, 0.0}), default_horizon);
   const RateFlight a = flown(free, from_afar), same = flown(next_to_nothing, from_afar),
@@ -134,15 +130,15 @@ TEST(RateCost, SlowsTheInputThatHasItAndTheRobotArrivesAllTheSame) {
 }
 
 TEST(RateCost, CountsFromTheInputThatIsToldWithoutWhatIsAdded) {
-  NewtonRiccati solver(looker(Multirotor{}, Numbers(4, 1e6)), default_horizon);
-  const Numbers before = {0.5, -0.4, 0.3, 0.2}, added = {0.2, 0.1, -0.1, 0.0};
+  NewtonRiccati solver(looker(Multirotor{}, Values(4, 1e6)), default_horizon);
+  const Values before = {0.5, -0.4, 0.3, 0.2}, added = {0.2, 0.1, -0.1, 0.0};
   solver.set_applied({before, added});
   const auto u = solver.step(0.0, from_afar);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(u[i], before[i] - added[i], 1e-4);
 }
 
 TEST(RateCost, HoldsTogetherWithTheLimitOfTheRateAndWithOtherRobotsWithout) {
-  const auto team_of = [](const Numbers& rate_max, const Numbers& R_rate) {
+  const auto team_of = [](const Values& rate_max, const Values& R_rate) {
     Team team;
     team.add(Multirotor{}, {.Q = {2, 2, 2, 0, 0, 0, 0},
                             .x_ref = Constant{.p = {1, 1, 2}},
@@ -153,9 +149,9 @@ TEST(RateCost, HoldsTogetherWithTheLimitOfTheRateAndWithOtherRobotsWithout) {
     return team;
   };
   const auto loop = [](Solver& solver, double& fastest) {
-    Numbers x = {0, 0, 1, 1, 0, 0, 0, /**/ 0, 3, 1, 1, 0, 0, 0}, before(8), all;
+    Values x = {0, 0, 1, 1, 0, 0, 0, /**/ 0, 3, 1, 1, 0, 0, 0}, before(8), all;
     for (int k = 0; k < 200; ++k) {
-      solver.set_applied({before, Numbers(8)});
+      solver.set_applied({before, Values(8)});
       const auto u = solver.step(0.01 * k, x);
       for (std::size_t i = 0; i < 4; ++i) fastest = std::max(fastest, std::abs(u[i] - before[i]) / 0.01);
       before.assign(u.begin(), u.end());
@@ -165,10 +161,10 @@ TEST(RateCost, HoldsTogetherWithTheLimitOfTheRateAndWithOtherRobotsWithout) {
     return all;
   };
   double fastest = 0.0, of_parts = 0.0, free = 0.0;
-  const Team limited = team_of(Numbers(4, 2.0), Numbers(4, 0.01));
+  const Team limited = team_of(Values(4, 2.0), Values(4, 0.01));
   NewtonRiccati whole(limited, default_horizon), none(team_of({}, {}), default_horizon);
   PartitionedSolver parts(limited, {{AgentId{{0}}}, {AgentId{{1}}}}, newton_riccati_of(default_horizon));
-  const Numbers u = loop(whole, fastest), v = loop(parts, of_parts), w = loop(none, free);
+  const Values u = loop(whole, fastest), v = loop(parts, of_parts), w = loop(none, free);
   EXPECT_LE(fastest, 2.0 + 1e-9);
   EXPECT_GT(free, 10.0);
   for (std::size_t k = 0; k < u.size(); ++k) {

@@ -1,9 +1,7 @@
-#include "sightline/solver/distributed/simulated_messages.hpp"
-
 #include <gtest/gtest.h>
 
 #include "cli/allocations.hpp"
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"

@@ -1,5 +1,5 @@
 // The laws of every solver; a new one is added to the list `Solvers` and inherits them.
-#include "sightline/solver/solver.hpp"
+#include "sightline/solver.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/newton_riccati_of.hpp"

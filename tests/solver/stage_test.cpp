@@ -1,8 +1,8 @@
-#include "sightline/solver/kernels/stage.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
+
+#include "sightline/kernels.hpp"
 
 // GCC 12 mistakes the masks of its own intrinsics for a fault.
 #if defined(__GNUC__) && !defined(__clang__)
@@ -10,14 +10,10 @@
 #endif
 #include <Eigen/Dense>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/potential/limits.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/difference.hpp"
 #include "tests/support/error.hpp"

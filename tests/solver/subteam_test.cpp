@@ -1,12 +1,11 @@
-#include "sightline/solver/distributed/subteam.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "cli/allocations.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/error.hpp"

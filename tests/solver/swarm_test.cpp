@@ -4,9 +4,7 @@
 #include <array>
 
 #include "cli/allocations.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/refusal.hpp"

@@ -1,12 +1,9 @@
-#include "sightline/solver/team_planner.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/continuation/cmscgmres.hpp"
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solver.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"

@@ -4,11 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/formula/interpret.hpp"
-#include "sightline/potential/region.hpp"
-#include "sightline/solver/continuation/cgmres.hpp"
-#include "sightline/solver/distributed/subteam.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/default_horizon.hpp"
 
 namespace sightline {

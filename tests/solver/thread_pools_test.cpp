@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "sightline/base/thread_pool.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/plant.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/random_graph.hpp"
 
 namespace sightline {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
 #include "tests/support/default_horizon.hpp"
 
 namespace sightline {

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/base/integrate.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/safety/barrier.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 
@@ -19,7 +19,7 @@ namespace sightline::test {
 
 inline constexpr std::array<double, 4> lowest = {-1, -1, -1, -1}, highest = {1, 1, 1, 1};
 using State = std::array<double, Multirotor::nx>;
-using Command = std::array<double, Multirotor::nu>;
+using VehicleInput = std::array<double, Multirotor::nu>;
 
 /// The filter of one multirotor.
 inline Barrier barrier(const BarrierOptions& options = {}) {
@@ -28,7 +28,7 @@ inline Barrier barrier(const BarrierOptions& options = {}) {
 
 /// One sample of the plant; `seen` is told the position in between too.
 template <class Seen>
-void fly(const Multirotor& robot, State& x, const Command& u, double dt, Seen&& seen) {
+void fly(const Multirotor& robot, State& x, const VehicleInput& u, double dt, Seen&& seen) {
   constexpr int parts = 4;
   std::array<double, RungeKuttaScratch::rows_needed * Multirotor::nx> rows;
   for (int i = 1; i <= parts; ++i) {
@@ -48,7 +48,7 @@ void fly(const Multirotor& robot, State& x, const Command& u, double dt, Seen&& 
 }
 
 /// The command that goes for a point as fast as it can.
-inline Command towards(const State& x, const Vec3<double>& point) {
+inline VehicleInput towards(const State& x, const Vec3<double>& point) {
   const Vec3<double> r = point - Vec3<double>{x[0], x[1], x[2]};
   const double length = std::max({std::abs(r.x), std::abs(r.y), std::abs(r.z), 1e-9});
   const Vec2<double> r_V = rotate<double>({x[3], -x[4]}, {r.x / length, r.y / length});
@@ -65,7 +65,7 @@ struct Duel {
   Nominal nominal = Nominal::straight_at_it;
   Pursuit pursuit = Pursuit::turns_each_half_second;
   double start = 3.5, d_hard = 1.0, speed_max = 1.5, duration = 15.0, dt = 0.01;
-  Command added{};  ///< what holds the robot against wind, whose limits it takes from
+  VehicleInput added{};  ///< what holds the robot against wind, whose limits it takes from
 };
 
 struct DuelOutcome {
@@ -100,9 +100,9 @@ inline DuelOutcome duel(const Barrier& barrier, const Duel& d, std::uint64_t see
   }
   const double usual = random() % 2 == 0 ? d.speed_max : uniform(random, 0.0, d.speed_max);
   Vec3<double> v{};
-  Command wanted{};
+  VehicleInput wanted{};
   DuelOutcome outcome;
-  Command low = lowest, high = highest;
+  VehicleInput low = lowest, high = highest;
   for (std::size_t i = 0; i < low.size(); ++i) low[i] -= d.added[i], high[i] -= d.added[i];
   const auto periods = static_cast<int>(std::llround(d.duration / d.dt));
   for (int k = 0; k < periods; ++k) {
@@ -125,7 +125,7 @@ inline DuelOutcome duel(const Barrier& barrier, const Duel& d, std::uint64_t see
     if (d.nominal == Nominal::straight_at_it) wanted = towards(x, other.p);
     if (d.nominal == Nominal::always_down) wanted = {wanted[0], wanted[1], -1.0, 1.0};
 
-    Command u = wanted;
+    VehicleInput u = wanted;
     if (d.filtered) {
       const BarrierResult result = barrier.filter(x, std::span(&other, 1), low, high, u);
       outcome.conflicts += result.conflict;
@@ -169,7 +169,7 @@ inline SwarmOutcome fly_swarm(const Barrier& barrier, const Swarm& swarm, std::u
   const auto count = static_cast<std::size_t>(swarm.robots);
   std::vector<State> x(count);
   std::vector<Vec3<double>> goal(count);
-  std::vector<Command> u(count), wanted(count);
+  std::vector<VehicleInput> u(count), wanted(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
     const double stray = swarm.head_on ? 0.0 : uniform(random, -0.1, 0.1), psi = uniform(random, -3.1, 3.1);

@@ -6,8 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/world/command.hpp"
-#include "sightline/world/world.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::test {
 

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/integrate.hpp"
-#include "sightline/solver/solver.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solver.hpp"
 
 namespace sightline {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline::test {
 

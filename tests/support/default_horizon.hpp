@@ -1,7 +1,7 @@
 /// The horizon of most tests.
 #pragma once
 
-#include "sightline/ocp/ocp.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/base/index.hpp"
-#include "sightline/ocp/event_instant.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/base.hpp"
+#include "sightline/events.hpp"
+#include "sightline/world.hpp"
 #include "sightline/world/view_flight.hpp"
 
 namespace sightline::test {

@@ -87,7 +87,7 @@ Fate fly_among(const Encirclement& e, CommandOf&& command) {
   const auto periods = static_cast<int>(std::llround(e.duration / e.dt));
   for (int k = 0; k < periods; ++k) {
     const double t = e.dt * k;
-    const Command u = command(x, pursuers, v, t);
+    const VehicleInput u = command(x, pursuers, v, t);
     for (const double c : u) fate.largest_command = std::max(fate.largest_command, std::abs(c));
     const Vec3<double> p = {x[0], x[1], x[2]};
     for (std::size_t i = 0; i < pursuers.size(); ++i) {
@@ -115,7 +115,7 @@ Fate fly_among(const Encirclement& e, CommandOf&& command) {
   return fate;
 }
 
-inline Command wish(const Encirclement& e, const State& x, std::span<const Pursuer> pursuers) {
+inline VehicleInput wish(const Encirclement& e, const State& x, std::span<const Pursuer> pursuers) {
   if (e.wish == Wish::fly_on) return {e.v.x, e.v.y, 0.0, 0.2};
   Vec3<double> goal = {0, 0, e.height};
   const Vec3<double> p = {x[0], x[1], x[2]};
@@ -147,7 +147,7 @@ inline Fate fly_filtered(const Barrier& barrier, const Encirclement& e) {
                         .d_hard = e.d_hard,
                         .speed_max = e.speed_max > 0 ? e.speed_max : pursuers[i].speed});
     }
-    Command u = wish(e, x, pursuers);
+    VehicleInput u = wish(e, x, pursuers);
     if (barrier.filter(x, others, lowest, highest, u, maneuver).conflict) reported = std::min(reported, t);
     return u;
   });
@@ -161,7 +161,7 @@ inline bool is_safe_from_all(const Barrier& barrier, const Encirclement& e) {
   std::vector<Neighbour> others;
   for (const Pursuer& pursuer : e.pursuers)
     others.push_back({.p = pursuer.p, .d_hard = e.d_hard, .speed_max = pursuer.speed});
-  Command u{};
+  VehicleInput u{};
   const BarrierResult result = barrier.filter(x, others, lowest, highest, u);
   return !result.surrounded && result.reserve >= 0;
 }
@@ -171,7 +171,7 @@ inline Fate fly_plan(const Encirclement& e, int index) {
   const double angle = 2 * std::numbers::pi * (index % 20) / 20, climb = -1.0 + 0.5 * (index / 20 % 5);
   const double begin = std::array{0.0, 0.4, 0.8, 1.5, 2.5}[static_cast<std::size_t>(index / 100)];
   const double size = std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
-  return fly_among(e, [&](const State& x, const auto&, const auto&, double t) -> Command {
+  return fly_among(e, [&](const State& x, const auto&, const auto&, double t) -> VehicleInput {
     if (t < begin - 1e-9) return {};
     // Not below the floor: it levels out there.
     const double rise = x[2] + e.dt * climb < e.floor ? std::max(climb, (e.floor - x[2]) / e.dt) : climb;

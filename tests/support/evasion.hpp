@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "sightline/campaign/evasion.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -1,7 +1,7 @@
 /// A chain in parts of one size, or nearly.
 #pragma once
 
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -3,9 +3,8 @@
 
 #include <string>
 
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/event.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/events.hpp"
+#include "sightline/potentials.hpp"
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
-#include "sightline/potential/distance.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline::test {
 

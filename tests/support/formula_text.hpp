@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/formula/parse.hpp"
+#include "sightline/formula.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

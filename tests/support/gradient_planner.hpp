@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/solver/continuation/hamiltonian.hpp"
-#include "sightline/solver/team_planner.hpp"
+#include "sightline/solver.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 namespace sightline {
 

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "sightline/analysis/identification/identify.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::test {
 

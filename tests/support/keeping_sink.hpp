@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline::test {
 

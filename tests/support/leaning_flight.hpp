@@ -10,8 +10,7 @@
 
 #include "sightline/judge/planned_view.hpp"
 #include "sightline/judge/summary.hpp"
-#include "sightline/scenario/closed_loop.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::test {
 

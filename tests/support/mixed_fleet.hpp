@@ -1,10 +1,9 @@
 /// A vehicle under tilt commands, a rover, a vehicle under velocity commands, a target.
 #pragma once
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline::test {
 

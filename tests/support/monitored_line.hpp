@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sightline/ocp/event_monitor.hpp"
+#include "sightline/events.hpp"
 #include "tests/support/event_team.hpp"
 
 namespace sightline {

@@ -1,7 +1,7 @@
 /// Makes the default solver, of teams of one horizon.
 #pragma once
 
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

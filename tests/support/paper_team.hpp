@@ -4,9 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline::paper {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "sightline/model/frames.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline {
 

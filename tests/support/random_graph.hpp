@@ -5,11 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/ocp/team.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/team.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline::test {

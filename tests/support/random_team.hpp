@@ -4,13 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/ocp/ocp.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/sensor_cone.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/team.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/robots.hpp"
 
@@ -34,7 +30,7 @@ enum class Feeling {
 };
 
 /// Which robots a random team is of, and how many of its pairs are coupled.
-enum class Fleet {
+enum class RandomRobots {
   multirotors,  ///< both models of the library; nearly all pairs
   any_size,  ///< those and others, of 4 to 12 states, on the ground and under velocity commands; a share of the
              ///< pairs that is drawn
@@ -69,8 +65,8 @@ AgentId add_random_agent(Team& team, const M& model, Random& random) {
 }
 
 /// A robot of a model that is drawn.
-inline AgentId add_random_agent(Team& team, Fleet fleet, Random& random) {
-  switch (random() % (fleet == Fleet::multirotors ? 2 : 9)) {
+inline AgentId add_random_agent(Team& team, RandomRobots fleet, Random& random) {
+  switch (random() % (fleet == RandomRobots::multirotors ? 2 : 9)) {
     case 0:
       return add_random_agent(team, Multirotor{}, random);
     case 1:
@@ -93,13 +89,14 @@ inline AgentId add_random_agent(Team& team, Fleet fleet, Random& random) {
 }
 
 /// Robots of several models, obstacles among them, and each potential drawn for any two bodies.
-inline Team random_team(Random& random, int agents, Feeling feeling, Fleet fleet = Fleet::multirotors) {
+inline Team random_team(Random& random, int agents, Feeling feeling,
+                        RandomRobots fleet = RandomRobots::multirotors) {
   Team team;
   for (int i = 0; i < agents; ++i) {
     if (random() % 3 == 0) team.add(Obstacle{});
     add_random_agent(team, fleet, random);
   }
-  const double coupled = fleet == Fleet::multirotors ? 1.0 : uniform(random, 0.2, 1.0);
+  const double coupled = fleet == RandomRobots::multirotors ? 1.0 : uniform(random, 0.2, 1.0);
   for (int a = 0; a < team.bodies(); ++a) {
     for (int b = 0; b < team.bodies(); ++b) {
       const Between between{{a}, {b}};

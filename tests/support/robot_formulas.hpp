@@ -1,7 +1,7 @@
 /// What sightline_add_formulas compiles of the robots in robots.hpp.
 #pragma once
 
-#include "sightline/solver/kernels/generator.hpp"
+#include "sightline/kernels.hpp"
 #include "tests/support/robots.hpp"
 
 inline void sightline_formulas(sightline::Generator& generator) {

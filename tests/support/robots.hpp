@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "sightline/model/frames.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline::test {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "tests/support/team_flight.hpp"
 
 namespace sightline {

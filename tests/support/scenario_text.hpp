@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "sightline/links.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_robot.hpp"
-#include "sightline/scenario/scenario.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline::test {

@@ -8,13 +8,11 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/potential/tracking.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/localizer.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/telemetry_world.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/tag_world.hpp"

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sightline/world/model_world.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline::test {
 

@@ -1,7 +1,7 @@
 /// A campaign of short flights: the shipped scenario, all that it draws, a second of each.
 #pragma once
 
-#include "sightline/campaign/campaign.hpp"
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 

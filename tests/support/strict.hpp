@@ -3,7 +3,7 @@
 
 #include <concepts>
 
-#include "sightline/base/elementary.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
-#include "sightline/potential/pass_right.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/team.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {

@@ -7,11 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/base/rotation.hpp"
-#include "sightline/estimate/broadcast_track.hpp"
-#include "sightline/estimate/place.hpp"
-#include "sightline/estimate/pose_filter.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/base.hpp"
+#include "sightline/estimator.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::test {
 

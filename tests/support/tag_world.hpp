@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/world/model_world.hpp"
 #include "sightline/world/sighting.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline::test {
 

@@ -5,11 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "sightline/run/clock.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/run/team_switcher.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/valid.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/tuner.hpp"
 #include "tests/support/view_scenario.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline::test {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/run/valid_states.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline::test {
 

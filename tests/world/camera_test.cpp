@@ -1,11 +1,10 @@
-#include "sightline/world/camera.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "sightline/sensors.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,5 +1,3 @@
-#include "sightline/world/camera_world.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,8 +5,8 @@
 #include <map>
 #include <vector>
 
-#include "sightline/world/model_world.hpp"
-#include "sightline/world/synthetic_detections.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/seeing_world.hpp"

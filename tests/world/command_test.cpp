@@ -1,5 +1,3 @@
-#include "sightline/world/command.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +6,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

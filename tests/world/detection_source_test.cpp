@@ -1,10 +1,10 @@
-#include "sightline/world/detection_source.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 namespace {

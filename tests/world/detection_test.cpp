@@ -1,9 +1,9 @@
-#include "sightline/world/detection.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
+
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

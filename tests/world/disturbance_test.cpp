@@ -1,5 +1,3 @@
-#include "sightline/world/disturbance.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,8 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/world/downwash.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/vehicle.hpp"
+#include "sightline/world.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

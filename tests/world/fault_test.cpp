@@ -1,12 +1,11 @@
-#include "sightline/world/fault.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/world/late_plan.hpp"
-#include "sightline/world/sensor.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/world.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/two_robots.hpp"
 
 namespace sightline {

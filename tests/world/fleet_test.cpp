@@ -5,8 +5,7 @@
 
 #include <algorithm>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

@@ -5,11 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 #include "tests/support/wrench.hpp"
 
 namespace sightline {

@@ -1,5 +1,3 @@
-#include "sightline/world/imu.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "sightline/vehicle.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

@@ -1,10 +1,9 @@
-#include "sightline/world/model_world.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/two_robots.hpp"

@@ -1,7 +1,6 @@
-#include "sightline/world/motion_sensor.hpp"
-
 #include <gtest/gtest.h>
 
+#include "sightline/sensors.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace sightline {

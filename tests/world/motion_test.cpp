@@ -1,5 +1,3 @@
-#include "sightline/world/motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +5,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "sightline/world/plant.hpp"
-#include "sightline/world/sensor.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/world.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"

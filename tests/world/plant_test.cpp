@@ -1,5 +1,3 @@
-#include "sightline/world/plant.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,10 +5,10 @@
 #include <random>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/text_robot.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/two_robots.hpp"

@@ -1,10 +1,10 @@
-#include "sightline/world/rigid_body.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/world/rotor_world.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,10 +5,9 @@
 #include <limits>
 #include <string>
 
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/robots.hpp"
 #include "sightline/world/rotorcraft.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/copied.hpp"
 #include "tests/support/hexacopter.hpp"

@@ -1,11 +1,9 @@
-#include "sightline/world/sensing_world.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "sightline/world/model_world.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/two_robots.hpp"
 

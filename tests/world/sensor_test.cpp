@@ -1,5 +1,3 @@
-#include "sightline/world/sensor.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sightline/sensors.hpp"
 #include "tests/support/robots.hpp"
 
 namespace sightline {

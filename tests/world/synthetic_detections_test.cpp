@@ -1,5 +1,3 @@
-#include "sightline/world/synthetic_detections.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "sightline/sensors.hpp"
 #include "tests/support/two_robots.hpp"
 
 namespace sightline {

@@ -1,5 +1,3 @@
-#include "sightline/world/tag_pose.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/world/detection.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -1,11 +1,9 @@
-#include "sightline/world/telemetry_world.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sightline/estimate/place.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/estimator.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 

@@ -1,4 +1,4 @@
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "sightline/model/robots.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/model.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

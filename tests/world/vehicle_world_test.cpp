@@ -1,10 +1,9 @@
-#include "sightline/world/vehicle_world.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/model/robots.hpp"
+#include "sightline/model.hpp"
 #include "sightline/world/fleet.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 #include "tests/support/refusal.hpp"
 

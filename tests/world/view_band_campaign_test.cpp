@@ -8,17 +8,15 @@
 #include <optional>
 #include <vector>
 
-#include "sightline/estimate/pose_filter.hpp"
-#include "sightline/ocp/team.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/slope.hpp"
+#include "sightline/estimator.hpp"
 #include "sightline/potential/tracking.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/model_world.hpp"
-#include "sightline/world/motion_sensor.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/team.hpp"
 #include "sightline/world/sighting.hpp"
-#include "sightline/world/synthetic_detections.hpp"
 #include "sightline/world/view_flight.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
 
 /// Closed loop at a distance: a robot that knows its place by the tags of one that flies a circle alone, a solver that

@@ -1,15 +1,12 @@
-#include "sightline/world/world.hpp"
+#include "sightline/world.hpp"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "sightline/run/clock.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
-#include "sightline/world/model_world.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 #include "tests/support/seeing_world.hpp"
 #include "tests/support/two_robots.hpp"
 

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #include "worlds/mujoco/mjcf.hpp"
 #include "worlds/mujoco/shape.hpp"
 

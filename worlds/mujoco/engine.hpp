@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 namespace sightline::mujoco {
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <string_view>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/report/page.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/world.hpp"
 #include "sightline/world/rotorcraft.hpp"
 
 namespace sightline::mujoco {

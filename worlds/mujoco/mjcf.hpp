@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 #include "worlds/mujoco/shape.hpp"
 
 namespace sightline::mujoco {

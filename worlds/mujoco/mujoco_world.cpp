@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "sightline/mujoco.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "worlds/mujoco/bodies.hpp"
 #include "worlds/mujoco/renderer.hpp"
 #include "worlds/mujoco/shape.hpp"

@@ -4,7 +4,7 @@
 #include "sightline/scenario/read_camera.hpp"
 #include "worlds/mujoco/camera/rendered_detections.hpp"
 #else
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #endif
 
 namespace sightline::mujoco {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/detection_source.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline::mujoco {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 namespace sightline::mujoco {
 

@@ -11,10 +11,10 @@
 
 #include "bridges/dds/fleet/finding.hpp"
 #include "bridges/dds/fleet/link_fault.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/solver/distributed/part_solver.hpp"
-#include "sightline/world/world.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "bridges/dds/fleet/link_fault.hpp"
-#include "sightline/base/parameter.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/base.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/base/parameter.hpp"
-#include "sightline/ocp/active_team.hpp"
+#include "sightline/base.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/base.hpp"
 #include "sightline/base/quantile.hpp"
-#include "sightline/base/service_thread.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bridges/dds/fleet/finding.hpp"
 #include "sightline/run/realtime.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

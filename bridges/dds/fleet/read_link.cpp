@@ -10,8 +10,8 @@
 #include <variant>
 
 #include "bridges/dds/fleet/link.hpp"
-#include "sightline/links.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 /// their rates give the body rates.
 #pragma once
 
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 

@@ -9,7 +9,7 @@
 
 #include "bridges/dds/links/motion_samples.hpp"
 #include "bridges/dds/topics/tag_subscriber.hpp"
-#include "sightline/world/world.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sightline/estimate/place.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline::dds {
 namespace {

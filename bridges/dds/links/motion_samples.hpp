@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "bridges/dds/topics/pose_subscriber.hpp"
-#include "sightline/estimate/measurement.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline::dds {
 

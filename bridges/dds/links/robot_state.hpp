@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline::dds {

@@ -8,7 +8,7 @@
 #include "bridges/dds/links/ros2_link.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "bridges/dds/topics/service.hpp"
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline::dds {
 

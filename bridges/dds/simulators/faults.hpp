@@ -11,7 +11,7 @@
 #include "bridges/dds/fleet/link_fault.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 

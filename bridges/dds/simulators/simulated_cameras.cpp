@@ -12,11 +12,10 @@
 
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
 #include "bridges/dds/topics/tag_frames.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/scenario/read_camera.hpp"
-#include "sightline/world/synthetic_detections.hpp"
-#include "sightline/world/tag_pose.hpp"
+#include "sightline/sensors.hpp"
 
 extern "C" {
 #include "ros.h"

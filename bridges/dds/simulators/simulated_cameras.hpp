@@ -11,8 +11,8 @@
 #include "bridges/dds/simulators/faults.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/camera_world.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline::dds {
 

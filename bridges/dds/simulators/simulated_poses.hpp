@@ -10,8 +10,8 @@
 #include "bridges/dds/links/robot_state.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/motion.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 

@@ -11,7 +11,7 @@
 #include "bridges/dds/simulators/px4_vehicle.hpp"
 #include "bridges/dds/simulators/ros2_flyer.hpp"
 #include "bridges/dds/simulators/ros2_rover.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
 
 namespace sightline::dds {

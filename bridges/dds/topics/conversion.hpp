@@ -10,9 +10,9 @@
 #include <cstdint>
 
 #include "bridges/dds/fleet/link.hpp"
-#include "sightline/base/fixed.hpp"
-#include "sightline/model/frames.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 

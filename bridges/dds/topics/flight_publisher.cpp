@@ -17,12 +17,11 @@
 #include "bridges/dds/topics/diagnostics.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "bridges/dds/topics/ros_message.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
-#include "sightline/base/service_thread.hpp"
 #include "sightline/judge/event_description.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/run/spsc_queue.hpp"
 #include "sightline/server/scene.hpp"
 
 namespace sightline::dds {

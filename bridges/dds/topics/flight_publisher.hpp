@@ -10,8 +10,8 @@
 
 #include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/topics/channel.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::dds {
 

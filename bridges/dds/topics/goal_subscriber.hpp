@@ -12,7 +12,7 @@
 #include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
-#include "sightline/scenario/goal_track.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline::dds {
 

@@ -14,7 +14,7 @@
 #include "bridges/dds/topics/latency_monitor.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "bridges/dds/topics/surroundings.hpp"
-#include "sightline/run/spsc_queue.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline::dds {
 

@@ -7,7 +7,7 @@
 
 #include "bridges/dds/topics/flight_publisher.hpp"
 #include "bridges/dds/topics/ros_message.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/scenario/read_partition.hpp"
 

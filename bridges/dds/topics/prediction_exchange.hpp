@@ -11,9 +11,9 @@
 
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/base/service_thread.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/solver/distributed/part_solver.hpp"
 
 namespace sightline::dds {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bridges/dds/topics/seen_poses.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::dds {
 namespace {

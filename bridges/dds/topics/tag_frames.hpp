@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bridges/dds/topics/conversion.hpp"
-#include "sightline/world/camera.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline::dds {
 

@@ -8,9 +8,9 @@
 
 #include "bridges/dds/fleet_findings.hpp"  // clocks_apart
 #include "bridges/dds/topics/tag_frames.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
-#include "sightline/world/tag_pose.hpp"
+#include "sightline/sensors.hpp"
 
 extern "C" {
 #include "ros.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bridges/dds/links/link_end.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/detection.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::dds {
 

@@ -6,7 +6,7 @@
 
 #include "sightline/analysis/field.hpp"
 #include "sightline/analysis/influence.hpp"
-#include "sightline/formula/derive.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {

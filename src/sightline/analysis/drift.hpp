@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/formula/interpret.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -1,5 +1,3 @@
-#include "sightline/analysis/explain.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "sightline/analysis.hpp"
 #include "sightline/analysis/drift.hpp"
 #include "sightline/analysis/field.hpp"
 

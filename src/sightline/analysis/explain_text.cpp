@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "sightline/analysis/explain.hpp"
+#include "sightline/analysis.hpp"
 #include "sightline/analysis/observation.hpp"
 #include "sightline/analysis/view_band.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

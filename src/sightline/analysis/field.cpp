@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -6,9 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <variant>
 
-#include "sightline/formula/derive.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {

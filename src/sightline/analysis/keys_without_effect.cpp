@@ -7,8 +7,8 @@
 #include <variant>
 
 #include "sightline/model/state_roles.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_safety.hpp"
-#include "sightline/scenario/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "sightline/analysis/drift.hpp"
-#include "sightline/potential/bounds.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "sightline/base/elementary.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

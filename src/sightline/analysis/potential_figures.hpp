@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sightline/analysis/verdict.hpp"
-#include "sightline/report/figures.hpp"
+#include "sightline/report.hpp"
 
 namespace sightline {
 

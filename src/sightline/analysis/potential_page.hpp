@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/analysis/verdict.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -1,5 +1,3 @@
-#include "sightline/analysis/preflight.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "sightline/analysis.hpp"
 #include "sightline/analysis/influence.hpp"
 #include "sightline/analysis/keys_without_effect.hpp"
 #include "sightline/analysis/observation.hpp"

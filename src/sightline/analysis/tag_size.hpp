@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

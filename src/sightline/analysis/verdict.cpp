@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "sightline/analysis/verdict_text.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/quantile.hpp"
 
 namespace sightline {

@@ -7,10 +7,9 @@
 #include <set>
 
 #include "sightline/analysis/influence.hpp"
-#include "sightline/base/index.hpp"
-#include "sightline/base/rotation.hpp"
+#include "sightline/base.hpp"
 #include "sightline/scenario/read_estimate.hpp"
-#include "sightline/world/motion.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

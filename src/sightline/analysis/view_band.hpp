@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sightline/analysis/explain.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/world/view_flight.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "sightline/base/failure.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

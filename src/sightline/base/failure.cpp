@@ -1,10 +1,10 @@
-#include "sightline/base/failure.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
 #include <exception>
 #include <new>
+
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/base/fixed.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

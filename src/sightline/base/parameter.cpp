@@ -1,9 +1,7 @@
-#include "sightline/base/parameter.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -1,10 +1,8 @@
-#include "sightline/base/thread_pool.hpp"
-
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/campaign/campaign.hpp"
-
 #include <algorithm>
 #include <condition_variable>
 #include <exception>
@@ -7,8 +5,8 @@
 #include <map>
 #include <mutex>
 
-#include "sightline/base/service_thread.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/base.hpp"
 #include "sightline/judge/run_evaluator.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/campaign/draw.hpp"
+#include "sightline/analysis.hpp"
 
 namespace sightline {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/judge/summary.hpp"
 #include "sightline/report/curves.hpp"
 

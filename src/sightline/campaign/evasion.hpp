@@ -6,11 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/report/figures.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/scenario/campaign_plan.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/report.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "sightline/campaign/variant.hpp"
+#include "sightline/analysis.hpp"
 #include "sightline/report/page.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 EvasionRuns evasion_runs(const Scenario& scenario, const CampaignPlan& plan, std::uint64_t seed, int runs) {

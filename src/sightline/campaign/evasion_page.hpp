@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sightline/campaign/evasion.hpp"
-#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

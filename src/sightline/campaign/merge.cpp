@@ -15,11 +15,11 @@
 #include <utility>
 #include <variant>
 
+#include "sightline/analysis.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/base/throw_invalid.hpp"
 #include "sightline/campaign/database.hpp"
-#include "sightline/campaign/shard.hpp"
 #include "sightline/campaign/table.hpp"
 
 namespace sightline {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -15,7 +15,7 @@
 #include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/success_map.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/judge/run_result.hpp"
+#include "sightline/judge.hpp"
 #include "sightline/report/page.hpp"
 
 namespace sightline {

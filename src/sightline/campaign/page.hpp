@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/campaign/runs.hpp"
-#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -10,14 +10,14 @@
 #include <utility>
 #include <variant>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/base/throw_invalid.hpp"
 #include "sightline/campaign/confidence.hpp"
 #include "sightline/campaign/paired.hpp"
 #include "sightline/campaign/runs.hpp"
 #include "sightline/campaign/table.hpp"
-#include "sightline/judge/run_result.hpp"
+#include "sightline/judge.hpp"
 
 namespace sightline {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "sightline/campaign/database.hpp"
 #include "sightline/campaign/success_map.hpp"
-#include "sightline/judge/run_result.hpp"
+#include "sightline/judge.hpp"
 
 namespace sightline {
 

@@ -1,10 +1,9 @@
-#include "sightline/campaign/shard.hpp"
-
 #include <fmt/format.h>
 
 #include <charconv>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -9,10 +9,10 @@
 #include <span>
 #include <stdexcept>
 
+#include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/base/version.hpp"
+#include "sightline/config.hpp"
 
 namespace sightline {
 

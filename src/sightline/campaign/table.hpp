@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/base/service_thread.hpp"
-#include "sightline/campaign/campaign.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/base.hpp"
 #include "sightline/campaign/database.hpp"
 
 namespace sightline {

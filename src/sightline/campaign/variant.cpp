@@ -1,11 +1,10 @@
-#include "sightline/campaign/variant.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numbers>
 
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/analysis.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/toml_table.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "sightline/estimate/place.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 

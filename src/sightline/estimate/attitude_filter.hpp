@@ -2,8 +2,7 @@
 #pragma once
 
 #include "sightline/estimate/kalman.hpp"
-#include "sightline/estimate/place.hpp"
-#include "sightline/estimate/pose_filter.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 

@@ -1,8 +1,7 @@
-#include "sightline/estimate/broadcast_track.hpp"
-
 #include <algorithm>
 
-#include "sightline/base/rotation.hpp"
+#include "sightline/base.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 namespace {

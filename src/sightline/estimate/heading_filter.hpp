@@ -6,8 +6,7 @@
 #include <cstddef>
 
 #include "sightline/estimate/kalman.hpp"
-#include "sightline/estimate/place.hpp"
-#include "sightline/estimate/pose_filter.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "sightline/base/matrix.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -1,12 +1,10 @@
-#include "sightline/estimate/localization_graph.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 namespace {

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/elementary.hpp"
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

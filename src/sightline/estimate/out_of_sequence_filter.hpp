@@ -11,8 +11,8 @@
 #include "sightline/base/bounded.hpp"
 #include "sightline/estimate/agreement.hpp"
 #include "sightline/estimate/kalman.hpp"
-#include "sightline/estimate/pose_filter.hpp"
 #include "sightline/estimate/stamped_list.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 

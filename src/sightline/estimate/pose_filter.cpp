@@ -1,10 +1,9 @@
-#include "sightline/estimate/pose_filter.hpp"
-
 #include <algorithm>
 
 #include "sightline/estimate/attitude_filter.hpp"
 #include "sightline/estimate/heading_filter.hpp"
 #include "sightline/estimate/out_of_sequence_filter.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 

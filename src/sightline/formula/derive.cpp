@@ -1,9 +1,9 @@
-#include "sightline/formula/derive.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>
 #include <stdexcept>
+
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

@@ -1,10 +1,10 @@
-#include "sightline/formula/emit.hpp"
-
 #include <fmt/format.h>
 
 #include <cassert>
 #include <map>
 #include <vector>
+
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

@@ -1,7 +1,7 @@
-#include "sightline/formula/expression.hpp"
-
 #include <array>
 #include <cmath>
+
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

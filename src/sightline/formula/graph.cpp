@@ -1,12 +1,11 @@
-#include "sightline/formula/graph.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
 #include <utility>
 
-#include "sightline/base/elementary.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/formula/interpret.hpp"
+#include "sightline/formula.hpp"
 
 #ifdef __linux__
 #include <sys/mman.h>

@@ -1,9 +1,9 @@
-#include "sightline/formula/lexer.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
+
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

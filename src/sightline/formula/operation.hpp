@@ -2,8 +2,8 @@
 /// programs. The C++ text that emit.cpp prints is equivalent.
 #pragma once
 
-#include "sightline/base/elementary.hpp"
-#include "sightline/formula/program.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 

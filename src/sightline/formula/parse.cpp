@@ -1,5 +1,3 @@
-#include "sightline/formula/parse.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -7,7 +5,7 @@
 #include <numbers>
 
 #include "sightline/base/nearest.hpp"
-#include "sightline/formula/lexer.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

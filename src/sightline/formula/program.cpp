@@ -1,10 +1,9 @@
-#include "sightline/formula/program.hpp"
-
 #include <array>
 #include <cassert>
 #include <map>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

@@ -1,11 +1,10 @@
-#include "sightline/formula/threaded.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/formula/operation.hpp"
 
 namespace sightline {

@@ -1,10 +1,10 @@
-#include "sightline/formula/unit.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

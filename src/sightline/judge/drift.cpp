@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/fixed.hpp"
-#include "sightline/base/same_time.hpp"
-#include "sightline/estimate/measurement.hpp"
+#include "sightline/base.hpp"
+#include "sightline/estimator.hpp"
 
 namespace sightline {
 namespace {

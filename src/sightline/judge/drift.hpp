@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "sightline/events.hpp"
 #include "sightline/judge/present_team.hpp"
-#include "sightline/ocp/active_team.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

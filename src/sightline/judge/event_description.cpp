@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "sightline/run/sample.hpp"
-#include "sightline/safety/ladder.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "sightline/judge/chatter.hpp"
 #include "sightline/judge/present_team.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/matrix.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/rotation.hpp"
 
 namespace sightline {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/judge/run_result.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/judge.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

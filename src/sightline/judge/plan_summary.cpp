@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/same_time.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

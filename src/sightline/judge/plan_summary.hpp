@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sightline/run/plan_gap.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

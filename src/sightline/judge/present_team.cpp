@@ -4,9 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/potential/protection.hpp"
 
 namespace sightline {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/potential/potential.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

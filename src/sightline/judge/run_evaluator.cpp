@@ -6,8 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

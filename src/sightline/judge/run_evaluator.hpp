@@ -9,18 +9,16 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/judge.hpp"
 #include "sightline/judge/drift.hpp"
 #include "sightline/judge/input_record.hpp"
 #include "sightline/judge/localization_summary.hpp"
 #include "sightline/judge/plan_summary.hpp"
 #include "sightline/judge/present_team.hpp"
-#include "sightline/judge/run_result.hpp"
 #include "sightline/judge/safety_summary.hpp"
 #include "sightline/judge/tracking_error.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

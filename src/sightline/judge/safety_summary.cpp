@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/no_value.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/read_safety.hpp"
 

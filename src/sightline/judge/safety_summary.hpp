@@ -11,8 +11,8 @@
 
 #include "sightline/judge/sampled_motion.hpp"
 #include "sightline/judge/time_in_force.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

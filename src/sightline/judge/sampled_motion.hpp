@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sightline/model/model.hpp"
-#include "sightline/ocp/team.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/model.hpp"
+#include "sightline/team.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

@@ -8,8 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/judge/event_description.hpp"
 #include "sightline/potential/protection.hpp"
 

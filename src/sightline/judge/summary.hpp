@@ -20,9 +20,9 @@
 #include "sightline/judge/safety_summary.hpp"
 #include "sightline/judge/time_in_force.hpp"
 #include "sightline/judge/tracking_error.hpp"
-#include "sightline/potential/potential.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/base/version.hpp"
+#include "sightline/config.hpp"
 #include "sightline/judge/summary.hpp"
 
 namespace sightline {

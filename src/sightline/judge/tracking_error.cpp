@@ -5,8 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sightline/model/state_roles.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

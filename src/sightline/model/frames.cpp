@@ -1,7 +1,7 @@
-#include "sightline/model/frames.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "sightline/model.hpp"
 
 namespace sightline {
 

@@ -1,4 +1,4 @@
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,8 @@
 #include <random>
 #include <set>
 
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
-#include "sightline/model/model.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline {
 namespace {

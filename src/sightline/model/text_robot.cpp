@@ -1,5 +1,3 @@
-#include "sightline/model/text_robot.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline {
 namespace {

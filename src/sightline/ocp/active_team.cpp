@@ -1,10 +1,9 @@
-#include "sightline/ocp/active_team.hpp"
-
 #include <algorithm>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
 
+#include "sightline/events.hpp"
 #include "sightline/ocp/apply_action.hpp"
 
 namespace sightline {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sightline/ocp/active_team.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 

@@ -1,5 +1,3 @@
-#include "sightline/ocp/event.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +8,7 @@
 #include <set>
 
 #include "sightline/base/range.hpp"
-#include "sightline/ocp/active_team.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

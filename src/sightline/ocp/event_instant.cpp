@@ -1,8 +1,7 @@
-#include "sightline/ocp/event_instant.hpp"
-
 #include <limits>
 
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

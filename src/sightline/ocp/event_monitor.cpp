@@ -1,6 +1,6 @@
-#include "sightline/ocp/event_monitor.hpp"
-
 #include <algorithm>
+
+#include "sightline/events.hpp"
 
 namespace sightline {
 

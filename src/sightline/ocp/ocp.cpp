@@ -1,5 +1,3 @@
-#include "sightline/ocp/ocp.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,8 +6,9 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "sightline/formula/derive.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/potential/tracking.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 namespace {

@@ -1,12 +1,11 @@
-#include "sightline/ocp/shape.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

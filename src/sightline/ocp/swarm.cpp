@@ -6,8 +6,8 @@
 #include <random>
 #include <stdexcept>
 
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/ocp/team.hpp"
+#include "sightline/base.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/ocp/team.hpp"
+#include "sightline/team.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,12 +1,8 @@
-#include "sightline/ocp/view_choice.hpp"
-
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/ocp/event_instant.hpp"
+#include "sightline/base.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

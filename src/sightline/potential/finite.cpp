@@ -8,9 +8,8 @@
 #include <cstdint>
 #include <random>
 
-#include "sightline/base/index.hpp"
-#include "sightline/formula/derive.hpp"
-#include "sightline/formula/interpret.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
 
 namespace sightline {
 

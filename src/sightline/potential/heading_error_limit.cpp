@@ -1,12 +1,10 @@
-#include "sightline/potential/heading_error_limit.hpp"
-
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/elementary.hpp"
-#include "sightline/model/frames.hpp"
-#include "sightline/model/model.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

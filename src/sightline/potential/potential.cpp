@@ -1,4 +1,4 @@
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
 
 namespace sightline {
 

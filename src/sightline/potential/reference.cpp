@@ -1,5 +1,3 @@
-#include "sightline/potential/reference.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
 
 namespace sightline {
 namespace {

@@ -1,13 +1,12 @@
-#include "sightline/potential/region.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/potential/step.hpp"
+#include "sightline/base.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/potentials.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/record/log_text.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline {
 namespace {

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/log.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "sightline/base/fixed.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/base.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/record/folder_lock.hpp"
-
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -14,6 +12,7 @@
 
 #include "sightline/base/reason.hpp"
 #include "sightline/base/text_file.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline {
 namespace {

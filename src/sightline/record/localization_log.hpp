@@ -27,10 +27,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/record/log_text.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
-#include "sightline/base/version.hpp"
+#include "sightline/config.hpp"
 #include "sightline/record/log_topics.hpp"
 #include "sightline/record/team_json.hpp"
 #include "sightline/record/tuned_log.hpp"

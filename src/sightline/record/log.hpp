@@ -6,12 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 #include "sightline/judge/summary.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/spsc_queue.hpp"
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 

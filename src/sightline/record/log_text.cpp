@@ -1,5 +1,3 @@
-#include "sightline/record/log_text.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <system_error>
 
 #include "sightline/base/json_text.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline {
 

@@ -9,8 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/judge/tracking_error.hpp"
 
 namespace sightline {

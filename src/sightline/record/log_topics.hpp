@@ -8,16 +8,14 @@
 #include <vector>
 
 #include "sightline/judge/present_team.hpp"
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
-#include "sightline/record/log_text.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/record/recorded_flight.hpp"
 #include "sightline/record/tuned_log.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

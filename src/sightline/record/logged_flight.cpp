@@ -1,5 +1,3 @@
-#include "sightline/record/logged_flight.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "sightline/judge/planned_view.hpp"
+#include "sightline/log.hpp"
 #include "sightline/record/log.hpp"
 
 namespace sightline {

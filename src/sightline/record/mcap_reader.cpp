@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "sightline/base/reason.hpp"
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/record/recorded_flight.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,9 +9,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/log.hpp"
 #include "sightline/record/localization_log.hpp"
-#include "sightline/record/log_text.hpp"
 #include "sightline/record/period_order.hpp"
 
 namespace sightline {

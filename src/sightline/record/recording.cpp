@@ -1,5 +1,3 @@
-#include "sightline/record/recording.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,18 +17,17 @@
 #include <system_error>
 #include <utility>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/judge/localization_summary.hpp"
 #include "sightline/judge/planned_view.hpp"
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/record/camera_log.hpp"
 #include "sightline/record/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
-#include "sightline/record/mcap.hpp"
 #include "sightline/record/period_order.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

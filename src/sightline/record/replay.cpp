@@ -1,5 +1,3 @@
-#include "sightline/record/replay.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +10,11 @@
 #include <system_error>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 #include "sightline/record/tuned_log.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/renamed.hpp"
 
 namespace sightline {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline {
 

@@ -8,10 +8,10 @@
 #include <span>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/record/log_text.hpp"
+#include "sightline/log.hpp"
 
 namespace sightline {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "sightline/record/mcap.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/log.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

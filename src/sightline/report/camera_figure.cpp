@@ -5,7 +5,7 @@
 
 #include "sightline/report/page.hpp"
 #include "sightline/report/run_figures.hpp"
-#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/record/recording.hpp"
-#include "sightline/report/figures.hpp"
+#include "sightline/log.hpp"
+#include "sightline/report.hpp"
 
 namespace sightline {
 

@@ -1,5 +1,3 @@
-#include "sightline/report/figures.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/report.hpp"
 
 namespace sightline {
 namespace {

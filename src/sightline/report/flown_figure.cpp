@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/judge/planned_view.hpp"
 #include "sightline/judge/summary.hpp"
 #include "sightline/report/page.hpp"

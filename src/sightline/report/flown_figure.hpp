@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/record/recording.hpp"
+#include "sightline/log.hpp"
+#include "sightline/report.hpp"
 #include "sightline/report/curves.hpp"
-#include "sightline/report/figures.hpp"
 
 namespace sightline {
 

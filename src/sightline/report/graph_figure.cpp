@@ -8,10 +8,10 @@
 #include <numbers>
 #include <set>
 
-#include "sightline/base/fixed.hpp"
+#include "sightline/base.hpp"
 #include "sightline/report/graph_layout.hpp"
 #include "sightline/report/page.hpp"
-#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/solver/newton/influence.hpp"
 
 namespace sightline {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sightline/record/recording.hpp"
-#include "sightline/report/figures.hpp"
+#include "sightline/log.hpp"
+#include "sightline/report.hpp"
 
 namespace sightline {
 

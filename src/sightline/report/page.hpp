@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/report/figures.hpp"
+#include "sightline/report.hpp"
 
 namespace sightline {
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/report/run_figures.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/report/report.hpp"
+#include "sightline/report.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/reason.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/judge/event_description.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sightline/report/run_figures.hpp"
-#include "sightline/safety/ladder.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 namespace {

@@ -1,9 +1,8 @@
-#include "sightline/run/clock.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "sightline/base/now.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 

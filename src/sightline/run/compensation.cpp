@@ -1,12 +1,10 @@
-#include "sightline/run/compensation.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/run/steady_state.hpp"
 #include "sightline/safety/carry.hpp"
 

@@ -1,13 +1,11 @@
-#include "sightline/run/controller.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

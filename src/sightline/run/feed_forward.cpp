@@ -1,12 +1,11 @@
-#include "sightline/run/feed_forward.hpp"
-
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/symmetric.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/model/state_roles.hpp"
-#include "sightline/potential/heading_error_limit.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/run/steady_state.hpp"
 
 namespace sightline {

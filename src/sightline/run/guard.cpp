@@ -1,12 +1,11 @@
-#include "sightline/run/guard.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

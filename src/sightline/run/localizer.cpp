@@ -1,13 +1,10 @@
-#include "sightline/run/localizer.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/world/sighting.hpp"
 

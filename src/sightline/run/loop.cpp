@@ -1,17 +1,15 @@
-#include "sightline/run/loop.hpp"
+#include "sightline/loop.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/run/clock.hpp"
+#include "sightline/base.hpp"
 #include "sightline/run/stages/command.hpp"
 #include "sightline/run/stages/estimate.hpp"
 #include "sightline/run/stages/log.hpp"
 #include "sightline/run/stages/measure.hpp"
 #include "sightline/run/stages/solve.hpp"
 #include "sightline/run/stages/team_change.hpp"
-#include "sightline/run/team_switcher.hpp"
 
 namespace sightline {
 namespace {

@@ -1,7 +1,7 @@
 /// The longest time for which a solver gave its robots no plan.
 #pragma once
 
-#include "sightline/run/sample.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 

@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/run/sample.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/model/state_roles.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline {
 

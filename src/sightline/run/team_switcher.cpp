@@ -1,5 +1,3 @@
-#include "sightline/run/team_switcher.hpp"
-
 #include <fmt/format.h>
 #include <time.h>
 
@@ -9,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

@@ -1,9 +1,9 @@
-#include "sightline/run/valid_states.hpp"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+
+#include "sightline/loop.hpp"
 
 namespace sightline {
 

@@ -1,5 +1,3 @@
-#include "sightline/safety/authority.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "sightline/base/integrate.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
 #include "sightline/safety/projection.hpp"
 
 namespace sightline {

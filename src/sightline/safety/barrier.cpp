@@ -1,4 +1,4 @@
-#include "sightline/safety/barrier.hpp"
+#include "sightline/barrier.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/safety/barrier_threats.hpp"
 
 namespace sightline {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/safety/barrier_threats.hpp"
 
 namespace sightline {

@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/safety/threat_selection.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

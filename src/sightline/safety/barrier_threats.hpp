@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/barrier.hpp"
 #include "sightline/base/bounded.hpp"
-#include "sightline/safety/barrier.hpp"
 #include "sightline/safety/projection.hpp"
 
 namespace sightline {

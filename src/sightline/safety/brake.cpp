@@ -1,8 +1,8 @@
-#include "sightline/safety/brake.hpp"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "sightline/barrier.hpp"
 
 namespace sightline {
 

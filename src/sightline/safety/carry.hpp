@@ -5,10 +5,9 @@
 #include <cmath>
 #include <span>
 
-#include "sightline/base/fixed.hpp"
-#include "sightline/base/integrate.hpp"
-#include "sightline/model/model.hpp"
-#include "sightline/safety/input_history.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
 
 namespace sightline {
 

@@ -1,10 +1,9 @@
-#include "sightline/safety/evasive_maneuver.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/elementary.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

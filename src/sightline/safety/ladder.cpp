@@ -1,11 +1,10 @@
-#include "sightline/safety/ladder.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 

@@ -4,8 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "sightline/base/lane.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

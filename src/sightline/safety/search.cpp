@@ -1,12 +1,10 @@
-#include "sightline/safety/search.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 namespace {

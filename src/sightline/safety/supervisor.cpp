@@ -1,4 +1,4 @@
-#include "sightline/safety/supervisor.hpp"
+#include "sightline/supervisor.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
 
 namespace sightline {
 namespace {

@@ -1,10 +1,8 @@
-#include "sightline/safety/threat_selection.hpp"
-
 #include <cassert>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -1,12 +1,11 @@
-#include "sightline/safety/track.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "sightline/base/fixed.hpp"
+#include "sightline/base.hpp"
 #include "sightline/safety/carry.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

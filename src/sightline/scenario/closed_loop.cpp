@@ -1,5 +1,3 @@
-#include "sightline/scenario/closed_loop.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,17 +5,17 @@
 #include <utility>
 #include <variant>
 
-#include "sightline/base/thread_pool.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_partition.hpp"
 #include "sightline/scenario/read_safety.hpp"
-#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
-#include "sightline/solver/distributed/partition.hpp"
-#include "sightline/world/camera_world.hpp"
-#include "sightline/world/synthetic_detections.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/solvers.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

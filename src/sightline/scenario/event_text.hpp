@@ -1,7 +1,7 @@
 /// Reads the trigger and the actions of an [[event]].
 #pragma once
 
-#include "sightline/ocp/event.hpp"
+#include "sightline/events.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 
 namespace sightline {

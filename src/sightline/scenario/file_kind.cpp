@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

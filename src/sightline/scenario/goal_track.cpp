@@ -1,9 +1,8 @@
-#include "sightline/scenario/goal_track.hpp"
-
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "sightline/scenario/read_part.hpp"
-#include "sightline/world/synthetic_detections.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

@@ -10,10 +10,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_part.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/scenario/scenario_numbers.hpp"
 #include "sightline/scenario/set_value.hpp"
 #include "sightline/scenario/templates.hpp"
 

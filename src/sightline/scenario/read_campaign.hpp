@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "sightline/ocp/team.hpp"
-#include "sightline/scenario/campaign_plan.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sightline/ocp/shape.hpp"
+#include "sightline/events.hpp"
 
 namespace sightline {
 namespace {

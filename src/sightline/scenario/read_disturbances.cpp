@@ -1,6 +1,6 @@
 #include "sightline/scenario/read_disturbances.hpp"
 
-#include "sightline/base/elementary.hpp"
+#include "sightline/base.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sightline/scenario/toml_table.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

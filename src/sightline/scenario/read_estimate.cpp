@@ -8,7 +8,7 @@
 #include <optional>
 #include <variant>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 #include "sightline/scenario/read_part.hpp"

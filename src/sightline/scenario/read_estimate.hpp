@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "sightline/estimate/observability.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
-#include "sightline/world/telemetry_world.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/ocp/active_team.hpp"
+#include "sightline/events.hpp"
 #include "sightline/scenario/event_text.hpp"
 
 namespace sightline {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/ocp/event.hpp"
+#include "sightline/events.hpp"
 #include "sightline/scenario/read_coupling.hpp"
 
 namespace sightline {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

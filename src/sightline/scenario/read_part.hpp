@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/scenario/registry.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

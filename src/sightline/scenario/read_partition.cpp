@@ -7,9 +7,8 @@
 #include <array>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/base.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {

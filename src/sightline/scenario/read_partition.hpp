@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/potential/region.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

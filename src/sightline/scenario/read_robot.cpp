@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "sightline/model/text_robot.hpp"
+#include "sightline/model.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/read_region.hpp"
 

@@ -1,7 +1,7 @@
 /// Reads robots of a scenario, by name or as text.
 #pragma once
 
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {

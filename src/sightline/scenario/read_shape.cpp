@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/ocp/event_instant.hpp"
-#include "sightline/ocp/shape.hpp"
+#include "sightline/events.hpp"
 #include "sightline/world/view_flight.hpp"
 
 namespace sightline {

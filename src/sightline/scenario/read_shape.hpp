@@ -1,8 +1,8 @@
 /// Reads shapes of a team, [[shape]]: many couplings in one table.
 #pragma once
 
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/read_coupling.hpp"
-#include "sightline/scenario/scenario.hpp"
 
 namespace sightline {
 

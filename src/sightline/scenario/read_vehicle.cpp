@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 
+#include "sightline/registry.hpp"
 #include "sightline/scenario/read_part.hpp"
-#include "sightline/scenario/registry.hpp"
 #include "sightline/world/flight_controller.hpp"
 
 namespace sightline {

@@ -6,8 +6,7 @@
 #include <string_view>
 
 #include "sightline/scenario/toml_table.hpp"
-#include "sightline/world/downwash.hpp"
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 namespace sightline {
 

@@ -1,26 +1,16 @@
-#include "sightline/scenario/registry.hpp"
+#include "sightline/registry.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/model/ground_robots.hpp"
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
-#include "sightline/potential/bearing.hpp"
-#include "sightline/potential/bounds.hpp"
-#include "sightline/potential/distance.hpp"
-#include "sightline/potential/limits.hpp"
-#include "sightline/potential/pass_right.hpp"
-#include "sightline/potential/sensor_cone.hpp"
-#include "sightline/potential/slope.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/model_world.hpp"
-#include "sightline/world/rotor_world.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 

@@ -1,4 +1,4 @@
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,10 +11,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/run/steady_state.hpp"
-#include "sightline/scenario/closed_loop.hpp"
 #include "sightline/scenario/layers.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_campaign.hpp"

@@ -1,5 +1,3 @@
-#include "sightline/scenario/scenario_text.hpp"
-
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -10,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
 
 namespace sightline {

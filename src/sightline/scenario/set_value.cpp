@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/scenario/layers.hpp"
 
 namespace sightline {

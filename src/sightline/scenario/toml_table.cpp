@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sightline/registry.hpp"
 #include "sightline/scenario/file_kind.hpp"
-#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/string_place.hpp"
 
 namespace sightline {

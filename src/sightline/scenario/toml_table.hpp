@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/fixed.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/nearest.hpp"
 #include "sightline/base/range.hpp"
-#include "sightline/scenario/scenario_text.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

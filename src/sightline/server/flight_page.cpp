@@ -7,10 +7,9 @@
 #include <thread>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/record/log_topics.hpp"
-#include "sightline/run/spsc_queue.hpp"
 #include "sightline/server/admission.hpp"
 #include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/page_files.hpp"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "sightline/run/sample.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/page_server.hpp"
 #include "sightline/server/tuning.hpp"
 

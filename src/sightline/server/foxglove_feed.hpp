@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 #include "sightline/server/connection.hpp"
 #include "sightline/server/foxglove.hpp"
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <unordered_map>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

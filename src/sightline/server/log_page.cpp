@@ -19,17 +19,12 @@
 #include <thread>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/service_thread.hpp"
+#include "sightline/log.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/folder_lock.hpp"
 #include "sightline/record/localization_log.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/record/recording.hpp"
 #include "sightline/server/http.hpp"
 #include "sightline/server/page_files.hpp"
 #include "sightline/server/scene_json.hpp"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/page_server.hpp"
 
 namespace sightline {

@@ -6,12 +6,11 @@
 #include <thread>
 #include <utility>
 
+#include "sightline/log.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/log_text.hpp"
-#include "sightline/record/mcap.hpp"
-#include "sightline/safety/ladder.hpp"
-#include "sightline/solver/solver.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/solver.hpp"
+#include "sightline/supervisor.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/base/service_thread.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/base.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/scene_topics.hpp"
 

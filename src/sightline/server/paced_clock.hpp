@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "sightline/run/clock.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline {
 

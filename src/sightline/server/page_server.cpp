@@ -15,8 +15,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/service_thread.hpp"
 #include "sightline/server/admission.hpp"
 #include "sightline/server/connection.hpp"
 #include "sightline/server/foxglove.hpp"

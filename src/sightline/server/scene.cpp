@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/index.hpp"
-#include "sightline/report/palette.hpp"
+#include "sightline/base.hpp"
+#include "sightline/report.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

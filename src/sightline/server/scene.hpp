@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sightline/judge/present_team.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

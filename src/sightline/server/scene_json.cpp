@@ -10,14 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/no_value.hpp"
 #include "sightline/potential/protection.hpp"
-#include "sightline/potential/region.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/server/limit_surface.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sightline/estimate/pose_filter.hpp"
+#include "sightline/estimator.hpp"
 #include "sightline/judge/event_description.hpp"
 #include "sightline/judge/present_team.hpp"
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

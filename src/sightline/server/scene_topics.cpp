@@ -8,13 +8,12 @@
 #include <string>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
+#include "sightline/log.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/log_text.hpp"
-#include "sightline/safety/ladder.hpp"
-#include "sightline/solver/solver.hpp"
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/solver.hpp"
+#include "sightline/supervisor.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

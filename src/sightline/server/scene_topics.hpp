@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/record/mcap.hpp"
+#include "sightline/log.hpp"
 #include "sightline/server/scene.hpp"
 #include "sightline/server/scene_json.hpp"
 

@@ -12,10 +12,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/scenario/read_event.hpp"
-#include "sightline/scenario/registry.hpp"
 #include "sightline/scenario/templates.hpp"
 
 namespace sightline {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 

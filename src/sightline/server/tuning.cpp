@@ -13,10 +13,9 @@
 #include <thread>
 #include <utility>
 
+#include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
-#include "sightline/base/service_thread.hpp"
-#include "sightline/base/throw_invalid.hpp"
 #include "sightline/server/tuner.hpp"
 
 namespace sightline {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "sightline/scenario/scenario.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/server/paced_clock.hpp"
 #include "sightline/server/page_server.hpp"
 

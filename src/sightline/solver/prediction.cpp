@@ -1,8 +1,8 @@
-#include "sightline/solver/prediction.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "sightline/solver.hpp"
 
 namespace sightline {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/solver/solver.hpp"
+#include "sightline/solver.hpp"
 
 #include <array>
 

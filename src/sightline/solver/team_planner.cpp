@@ -1,9 +1,7 @@
-#include "sightline/solver/team_planner.hpp"
-
 #include <algorithm>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solver.hpp"
 
 namespace sightline {
 

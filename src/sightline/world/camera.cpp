@@ -1,9 +1,8 @@
-#include "sightline/world/camera.hpp"
-
 #include <algorithm>
 #include <numbers>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 

@@ -1,12 +1,9 @@
-#include "sightline/world/camera_world.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 

@@ -1,9 +1,8 @@
-#include "sightline/world/command.hpp"
-
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

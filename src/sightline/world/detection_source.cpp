@@ -1,9 +1,8 @@
-#include "sightline/world/detection_source.hpp"
-
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/base.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

@@ -1,13 +1,12 @@
-#include "sightline/world/disturbance.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/split_mix.hpp"
-#include "sightline/potential/potential.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {}  // namespace

@@ -1,7 +1,7 @@
-#include "sightline/world/downwash.hpp"
-
 #include <algorithm>
 #include <numbers>
+
+#include "sightline/vehicle.hpp"
 
 namespace sightline {
 

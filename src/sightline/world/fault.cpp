@@ -1,10 +1,9 @@
-#include "sightline/world/fault.hpp"
-
 #include <array>
 
-#include "sightline/base/same_time.hpp"
-#include "sightline/potential/potential.hpp"
-#include "sightline/world/late_plan.hpp"
+#include "sightline/base.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/world.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

@@ -6,8 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "sightline/world/plant.hpp"
+#include "sightline/vehicle.hpp"
 #include "sightline/world/rotorcraft.hpp"
-#include "sightline/world/vehicle.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 

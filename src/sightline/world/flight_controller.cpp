@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/model/hover_multirotor.hpp"
-#include "sightline/model/point_mass.hpp"
-#include "sightline/model/robots.hpp"
-#include "sightline/model/velocity_multirotor.hpp"
+#include "sightline/model.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

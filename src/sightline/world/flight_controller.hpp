@@ -6,9 +6,9 @@
 #include <span>
 #include <string>
 
-#include "sightline/model/model.hpp"
+#include "sightline/model.hpp"
+#include "sightline/world.hpp"
 #include "sightline/world/mixer.hpp"
-#include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 

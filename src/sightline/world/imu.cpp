@@ -1,4 +1,4 @@
-#include "sightline/world/imu.hpp"
+#include "sightline/vehicle.hpp"
 
 namespace sightline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/world/rigid_body.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 namespace sightline {
 

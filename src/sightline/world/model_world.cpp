@@ -1,8 +1,7 @@
-#include "sightline/world/model_world.hpp"
-
 #include <algorithm>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 

@@ -1,5 +1,3 @@
-#include "sightline/world/motion.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +5,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "sightline/base/same_time.hpp"
-#include "sightline/potential/potential.hpp"
+#include "sightline/base.hpp"
+#include "sightline/potential.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {

@@ -1,8 +1,7 @@
-#include "sightline/world/motion_sensor.hpp"
-
 #include <cmath>
 
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,3 @@
-#include "sightline/world/plant.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/same_time.hpp"
+#include "sightline/base.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

@@ -1,9 +1,8 @@
-#include "sightline/world/rotor_world.hpp"
-
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/world/fleet.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

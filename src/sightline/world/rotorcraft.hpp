@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "sightline/vehicle.hpp"
+#include "sightline/world.hpp"
 #include "sightline/world/flight_controller.hpp"
-#include "sightline/world/imu.hpp"
 #include "sightline/world/mixer.hpp"
-#include "sightline/world/rigid_body.hpp"
-#include "sightline/world/vehicle.hpp"
 
 namespace sightline {
 

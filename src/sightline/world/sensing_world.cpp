@@ -1,6 +1,5 @@
-#include "sightline/world/sensing_world.hpp"
-
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 

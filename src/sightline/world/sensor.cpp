@@ -1,5 +1,3 @@
-#include "sightline/world/sensor.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -7,6 +5,7 @@
 #include <limits>
 
 #include "sightline/model/state_roles.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 namespace {

@@ -1,8 +1,8 @@
 /// Conversion of a camera's detection into a measurement for a robot's pose filter.
 #pragma once
 
-#include "sightline/estimate/place.hpp"
-#include "sightline/world/detection.hpp"
+#include "sightline/estimator.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

@@ -1,10 +1,9 @@
-#include "sightline/world/synthetic_detections.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 

@@ -1,7 +1,7 @@
-#include "sightline/world/tag_pose.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 namespace {

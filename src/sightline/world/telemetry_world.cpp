@@ -1,14 +1,10 @@
-#include "sightline/world/telemetry_world.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/same_time.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #include "sightline/world/sighting.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

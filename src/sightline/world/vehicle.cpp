@@ -1,4 +1,4 @@
-#include "sightline/world/vehicle.hpp"
+#include "sightline/vehicle.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
+#include "sightline/world.hpp"
 #include "sightline/world/mixer.hpp"
-#include "sightline/world/rigid_body.hpp"
 
 namespace sightline {
 

@@ -1,14 +1,12 @@
-#include "sightline/world/vehicle_world.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #include "sightline/world/fleet.hpp"
+#include "sightline/worlds.hpp"
 
 namespace sightline {
 namespace {

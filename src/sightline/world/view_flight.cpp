@@ -5,11 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/estimate/pose_filter.hpp"
-#include "sightline/world/motion_sensor.hpp"
+#include "sightline/base.hpp"
+#include "sightline/estimator.hpp"
+#include "sightline/sensors.hpp"
 #include "sightline/world/sighting.hpp"
-#include "sightline/world/synthetic_detections.hpp"
 
 namespace sightline {
 namespace {

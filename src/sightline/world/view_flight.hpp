@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "sightline/estimate/filter_options.hpp"
-#include "sightline/ocp/view_choice.hpp"
-#include "sightline/world/camera.hpp"
+#include "sightline/estimator.hpp"
+#include "sightline/events.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline {
 

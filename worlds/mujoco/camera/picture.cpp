@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline::mujoco {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "sightline/base/fixed.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/base.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::mujoco {
 

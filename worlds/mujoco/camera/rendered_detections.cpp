@@ -4,8 +4,8 @@
 #include <array>
 #include <limits>
 
-#include "sightline/base/index.hpp"
-#include "sightline/world/tag_pose.hpp"
+#include "sightline/base.hpp"
+#include "sightline/sensors.hpp"
 
 namespace sightline::mujoco {
 

@@ -5,8 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "sightline/world/detection_source.hpp"
-#include "sightline/world/synthetic_detections.hpp"
+#include "sightline/sensors.hpp"
 #include "worlds/mujoco/camera/picture.hpp"
 #include "worlds/mujoco/camera/scene.hpp"
 #include "worlds/mujoco/camera/tag_finder.hpp"

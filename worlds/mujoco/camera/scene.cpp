@@ -7,8 +7,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #include "worlds/mujoco/mjcf.hpp"
 
 namespace sightline::mujoco {

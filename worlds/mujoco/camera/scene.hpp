@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/world/detection_source.hpp"
+#include "sightline/sensors.hpp"
 #include "worlds/mujoco/camera/offscreen.hpp"
 #include "worlds/mujoco/camera/tag_finder.hpp"
 #include "worlds/mujoco/engine.hpp"

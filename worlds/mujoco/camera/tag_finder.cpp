@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 extern "C" {
 #include <apriltag/apriltag.h>

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "sightline/world/camera.hpp"
+#include "sightline/sensors.hpp"
 #include "worlds/mujoco/camera/picture.hpp"
 
 namespace sightline::mujoco {

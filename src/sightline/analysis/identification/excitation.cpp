@@ -4,11 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 #include "sightline/model/state_roles.hpp"
-#include "sightline/scenario/closed_loop.hpp"
+#include "sightline/scenario.hpp"
 
 namespace sightline {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "sightline/analysis/identification/flown_motion.hpp"
-#include "sightline/run/clock.hpp"
-#include "sightline/scenario/scenario.hpp"
-#include "sightline/world/disturbance.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sightline/ocp/team.hpp"
-#include "sightline/record/recorded_flight.hpp"
+#include "sightline/log.hpp"
+#include "sightline/team.hpp"
 #include "sightline/world/flight_controller.hpp"
 
 namespace sightline {

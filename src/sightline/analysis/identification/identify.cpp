@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/model/hover_multirotor.hpp"
+#include "sightline/robots.hpp"
 
 namespace sightline {
 namespace {

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "sightline/run/compensation.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/localizer.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/run/stages/log.hpp"
 #include "sightline/run/stages/period.hpp"
 

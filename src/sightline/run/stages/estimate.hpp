@@ -1,9 +1,7 @@
 /// Stages "supervise" and "compensate": from valid states to the states where commands take effect.
 #pragma once
 
-#include "sightline/run/compensation.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/localizer.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/run/stages/period.hpp"
 
 namespace sightline::stages {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <thread>
 
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/run/clock.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline::stages {
 namespace {

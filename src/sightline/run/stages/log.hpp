@@ -1,8 +1,7 @@
 /// Stage "log": the samples of the loop, from the sink and back to it.
 #pragma once
 
-#include "sightline/run/guard.hpp"
-#include "sightline/run/spsc_queue.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/run/stages/period.hpp"
 
 namespace sightline::stages {

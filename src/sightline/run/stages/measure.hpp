@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "sightline/run/localizer.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/run/stages/period.hpp"
 
 namespace sightline::stages {

@@ -11,12 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/index.hpp"
-#include "sightline/run/loop.hpp"
-#include "sightline/run/sample.hpp"
-#include "sightline/run/valid_states.hpp"
-#include "sightline/world/command.hpp"
-#include "sightline/world/world.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline::stages {
 

@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/same_time.hpp"
-#include "sightline/base/throw_invalid.hpp"
-#include "sightline/run/compensation.hpp"
-#include "sightline/run/guard.hpp"
-#include "sightline/run/team_switcher.hpp"
+#include "sightline/base.hpp"
+#include "sightline/loop.hpp"
 
 namespace sightline::stages {
 

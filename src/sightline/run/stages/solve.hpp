@@ -2,7 +2,7 @@
 /// not within the solver's limits, the last good one stays.
 #pragma once
 
-#include "sightline/run/controller.hpp"
+#include "sightline/loop.hpp"
 #include "sightline/run/stages/period.hpp"
 
 namespace sightline::stages {

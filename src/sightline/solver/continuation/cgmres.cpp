@@ -1,4 +1,4 @@
-#include "sightline/solver/continuation/cgmres.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

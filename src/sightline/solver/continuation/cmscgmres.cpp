@@ -1,6 +1,6 @@
-#include "sightline/solver/continuation/cmscgmres.hpp"
-
 #include <algorithm>
+
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

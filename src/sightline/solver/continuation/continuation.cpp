@@ -1,5 +1,3 @@
-#include "sightline/solver/continuation/continuation.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/subnormals.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

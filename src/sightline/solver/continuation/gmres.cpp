@@ -1,9 +1,8 @@
-#include "sightline/solver/continuation/gmres.hpp"
-
 #include <array>
 #include <cmath>
 
-#include "sightline/base/fixed.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

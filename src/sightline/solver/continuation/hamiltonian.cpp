@@ -1,7 +1,7 @@
-#include "sightline/solver/continuation/hamiltonian.hpp"
-
 #include <algorithm>
 #include <stdexcept>
+
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

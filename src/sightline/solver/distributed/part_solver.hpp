@@ -6,8 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "sightline/solver/distributed/peers.hpp"
-#include "sightline/solver/distributed/subteam.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

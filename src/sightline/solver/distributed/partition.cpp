@@ -1,5 +1,3 @@
-#include "sightline/solver/distributed/partition.hpp"
-
 #include <fmt/format.h>
 #include <time.h>
 
@@ -8,10 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/nearest.hpp"
-#include "sightline/base/subnormals.hpp"
-#include "sightline/base/throw_invalid.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/potential/tracking.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "sightline/solver/distributed/partition.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -1,9 +1,8 @@
-#include "sightline/solver/distributed/peers.hpp"
-
 #include <algorithm>
 #include <cstdlib>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -1,11 +1,10 @@
-#include "sightline/solver/distributed/simulated_messages.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/split_mix.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

@@ -1,12 +1,11 @@
-#include "sightline/solver/distributed/subteam.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 namespace {

@@ -1,11 +1,11 @@
-#include "sightline/solver/kernels/generator.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <sstream>
+
+#include "sightline/kernels.hpp"
 
 namespace sightline {
 namespace {
@@ -29,7 +29,7 @@ std::string list(std::string_view type, std::string_view name, const std::string
 
 std::string head() {
   return "// Printed by the generator; not to be edited.\n#include "
-         "\"sightline/solver/kernels/kernel_table.hpp\"\n\n"
+         "\"sightline/kernels.hpp\"\n\n"
          "namespace sightline {\n";
 }
 

@@ -1,4 +1,4 @@
-#include "sightline/solver/kernels/kernel_table.hpp"
+#include "sightline/kernels.hpp"
 
 namespace sightline {
 namespace {

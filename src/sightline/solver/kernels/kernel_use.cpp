@@ -1,8 +1,8 @@
-#include "sightline/solver/kernels/kernel_use.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+
+#include "sightline/solver.hpp"
 
 namespace sightline {
 

@@ -1,12 +1,11 @@
-#include "sightline/solver/kernels/pose_potential.hpp"
-
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <optional>
 
-#include "sightline/base/index.hpp"
-#include "sightline/formula/derive.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/kernels.hpp"
 
 namespace sightline {
 namespace {

@@ -6,8 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sightline/base/elementary.hpp"
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

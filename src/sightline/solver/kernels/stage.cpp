@@ -1,11 +1,10 @@
-#include "sightline/solver/kernels/stage.hpp"
-
 #include <algorithm>
 #include <cassert>
 #include <map>
 
-#include "sightline/base/index.hpp"
-#include "sightline/formula/derive.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/kernels.hpp"
 #include "sightline/potential/tracking.hpp"
 #include "sightline/solver/kernels/riccati.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/formula/derive.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/solver/newton/cross_blocks.hpp"
 #include "sightline/solver/newton/neighbourhood.hpp"
 #include "sightline/solver/newton/pair_batch.hpp"

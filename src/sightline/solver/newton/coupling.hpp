@@ -11,12 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/thread_pool.hpp"
-#include "sightline/ocp/ocp.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
-#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/base.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/solver.hpp"
 #include "sightline/solver/newton/layout.hpp"
-#include "sightline/solver/solver.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

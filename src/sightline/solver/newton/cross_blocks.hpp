@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/index.hpp"
-#include "sightline/formula/derive.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 #include "sightline/solver/newton/pair_batch.hpp"
 
 namespace sightline {

@@ -10,8 +10,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 
 namespace sightline::newton {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -5,13 +5,12 @@
 #include <span>
 #include <vector>
 
-#include "sightline/base/thread_pool.hpp"
-#include "sightline/ocp/ocp.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
-#include "sightline/solver/kernels/kernel_use.hpp"
+#include "sightline/base.hpp"
+#include "sightline/kernels.hpp"
+#include "sightline/solver.hpp"
 #include "sightline/solver/newton/coupling.hpp"
-#include "sightline/solver/newton/group.hpp"
 #include "sightline/solver/newton/layout.hpp"
+#include "sightline/team.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/kernels.hpp"
 
 namespace sightline {
 

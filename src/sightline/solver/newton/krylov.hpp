@@ -11,11 +11,11 @@
 
 #include <chrono>
 
-#include "sightline/solver/continuation/gmres.hpp"
 #include "sightline/solver/newton/coupling.hpp"
 #include "sightline/solver/newton/groups.hpp"
 #include "sightline/solver/newton/influence.hpp"
 #include "sightline/solver/newton/phase_schedule.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sightline/base/lane.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 
 namespace sightline::newton {

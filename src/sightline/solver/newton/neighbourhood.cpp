@@ -6,8 +6,8 @@
 #include <limits>
 #include <tuple>
 
-#include "sightline/base/index.hpp"
-#include "sightline/formula/derive.hpp"
+#include "sightline/base.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sightline/base/grid.hpp"
-#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/kernels.hpp"
 #include "sightline/solver/newton/layout.hpp"
 #include "sightline/solver/newton/points.hpp"
 

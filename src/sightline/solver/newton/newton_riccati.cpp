@@ -1,6 +1,5 @@
-#include "sightline/solver/newton/newton_riccati.hpp"
-
 #include "sightline/solver/newton/update.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline {
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 #include "sightline/solver/newton/update.hpp"
 

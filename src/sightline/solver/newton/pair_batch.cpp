@@ -1,6 +1,6 @@
 #include "sightline/solver/newton/pair_batch.hpp"
 
-#include "sightline/formula/derive.hpp"
+#include "sightline/formula.hpp"
 
 namespace sightline {
 

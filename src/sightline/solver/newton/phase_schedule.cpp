@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 namespace {

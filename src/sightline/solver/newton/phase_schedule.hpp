@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/base/thread_pool.hpp"
+#include "sightline/base.hpp"
 
 namespace sightline {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 #include "sightline/solver/newton/update.hpp"
 

@@ -6,9 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "sightline/formula/threaded.hpp"
-#include "sightline/solver/kernels/kernel_table.hpp"
-#include "sightline/solver/kernels/pose_potential.hpp"
+#include "sightline/formula.hpp"
+#include "sightline/kernels.hpp"
 
 namespace sightline {
 

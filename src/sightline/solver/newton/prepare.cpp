@@ -1,8 +1,7 @@
 // Preparation of an update: measured states; references, limits and other bodies along the horizon.
 #include <cmath>
 
-#include "sightline/base/index.hpp"
-#include "sightline/base/no_value.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 
 namespace sightline::newton {

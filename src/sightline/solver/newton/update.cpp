@@ -6,8 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/base/subnormals.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 
 namespace sightline::newton {

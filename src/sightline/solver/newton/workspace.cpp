@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/base/index.hpp"
+#include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 
 namespace sightline::newton {

@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "sightline/base/no_value.hpp"
-#include "sightline/potential/heading_error_limit.hpp"
+#include "sightline/base.hpp"
+#include "sightline/potentials.hpp"
 #include "sightline/solver/newton/descent.hpp"
-#include "sightline/solver/newton/newton_riccati.hpp"
 #include "sightline/solver/newton/phase_schedule.hpp"
+#include "sightline/solvers.hpp"
 
 namespace sightline::newton {
 
