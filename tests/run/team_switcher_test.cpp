@@ -312,10 +312,12 @@ TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
 
 TEST(TeamSwitcher, ARampEndsAlsoWhenAnIgnoredEventOccursAtItsEnd) {
   const Team all = event_team(3);
+  const AgentId uav2{BodyId{2}};
+  const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
   for (int k = 18; k < 26; ++k) {
     const Reported reported =
-        fly_failing(all, {{at(0.1, RemoveTerm{"off1"}, 0.1), at(0.01 * k, AddBody{BodyId{1}})}},
-                    newton_riccati_of(Horizon{}));
+        fly_failing(all, {{at(0.1, RemoveTerm{"off1"}, 0.1), at(0.01 * k, AddCoupling{bad})}},
+                    fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
     EXPECT_EQ(reported.ignored, std::vector<std::size_t>{1}) << k;
     EXPECT_EQ(reported.team.couplings().size(), all.couplings().size() - 1) << k;
   }

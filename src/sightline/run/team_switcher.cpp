@@ -180,6 +180,7 @@ void TeamSwitcher::prepare() noexcept {
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (events.size() == 1 || !can_be(events.subspan(i, 1))) refused_.push_back(events[i]);
   }
+  if (request_.settles && !next_.solver) (void)can_be({});  // the ramps end without the events
 }
 
 /// Makes the team that these events lead to, without rejected events. If it throws, nothing has
