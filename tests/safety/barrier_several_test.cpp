@@ -5,12 +5,12 @@
 namespace sightline {
 namespace {
 
-using test::VehicleInput;
 using test::Encirclement;
 using test::Fate;
 using test::highest;
 using test::lowest;
 using test::State;
+using test::VehicleInput;
 using test::Wish;
 
 /// So many pursuers, evenly round the robot at its height.

@@ -16,11 +16,11 @@ namespace sightline {
 namespace {
 
 using test::barrier;
-using test::VehicleInput;
 using test::control_period;
 using test::highest;
 using test::lowest;
 using test::State;
+using test::VehicleInput;
 
 State random_state(Random& random, double speed) {
   const double psi = uniform(random, -std::numbers::pi, std::numbers::pi);

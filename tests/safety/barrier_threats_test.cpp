@@ -9,10 +9,10 @@
 namespace sightline {
 namespace {
 
-using test::VehicleInput;
 using test::highest;
 using test::lowest;
 using test::State;
+using test::VehicleInput;
 
 TEST(BarrierThreats, LetsAnUncooperativeOneNearerWhoseVelocityIsKnown) {
   const Barrier filter = test::barrier();

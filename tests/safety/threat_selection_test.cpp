@@ -13,11 +13,11 @@
 namespace sightline {
 namespace {
 
-using test::VehicleInput;
 using test::control_period;
 using test::highest;
 using test::lowest;
 using test::State;
+using test::VehicleInput;
 
 Vec3<double> drawn(Random& random, double reach) {
   return {uniform(random, -reach, reach), uniform(random, -reach, reach), uniform(random, -1, 1)};
