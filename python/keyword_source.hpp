@@ -1,5 +1,5 @@
 /// Parameters of a part from the keyword arguments of a call, by the part's description
-/// (base/parameter.hpp).
+/// (base.hpp).
 #pragma once
 
 #include <string>

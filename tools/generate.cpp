@@ -1,10 +1,12 @@
-/// Prints the compiled functions of models and potentials: generate FOLDER, one file for each group
-/// of them.
+/// Prints the compiled functions of models and potentials: generate FOLDER PART..., one file for each
+/// part, and an index of them.
 ///
 /// The printed functions contain no parameter values, so one function serves all robots of a model,
 /// at every stage length.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "sightline/kernels.hpp"
@@ -70,14 +72,14 @@ Generator potentials() {
 
 int main(int argc, char** argv) {
   using namespace sightline;
-  if (argc != 2) {
-    std::fputs("usage: generate FOLDER\n", stderr);
+  if (argc < 3) {
+    std::fputs("usage: generate FOLDER PART...\n", stderr);
     return 2;
   }
   const std::vector both = {Seen::pose, Seen::pose_and_motion};
   const std::vector<Model> velocity = {VelocityMultirotor{},
                                        VelocityMultirotor{.frame = VelocityFrame::level}};
-  const std::vector<Generator> parts = {
+  std::vector<Generator> parts = {
       stages_of("multirotor", {Multirotor{}}, {Seen::pose}),
       stages_of("multirotor_motion", {Multirotor{}}, {Seen::pose_and_motion}),
       limits_of_a_multirotor(),
@@ -95,6 +97,14 @@ int main(int argc, char** argv) {
       stages_of("point_mass", {PointMass{}, PointMass{.drag = 0.3}}, both),
       potentials(),
   };
+  const std::vector<std::string_view> chosen(argv + 2, argv + argc);
+  std::erase_if(parts, [&](const Generator& part) {
+    return std::find(chosen.begin(), chosen.end(), part.part()) == chosen.end();
+  });
+  if (parts.size() != chosen.size()) {
+    std::fprintf(stderr, "generate: %zu of %zu parts are known\n", parts.size(), chosen.size());
+    return 2;
+  }
   const std::filesystem::path folder = argv[1];
   std::filesystem::create_directories(folder);
   for (const Generator& part : parts) {

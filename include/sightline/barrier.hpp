@@ -374,7 +374,7 @@ class EvasiveManeuvers {
 //   B = max over plans of min over neighbours and t >= 0 of |p_a(t) - c(t)| - rho(t) - d_hard
 //
 // If no plan has B >= 0, the robot may be surrounded, and flies the best evasive trajectory
-// (evasive_maneuver.hpp). If the vertical speed follows its command with one lag, p_z + tau v_z,
+// (EvasiveManeuver). If the vertical speed follows its command with one lag, p_z + tau v_z,
 // the height at which the robot would come to rest, replaces p_z, and |tau v_z| is added to rho.
 //
 // Floor, ceiling and world have priority. docs/safety.md has the mathematics, and the guarantee

@@ -435,7 +435,7 @@ P read_part(const ParameterSource& from, std::span<const std::string_view> besid
 // `Real`. It then gives the same bits on one lane as on eight: nothing here sums across lanes, and
 // a fused product is fused everywhere.
 //
-// The library build fixes the width of a pack (lane_width.hpp). A program may be built for a
+// The library build fixes the width of a pack (config.hpp). A program may be built for a
 // lesser machine; each pack then takes several of its registers. The calling convention of a pack
 // depends on that machine, so the name of Lane contains both. The linker therefore never replaces
 // a function over lanes of one file by that of another.

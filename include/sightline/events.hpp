@@ -176,7 +176,7 @@ class ViewChooser {
 // happened, it stays disarmed until its stage is entered again, unless it repeats. Stages "x:a"
 // and "x:b" exclude each other only, not those of another x or of none.
 
-// What a condition looks at. There is no measure of an absent body.
+// What a condition measures; of absent bodies there is no measure.
 
 /// Distance of the positions of two bodies [m].
 struct DistanceOf {
@@ -202,7 +202,7 @@ struct ExcessOf {
 
 /// How much nearer the robot b is to a target than the robot a, which b would replace [m]. Infinite
 /// if a is not steered, so that b replaces a robot that brakes or sinks; no measure if b is not
-/// steered. Made by shapes only (shape.hpp).
+/// steered. Made by shapes only.
 struct NearerThan {
   BodyId a, b, target;
 };
@@ -218,7 +218,7 @@ struct TurnedTo {
 
 using Measure = std::variant<DistanceOf, ViewAngleOf, AgeOf, ExcessOf, NearerThan, TurnedTo>;
 
-// When.
+// Triggers: when an event occurs.
 
 /// Occurs at this time of the run.
 struct AtTime {
@@ -249,7 +249,7 @@ struct Signal {
 
 using Trigger = std::variant<AtTime, AfterTime, Condition, Signal>;
 
-// What.
+// Actions: what an event changes.
 
 /// Behaviour of a robot that leaves the team.
 enum class Afterwards {
@@ -297,7 +297,7 @@ struct RetuneTerm {
 
 /// The robot observes another body from now on. Its couplings with a sensor move to the new target,
 /// and so do those that hold it to the previous target. Couplings that keep the two apart
-/// (protection.hpp) stay, and the new target gets the same if it has none. If a region does both,
+/// (keeps_apart()) stay, and the new target gets the same if it has none. If a region does both,
 /// its limits that keep them apart stay behind.
 struct Observe {
   AgentId observer;
@@ -309,7 +309,7 @@ struct SetReference {
   Reference reference;
 };
 
-/// An observer of a choice (view_choice.hpp) turns to another target: couplings of these names fade
+/// An observer of a choice (ViewChoice) turns to another target: couplings of these names fade
 /// out, if they are in force; others of the same names fade in. Made by shapes only.
 struct HandOver {
   AgentId observer{};
@@ -361,7 +361,7 @@ std::string_view region_of(std::string_view stage);
 struct Script {
   std::vector<TeamEvent> events{};
   std::vector<std::string> begins = {std::string(first_stage)};  ///< the first stage of each region
-  std::vector<ViewChoice> choices{};                             ///< that events follow (shape.hpp)
+  std::vector<ViewChoice> choices{};                             ///< that events follow
   bool empty() const { return events.empty(); }
 };
 

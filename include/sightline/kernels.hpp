@@ -24,7 +24,7 @@ namespace sightline {
 // One stage of the Newton step, traced once from a model: five short scalar programs without
 // matrices.
 //
-// The Riccati stage (riccati.hpp) is written once, as dense loops over any scalar. On the
+// The Riccati stage (solver/kernels/riccati.hpp) is written once, as dense loops over any scalar. On the
 // recording scalar, zeros of A, B, J fold; the result is the sparse code of one model. The model's
 // numbers and h are parameters: except for zeros, no value changes the programs. Derivation:
 // docs/equations.md, 11.

@@ -134,7 +134,7 @@ class ValidStates {
 /// Source of a robot's u*.
 enum class FeedForwardFrom {
   none,       ///< u* of the team
-  reference,  ///< the input with which the robot's model follows its reference: feed_forward.hpp
+  reference,  ///< the input with which the robot's model follows its reference: FeedForward
 };
 inline constexpr std::array<std::string_view, 2> feed_forwards = {"none", "reference"};
 

@@ -146,7 +146,7 @@ double view_angle(const SensorMount& mount, const Seen& robot, const Vec3<double
 
 /// Requirements on a robot's struct; see robots.hpp. Optional: `u_max()` and `u_min()`, the limits
 /// of its inputs, by default 1 and -u_max. `parameters()` describes its parameters
-/// (base/parameter.hpp), and `check()` rejects inconsistent ones. With `--threads` several threads
+/// (base.hpp), and `check()` rejects inconsistent ones. With `--threads` several threads
 /// call its functions concurrently.
 template <class M>
 concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
@@ -158,7 +158,7 @@ concept RobotModel = requires(const M& m, const std::array<double, M::nx>& x,
 };
 
 /// Sight of a robot at state x under input u. The pose is pose(x); the velocity is its rate under
-/// x' = f(x, u). The tilt is that of the commanded thrust, forward and to the left (frames.hpp),
+/// x' = f(x, u). The tilt is that of the commanded thrust, forward and to the left (see Pose),
 /// from an optional `Vec2<S> lean(x, u)`. Without it the robot is upright.
 template <class S, class M>
 Sight<S> sight(const M& model, const std::array<S, M::nx>& x, const std::array<S, M::nu>& u) {

@@ -58,11 +58,11 @@ struct SigmoidStep {
 //
 // If it states a limit, it has `double violation(same Sights) const`, with the time as above. The
 // result is > 0 where the limit is violated, in the limit's unit. Its name is `name`, a constant
-// of the type or a function. Its parameters are described by `parameters()` (base/parameter.hpp).
+// of the type or a function. Its parameters are described by `parameters()` (base.hpp).
 // Further optional properties are constants or functions:
 //
 //   limit_unit    unit of the violation, "m"; default: "in its own unit"
-//   keeps_apart   whether the limit is a least distance; default: sampled (protection.hpp)
+//   keeps_apart   whether the limit is a least distance; default: sampled
 //   observes      whether the first body observes the second; default: it has a sensor and
 //                 does not keep the bodies apart
 //   mount         the sensor's mount on the observer; a scenario sets it from [agent.NAME.sensor]

@@ -1,4 +1,4 @@
-/// TODO registry
+/// The parts that a scenario may name: robots, potentials, limits, references, solvers, worlds; and links to real robots.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ namespace sightline {
 //   return command_line(argc, argv, registry);
 //
 // A part is a struct with `name`, a word. A scenario may set the parameters that its
-// `parameters()` lists (base/parameter.hpp).
+// `parameters()` lists (base.hpp).
 
 /// A struct that a scenario can refer to by its name.
 template <class P>
@@ -201,7 +201,7 @@ struct Registry {
   PartList<Reference> references{"reference", {"state"}};
   PartList<Limit> limits{"limit"};
   WorldList worlds;
-  std::shared_ptr<const LinkReader> links{};  ///< for files with [fleet] (links.hpp); null: refuses them
+  std::shared_ptr<const LinkReader> links{};  ///< for files with [fleet]; null: refuses them
   std::shared_ptr<const Bridge> bridge{};     ///< flies fleets; null: no fleet can fly
 };
 
@@ -220,7 +220,7 @@ extern template std::string parameters_table(const PartList<Limit>&);
 
 // Reading of scenarios with links to real robots. The flight itself needs a bridge, as sightline::dds.
 
-/// The parts with a reader of [fleet] and of links (scenario/links.hpp), unless they have one.
+/// The parts with a reader of [fleet] and of links, unless they have one.
 Registry with_links(Registry parts = {});
 
 }  // namespace sightline

@@ -158,7 +158,7 @@ class Solver {
   /// Discards the iterate: the next update starts as the first did.
   virtual void restart() noexcept = 0;
 
-  /// Capability to plan in a team that changes (team_planner.hpp); null: it plans for its own team
+  /// Capability to plan in a team that changes (TeamPlanner); null: it plans for its own team
   /// alone.
   virtual TeamPlanner* team_planner() noexcept { return nullptr; }
   /// Which robots receive each other's predictions if subteams exchange messages; null: no

@@ -248,7 +248,7 @@ class Hamiltonian {
   /// Sets the horizon from t [s] in steps of h [s]: references, limits, stage times.
   void set_time(double t, double h) noexcept;
   /// As above, with references limited to the heading error from x (nx)
-  /// (potential/heading_error_limit.hpp).
+  /// (HeadingErrorLimit).
   void set_time(double t, double h, const double* x) noexcept;
   double h() const { return h_; }
   /// Sets the offset added to the inputs of all agents (nu): from the next set_time() on limits
@@ -600,7 +600,7 @@ struct NewtonRiccatiOptions {
       0.5;  ///< a larger step of an input in its scale, or a larger residual, triggers a line search, > 0
   double deadline = 0.0;   ///< an update ends then [s], after the step in progress, at least one; 0: none
   int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
-  KernelChoice kernels{};  ///< compiled if available; kernels/kernel_table.hpp
+  KernelChoice kernels{};  ///< compiled if available, see KernelTable
   /// Thread pool for teams of at least `shared_from` robots; null: the calling thread alone. The
   /// result is the same.
   std::shared_ptr<ThreadPool> pool{};

@@ -289,7 +289,7 @@ class Track {
   bool trusted_ = true, is_frozen_ = false;
 };
 
-// Fault handling: the state estimate of each body (track.hpp), and fallback level (ladder.hpp) and
+// Fault handling: the state estimate of each body (Track), and fallback level and
 // command of each robot.
 //
 //   accept_measurement()  takes a measurement with its times, returns the present state estimates

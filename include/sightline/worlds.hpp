@@ -373,7 +373,7 @@ class Rotorcraft;
 /// move as in a ModelWorld. Delays, noise, faults and presence are also as there. Wind, gusts and
 /// wakes act as moving air. An acceleration a becomes air at the velocity Vehicle::air(a), whose
 /// drag accelerates the hovering vehicle by a. In flight the drag acts on the velocity relative to
-/// that air, and to the downwash of other vehicles (downwash.hpp). Commands come into force at
+/// that air, and to the downwash of other vehicles. Commands come into force at
 /// whole milliseconds.
 ///
 /// The world ends if a vehicle touches the ground at more than landing_speed_max, or touches

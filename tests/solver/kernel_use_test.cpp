@@ -43,7 +43,7 @@ TEST(KernelUse, WhatWasNotPrintedIsNamed) {
   const KernelUse use = NewtonRiccati(watched.team, default_horizon).kernels();
   EXPECT_EQ(interpreted(use), (std::vector<std::string>{"robot multirotor", "region"}));
   EXPECT_EQ(use.sentence(),
-            "2 of 4 formulas are interpreted, several times slower than compiled, to the same bits: robot "
+            "2 of 4 formulas are interpreted, several times slower than compiled: robot "
             "multirotor, region");
 }
 

@@ -151,7 +151,7 @@ bool is_armed(const TeamEvent& event, const std::vector<std::string>& stages) {
   return event.stage.empty() || std::find(stages.begin(), stages.end(), event.stage) != stages.end();
 }
 
-/// Whether a choice triggers the event; such an event closes no cycle (view_choice.hpp).
+/// Whether a choice triggers the event; such an event closes no cycle (ViewChoice).
 bool is_chosen(const TeamEvent& event) {
   const auto* condition = std::get_if<Condition>(&event.trigger);
   return condition != nullptr && std::holds_alternative<TurnedTo>(condition->measure);

@@ -18,7 +18,7 @@
 ///                          of arrival
 ///
 /// Before a robot is localized there is no estimate, so neither /ROBOT/estimate nor
-/// /ROBOT/localization. A replay reads motions, broadcasts and detections (recorded_flight.hpp) and
+/// /ROBOT/localization. A replay reads motions, broadcasts and detections (RecordedFlight) and
 /// compares its estimates with /ROBOT/localization.
 #pragma once
 

@@ -34,7 +34,7 @@ namespace sightline {
 ///                                              pairs if robots are kept apart
 ///                   /events                    {time, kind, controller, value}
 ///                   /tuned                     {time, number, name, text}, of a tuned flight
-///                 the inputs of a replay, see recorded_flight.hpp; and metadata: "sightline" with
+///                 the inputs of a replay, see RecordedFlight in log.hpp; and metadata: "sightline" with
 ///                 scenario, version, compiler, seed, solver and team; "files" with the texts of
 ///                 the files that the scenario names.
 ///                 States, poses and twists also cover missed periods, if the world knows the

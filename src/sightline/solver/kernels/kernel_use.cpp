@@ -25,7 +25,7 @@ std::string KernelUse::sentence() const {
   }
   if (interpreted == 0) return {};
   return fmt::format(
-      "{} of {} formulas {} interpreted, several times slower than compiled, to the same bits: {}",
+      "{} of {} formulas {} interpreted, several times slower than compiled: {}",
       interpreted, formulas.size(), interpreted == 1 ? "is" : "are", names);
 }
 
