@@ -24,9 +24,8 @@ std::string KernelUse::sentence() const {
     names += (interpreted++ > 0 ? ", " : "") + f.name;
   }
   if (interpreted == 0) return {};
-  return fmt::format(
-      "{} of {} formulas {} interpreted, several times slower than compiled: {}",
-      interpreted, formulas.size(), interpreted == 1 ? "is" : "are", names);
+  return fmt::format("{} of {} formulas {} interpreted, several times slower than compiled: {}", interpreted,
+                     formulas.size(), interpreted == 1 ? "is" : "are", names);
 }
 
 }  // namespace sightline
