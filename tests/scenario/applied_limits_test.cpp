@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-constexpr double control_period = 0.01, rate = 0.5;
+constexpr double control_period = 0.01, rate_max = 0.5;
 
 struct Way {
   std::string solver, barrier;
@@ -28,8 +28,8 @@ struct Way {
           "Q = [4.0, 4.0, 4.0, 0.2, 0.2, 0.0, 0.0]\nR = [0.01, 0.01, 0.01, 0.01]\n"
           "reference = {{ constant = {{ p = [{}, {}, 8.0], heading = 2.0 }} }}\n"
           "rate_max = [{}, {}, {}, {}]\n",
-          first ? "a" : "b", first ? 0.0 : 3.0, first ? 30.0 : -30.0, first ? 3.0 : 0.0, rate, rate, rate,
-          rate);
+          first ? "a" : "b", first ? 0.0 : 3.0, first ? 30.0 : -30.0, first ? 3.0 : 0.0, rate_max, rate_max,
+          rate_max, rate_max);
       if (compensated) t += "disturbance_time = 0.5\ncommand_delay = 0.1\n";
       const std::string low = fmt::format("[-{0}, -{0}, -{0}, -{0}]", narrowed),
                         high = fmt::format("[{0}, {0}, {0}, {0}]", narrowed);
@@ -85,7 +85,7 @@ TEST(AppliedLimits, HoldInEachPeriodOnEveryPath) {
         // Where an input may not move as little as its rate asks, it moves no further than the limit. The barrier may jump.
         if (way.barrier == "on") continue;
         const double nearest = std::clamp(before[i], -most, most);
-        ASSERT_LE(std::abs(now.u[i] - nearest), rate * control_period + 1e-9)
+        ASSERT_LE(std::abs(now.u[i] - nearest), rate_max * control_period + 1e-9)
             << now.time << " s, input " << i << "\n"
             << text;
       }
