@@ -154,7 +154,7 @@ std::filesystem::path read_keys(const TomlTable& at) {
   const std::string name = at.text("folder", expected);
   if (name.empty() || name.size() > link_text_max || name.find_first_of("\"$\n") != std::string::npos)
     at.throw_invalid("folder", expected);
-  const std::filesystem::path keys = at.file_folder(name + "/");
+  std::filesystem::path keys = at.file_folder(name + "/");
   if (!at.from_disk()) return keys;
   bool any = false;
   for (const std::string_view owner : key_owners) {
