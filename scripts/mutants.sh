@@ -2,8 +2,8 @@
 # Shows that the fast tests notice when what they guard is broken:  scripts/mutants.sh [BUILD_DIR | --check] [GROUP...]
 # Each mutant is one substitution in a copy of its sources; a line names the test that killed it. Nothing in the tree changes.
 # --check builds nothing: it shows that each mutant changes its file. Ends with 1 if a mutant survives or does not build. BUILD_DIR holds a built library (build/release by default). The groups are
-# barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign) and gate (what is measured and
-# what is applied); all if none is named.
+# barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign), gate (what is measured and
+# what is applied), solver (the Newton update) and estimate (the pose filters); all if none is named.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 build=build/release
@@ -12,7 +12,7 @@ if [[ ${1:-} == --check ]]; then check=1 && shift
 elif [[ ${1:-} == */* ]]; then build=$1 && shift; fi
 [[ -n $check || -f $build/lib/libsightline_core.a ]] || { echo "mutants.sh: $build = not built, expected lib/libsightline_core.a in it" >&2; exit 2; }
 groups=("$@")
-((${#groups[@]} > 0)) || groups=(barrier verdicts gate)
+((${#groups[@]} > 0)) || groups=(barrier verdicts gate solver estimate)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -234,6 +234,108 @@ gate() {
   )
 }
 
+solver() {
+  folder=solver/newton
+  sources=(solver/newton/{active_set,descent,extrapolate,groups,krylov,line_search,linearise,newton_riccati,output,plan,prepare,update,workspace}
+    solver/kernels/stage)
+  tests=(solver/{riccati,krylov,descent,third_body,rate_cost,applied_inputs,foresight,newton_riccati,solver})
+  filter='RiccatiStage.*:Krylov.*:Descent.*:ThirdBody.IsPlanned*:RateCost.*:AppliedInputs.*:AppliedInputsOfAll/0.*:Foresight.*:NewtonRiccati.ItsKkt*:NewtonRiccati.EveryStatus*:NewtonRiccati.AFlight*:NewtonRiccati.TheUnit*:NewtonRiccati.ABodyMoves*:NewtonRiccati.EachStage*:NewtonRiccati.LowerAnd*:AnySolver/2.*-AnySolver/2.RandomTeams*:AnySolver/2.Obstacles*'
+  objects=(cli/allocations)
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  mutants=(
+    'plans extrapolated twice as far|extrapolate.cpp|passed / before}|2 * passed / before}'
+    'extrapolation never given up|extrapolate.cpp|if (w.votes >= 0) {|if (true) {'
+    'previous inputs with what is added|prepare.cpp|w.previous\[at_u\] - w.offset\[at_u\]|w.previous[at_u]'
+    'lower limits without what is added|prepare.cpp|low\[i\] -= w.offset\[input + i\], |'
+    'limits of the first stage at all stages|prepare.cpp|find_limits(w, agent, input, time, k \* h)|find_limits(w, agent, input, time, 0.0)'
+    'bodies stand still along the horizon|prepare.cpp|      sight.p = sight.p + h \* sight.v;|      ;'
+    'references of the start|prepare.cpp|x_ref.along(time, |x_ref.along(0.0, '
+    'active set outlives a start|prepare.cpp|^    w.active\[i\] = 0.0;|    ;'
+    'plan outlives a start that has none|prepare.cpp|clamp(w.has_plan ? w.u\[i\] : 0.0,|clamp(w.u[i],'
+    'residual of the last group|linearise.cpp|all.residual = std::max(all.residual, p.residual);|all.residual = p.residual;'
+    'what is not finite is a step|linearise.cpp|largest(residual), nan == 0.0,|largest(residual), true,'
+    'steps beyond limits|linearise.cpp|kept.store(w.u_next + i);|next.store(w.u_next + i);'
+    'inputs below put on the upper limit|active_set.cpp|where_negative(below, low, u)|where_negative(below, high, u)'
+    'active inputs never freed|active_set.cpp|const L stays = .*|const L stays = held;'
+    'gain without the costs to come|solver/kernels/riccati.hpp|G(a, j) += B(q, a) \* PA(q, j);|;'
+    'cost-to-go without pivots|solver/kernels/riccati.hpp|s -= Y(a, i) \* Z(a, j);|s -= Y(a, i) * Y(a, j);'
+    'rate of the first input over a stage|solver/kernels/stage.cpp|(carries_on ? h_ : rates_.first)|h_'
+    'barriers without the step of the horizon|solver/kernels/stage.cpp|h \* cost_of_limits|cost_of_limits'
+    'damping in another unit|solver/kernels/stage.cpp|1.0 / (scale \* scale)|1.0 / scale'
+    'input costs halved|groups.cpp|2.0 \* h_ \* agent.R\[at(i)\]|h_ * agent.R[at(i)]'
+    'lean not planned with|groups.cpp|s\[of(k, first + 1)\] += lean.y|s[of(k, first + 1)] -= lean.y'
+    'directions not conjugate|krylov.cpp|const L beta = k > 0 ? next_rho / rho : 0.0;|const L beta = 0.0;'
+    'nobody visited twice|krylov.cpp|due_\[at(woken)\] = 1;|due_[at(woken)] = 0;'
+    'similar steps begin anew|krylov.cpp|share_ = has_added_ \&\& .*|share_ = 0.0;'
+    'costs may rise|descent.cpp|unit.settled = unit.cost < unit.before + |unit.settled = unit.cost < 2 * unit.before + '
+    'limits left along a search|descent.cpp|clamp(start\[at\] + alpha \* d\[at\], low\[at\], high\[at\])|start[at] + alpha * d[at]'
+    'what another feels is paid for|descent.cpp|(potential.b == a \&\& potential.ends.b_feels)|potential.b == a'
+    'shortened steps are whole|update.cpp|steps == 1 \&\& step.whole |steps == 1 '
+    'late updates are in time|update.cpp|step.in_time = !late(w);|step.in_time = true;'
+    'inputs that are no numbers applied|update.cpp|if (!step.finite) return fall_back.*|;'
+    'plan of missing states held|plan.cpp|(time - w.plan_time) / w.ocp.horizon().h()|0.0'
+    'plan outlives a restart|plan.cpp|std::fill_n(w.plan, w.groups.layout().u_length, 0.0);|;'
+    'predictions outlive a restart|plan.cpp|prediction.sights.clear();|;'
+    'bodies predicted at rest|output.cpp|to\[i\] += k \* w.ocp.horizon().h() \* to\[3 + i\];|;'
+    'inputs beyond limits where states are missing|output.cpp|clamp(w.raw_u\[to + at(i)\], w.limits\[at(i)\], w.limits\[at(nu + i)\])|w.raw_u[to + at(i)]'
+  )
+}
+
+estimate() {
+  folder=estimate
+  sources=(estimate/{attitude_filter,broadcast_track,heading_filter,localization_graph,observability,pose_filter})
+  tests=(estimate/{kalman,agreement,broadcast_track,observability,localization_graph,heading_filter,attitude_filter,out_of_sequence_filter,pose_filter,chain_filter})
+  filter='*-AttitudeFilter.TheAttitudeStays*:PoseFilter.*Attitude*:PoseFilter.Slow*:PoseFilter.Outliers*:PoseFilter.ACamera*:PoseFilter.While*:PoseFilter.AWrong*:PoseFilter.PositionsThat*'
+  objects=(tests/support/counting_new)
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  mutants=(
+    'no gate|kalman.hpp|result.accepted = result.squared <= chi_squared_gate<m>;|result.accepted = true;'
+    'gate of three components narrower|kalman.hpp|16.266|14.266'
+    'covariance without that of the measurement|kalman.hpp|sum - RKt(a, i)|sum'
+    'heading has the covariance of a position|kalman.hpp|block<1, 1>(of.R, m - 1, m - 1)|block<1, 1>(of.R, 0, 0)'
+    'bias of the velocity added|heading_filter.cpp|v = motion.v_V - s.velocity_bias;|v = motion.v_V + s.velocity_bias;'
+    'bias of the yaw rate kept out|heading_filter.cpp|dt \* (motion.yaw_rate - s.rate_bias)|dt * motion.yaw_rate'
+    'noise of the velocity a hundred times as large|heading_filter.hpp|square(options.velocity_noise) \* share|square(options.velocity_noise) * dt'
+    'error of the seen body left out|heading_filter.cpp|    R += R_VG \* block<3, 3>(z.P_other, 0, 0) \* transposed(R_VG);|'
+    'second order of a turn left out|heading_filter.cpp|R += 0.5 \* square(s.P(psi_at, psi_at)) \* outer(level, level);|;'
+    'unobserved turn left as it was|heading_filter.cpp|s.P(0, j) -= d.y \* s.P(psi_at, j), |'
+    'turning while nothing is measured left out|heading_filter.cpp|s.P(psi_at, psi_at) += square(0.5 \* unmeasured_turning \* gap \* gap);|;'
+    'error of the other renewed too slowly|heading_filter.cpp|const double fresh = 1 - square(keep);|const double fresh = 1 - keep;'
+    'heading of the other of the wrong sign|heading_filter.cpp|of.H(3, other_at + 3) = -1.0;|of.H(3, other_at + 3) = 1.0;'
+    'bias of the gyroscope added|attitude_filter.cpp|(motion.gyro - s.gyro_bias))|(motion.gyro + s.gyro_bias))'
+    'gravity upwards|attitude_filter.cpp|s.R \* f - Vec3|s.R * f + Vec3'
+    'turn of the camera on the wrong side|attitude_filter.cpp|C = sensor_attitude(mount_) \* turn(s.camera_turn)|C = turn(s.camera_turn) * sensor_attitude(mount_)'
+    'headings the long way|broadcast_track.cpp|s \* wrap(b.psi - a.psi)|s * (b.psi - a.psi)'
+    'cubic without the velocity at its end|broadcast_track.cpp|(h \* (s3 - s2)) \* b.v|(h * (s2 - s3)) * b.v'
+    'messages carried on twice as long|broadcast_track.cpp|t - last.stamp > options_.longest|t - last.stamp > 2 * options_.longest'
+    'a message counts twice|broadcast_track.cpp|if (place != end \&\& place->stamp == message.stamp) return;|;'
+    'error of a message not shared|broadcast_track.cpp|std::max(1.0, interval \* options_.sighting_rate)|1.0'
+    'heading held after the last message|broadcast_track.cpp|wrap(a.psi + d \* a.yaw_rate)|wrap(a.psi)'
+    'error of the velocity left out after the last message|broadcast_track.cpp| + square(options_.velocity_sigma \* d)|'
+    'turning after the last message left out|broadcast_track.cpp|pose.P(3, 3) += square(options_.turning \* d);|;'
+    'late ones applied on arrival|out_of_sequence_filter.hpp|Fit fit = replay(slot_of(z.stamp), \&z);|Fit fit = replay(count_ - 1, \&z);'
+    'one counts twice|out_of_sequence_filter.hpp|if (measured_.has(z)) return {FitVerdict::repeated};|;'
+    'early ones forgotten|out_of_sequence_filter.hpp|for (const Measurement\& z : waiting) take(z);|;'
+    'gaps without uncertainty|out_of_sequence_filter.hpp|gap > 1e-6)|gap > 1e6)'
+    'what is older than the start taken|out_of_sequence_filter.hpp|(known_ \&\& z.stamp <= begun_)|false'
+    'starts one sighting early|out_of_sequence_filter.hpp|psi, variance)) < start_)|psi, variance)) < start_ - 1)'
+    'never restarts|out_of_sequence_filter.hpp|contradictions_.add(meant) < restart_|contradictions_.add(meant) > 0'
+    'headings never restart|out_of_sequence_filter.hpp|turned_.add(meant) < restart_|turned_.add(meant) > 0'
+    'contradictions outlive an accepted position|out_of_sequence_filter.hpp|if (z.measures_position()) contradictions_.clear();|;'
+    'candidates outlive a start|out_of_sequence_filter.hpp|^  candidates_.clear();|  ;'
+    'an old compass is trusted|out_of_sequence_filter.hpp|> Agreement::window) return|> 100 * Agreement::window) return'
+    'last accepted goes back|out_of_sequence_filter.hpp|last_accepted_ = std::max(last_accepted_, z.stamp);|last_accepted_ = z.stamp;'
+    'intersection trusts the other|out_of_sequence_filter.hpp|(1 / (1 - w)) \* z.P_other|z.P_other'
+    'agreement over any time|agreement.hpp|if (between > window) return false;|;'
+    'dead reckoning in its own frame|agreement.hpp|turn_z(a.psi - a.reckoned.psi)|turn_z(0.0)'
+    'turn of a sighting of the wrong sign|observability.cpp|turn\[3\] = {across, -along, 0}|turn[3] = {across, along, 0}'
+    'yaw of a tag of the wrong sign|observability.cpp|row\[4 \* i + 3\] = -1.0;|row[4 * i + 3] = 1.0;'
+    'compass tells the height|observability.cpp|rows.add(one(i, 3));|rows.add(one(i, 2));'
+    'turn about a body that is not known|observability.cpp|known \&\& what.about < 0|what.about < 0'
+    'circles and chains exchanged|localization_graph.cpp|== circle_\[size(target)\] ?|!= circle_[size(target)] ?'
+  )
+}
+
 fail() { echo "mutants.sh: $1" >&2; exit 2; }
 compile() { c++ "${flags[@]}" "$@" -Iinclude -Isrc -I"$build/generated"; }
 prepare() {
@@ -261,7 +363,7 @@ program() {
     compile -I"$1" -I. -c "tests/${tests[i]}_test.cpp" -o "${of_tests[i]}" || return 1
   done
   for source in "${sources[@]}"; do
-    [[ -f $1/sightline/$source.o ]] || compile -I"$1" -c "$1/sightline/$source.cpp" -o "$1/sightline/$source.o" || return 1
+    [[ -f $1/sightline/$source.o ]] || compile -MMD -I"$1" -c "$1/sightline/$source.cpp" -o "$1/sightline/$source.o" || return 1
   done
   c++ -Wl,--allow-multiple-definition "${compiled[@]/#/$1/sightline/}" "${of_tests[@]}" "${libraries[@]}" \
     -lgtest_main -lgmock -lgtest -lfmt -lpthread -o "$1/tests" || return 1
@@ -280,8 +382,10 @@ mutate() {
   sed "s|$from|$to|" "$from_folder/$file" >"$2/sightline/$file"
   cmp -s "$2/sightline/$file" "$from_folder/$file" && fail "mutant \"$name\" changes nothing, expected \"$from\" in $file"
   [[ $file == *.hpp ]] || return 0
-  header=$file  # all of its layer may include it
-  for user in "${sources[@]}"; do rm -f "$2/sightline/$user.o"; done
+  header=$file  # whoever includes it is compiled again
+  for user in "${sources[@]}"; do
+    if [[ ! -f $2/sightline/$user.d ]] || grep -qF "sightline/$file" "$2/sightline/$user.d"; then rm -f "$2/sightline/$user.o"; fi
+  done
 }
 
 run_group() {
@@ -313,7 +417,7 @@ run_group() {
       echo "SURVIVED  $name"
       survivors=$((survivors + 1))
     else
-      echo "killed    $name: $(sed -nE 's/^\[  FAILED  \] ([A-Za-z.]+).*/\1/p' "$work/log" | head -1)"
+      echo "killed    $name: $(sed -nE 's/^\[  FAILED  \] ([A-Za-z0-9.\/]+).*/\1/p' "$work/log" | head -1)"
     fi
   done
 }
@@ -322,7 +426,7 @@ begin=$SECONDS
 count=0
 survivors=0
 for group in "${groups[@]}"; do
-  declare -F "$group" >/dev/null || fail "group $group = not known, expected barrier, verdicts or gate"
+  declare -F "$group" >/dev/null || fail "group $group = not known, expected barrier, verdicts, gate, solver or estimate"
   "$group"
   run_group "$group"
 done

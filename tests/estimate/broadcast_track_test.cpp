@@ -46,6 +46,24 @@ TEST(BroadcastTrack, AfterTheLastMessageItGoesStraightOnWithGrowingDoubt) {
   EXPECT_FALSE(track.at(0.9).has_value()) << "before the first message";
 }
 
+TEST(BroadcastTrack, AfterTheLastMessageItTurnsOnAndEachRateAddsItsUncertainty) {
+  constexpr double d = 0.2;
+  const auto later = [](double velocity_sigma, double turning) {
+    BroadcastTrack track(
+        {.acceleration = 0.0, .velocity_sigma = velocity_sigma, .turning = turning, .sighting_rate = 1e-3});
+    track.take(on_cubic(1.0));
+    return *track.at(1.0 + d);
+  };
+  const KnownPose exact = later(0.0, 0.0);
+  EXPECT_NEAR(wrap(exact.psi - on_cubic(1.0 + d).psi), 0.0, 1e-12);
+  EXPECT_EQ(exact.P, on_cubic(1.0).P);
+  const KnownPose fast = later(0.1, 0.0), turning = later(0.0, 0.3);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(fast.P(i, i) - exact.P(i, i), square(0.1 * d), 1e-15);
+  EXPECT_EQ(fast.P(3, 3), exact.P(3, 3));
+  EXPECT_NEAR(turning.P(3, 3) - exact.P(3, 3), square(0.3 * d), 1e-15);
+  EXPECT_EQ(turning.P(0, 0), exact.P(0, 0));
+}
+
 TEST(BroadcastTrack, SightingsThatShareAMessageShareItsError) {
   for (const double interval : {0.01, 0.1, 0.2}) {
     BroadcastTrack track(BroadcastOptions{.sighting_rate = 30.0});

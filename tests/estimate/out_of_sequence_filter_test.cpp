@@ -154,6 +154,97 @@ TEST(OutOfSequenceFilter, AMotionThatNobodyMeasuredWidensTheEstimate) {
   EXPECT_EQ(filter->estimate().stamp, stamp) << "a sample that is not finite is none";
 }
 
+/// A filter of a robot at rest at the origin that looks along x, and sightings of a body at rest.
+class Resting {
+ public:
+  OutOfSequenceFilter<HeadingFilter> filter{{}, HeadingFilter({}, {.frame = MountFrame::level})};
+
+  /// Sighting from p and psi, in the last sample; it tells the heading psi + turned.
+  Measurement sighting(const Vec3<double>& p = {}, double psi = 0.0, double turned = 0.0) const {
+    const Vec3<double> other = {2, 0.5, 1};
+    Measurement z{.stamp = t_ - 0.005, .z = turn_z(-psi) * (other - p), .R = identity<3>(1e-4)};
+    z.has_yaw = true, z.yaw = wrap(-psi - turned), z.yaw_variance = 1e-4;
+    z.p_other = other, z.P_other = identity<4>(1e-6);
+    return z;
+  }
+  void advance() {
+    filter.advance({.t = t_, .dt = 0.01});
+    t_ += 0.01;
+  }
+  FitVerdict see(const Vec3<double>& p = {}, double psi = 0.0, double turned = 0.0) {
+    advance();
+    return filter.take(sighting(p, psi, turned)).verdict;
+  }
+  void settle() {
+    for (int k = 0; k < 20; ++k) see();
+    ASSERT_TRUE(filter.estimate().known);
+  }
+
+ private:
+  double t_ = 0.0;
+};
+
+TEST(OutOfSequenceFilter, TheThirdSightingThatAgreesStartsItAndCountsOnceAndForgottenItStartsAnew) {
+  Resting robot;
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_EQ(robot.see(), FitVerdict::waiting);
+    EXPECT_EQ(robot.see({0.5, 0, 0}), FitVerdict::waiting) << "it means another place";
+    EXPECT_EQ(robot.see(), FitVerdict::waiting);
+    EXPECT_FALSE(robot.filter.estimate().known);
+    EXPECT_EQ(robot.see(), FitVerdict::started);
+    EXPECT_TRUE(robot.filter.estimate().known);
+    const Mat<4, 4> before = robot.filter.estimate().P;
+    EXPECT_EQ(robot.filter.take(robot.sighting()).verdict, FitVerdict::too_old);
+    EXPECT_EQ(robot.filter.estimate().P, before);
+    robot.filter.forget();
+  }
+}
+
+TEST(OutOfSequenceFilter, EightContradictionsInARowRestartItAndAnAcceptedOneBetweenThemForgetsThem) {
+  const auto contradict = [](const Vec3<double>& p, double turned, FitVerdict meanwhile) {
+    Resting robot;
+    robot.settle();
+    for (int round = 0; round < 3; ++round) {
+      for (int k = 0; k < 7; ++k) EXPECT_EQ(robot.see(p, 0.0, turned), meanwhile) << round << ", " << k;
+      EXPECT_EQ(robot.see(), FitVerdict::accepted) << round;
+    }
+    for (int k = 0; k < 7; ++k) EXPECT_EQ(robot.see(p, 0.0, turned), meanwhile) << k;
+    EXPECT_EQ(robot.see(p, 0.0, turned), FitVerdict::restarted);
+    EXPECT_NEAR(robot.filter.estimate().psi, turned, 1e-3);
+  };
+  contradict({1, -1, 0}, 0.0, FitVerdict::rejected);
+  contradict({}, 1.0, FitVerdict::accepted_position);
+}
+
+TEST(OutOfSequenceFilter, ACompassTellsTheHeadingOfSightingsWithoutOneForASecondAndAHalf) {
+  for (const bool old : {false, true}) {
+    Resting robot;
+    robot.advance();
+    Measurement compass{.of = Measures::heading, .stamp = 0.005, .source = -1};
+    compass.yaw = 0.0, compass.yaw_variance = 1e-4;
+    EXPECT_EQ(robot.filter.take(compass).verdict, FitVerdict::waiting);
+    for (int k = 0; k < (old ? 160 : 130); ++k) robot.advance();
+    FitVerdict last = FitVerdict::waiting;
+    for (int k = 0; k < 3; ++k) {
+      robot.advance();
+      Measurement z = robot.sighting();
+      z.has_yaw = false;
+      last = robot.filter.take(z).verdict;
+    }
+    EXPECT_EQ(last, old ? FitVerdict::waiting : FitVerdict::started);
+  }
+}
+
+TEST(OutOfSequenceFilter, ALateOneIsNotTheLastThatWasAccepted) {
+  Resting robot;
+  robot.settle();
+  const double last = robot.filter.estimate().last_accepted;
+  Measurement late = robot.sighting();
+  late.stamp -= 0.03, late.source = 1;
+  EXPECT_EQ(robot.filter.take(late).verdict, FitVerdict::accepted);
+  EXPECT_EQ(robot.filter.estimate().last_accepted, last);
+}
+
 TEST(OutOfSequenceFilter, NothingIsAllocatedOnceItIsMade) {
   for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
     const Happened all = occurred({.seed = 9, .outliers = 0.3, .flips = 0.3}, 3.0);

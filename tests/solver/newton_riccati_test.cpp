@@ -430,6 +430,78 @@ TEST(NewtonRiccati, IsTheUpdateAndNothingElse) {
   });
 }
 
+TEST(NewtonRiccati, ABodyMovesOnInThePlanAsMeasuredOrPredictedAndARestartEndsItsPrediction) {
+  Team team;
+  const AgentId uav = team.add(Multirotor{}, {.Q = {1, 1, 1, 0, 0, 0.5, 0.5}});
+  const BodyId body = team.add(Obstacle{.name = "passer"});
+  team.couple(2.0 * KeepOut{.d_min = 0.8}, Between{uav, body}, felt_by(uav));
+  const std::vector<double> x = {0, 0, 1, 1, 0, 0, 0, /**/ 1.2, -0.6, 1, 0.1, 0.5, -0.2};
+  const double h = default_horizon.h();
+  NewtonRiccati solver(team, default_horizon), fresh(team, default_horizon);
+  const auto expect_way = [&](const Solution& s, double moves) {
+    ASSERT_EQ(s.x.size(), 13u * static_cast<std::size_t>(default_horizon.N + 1));
+    for (std::size_t k = 0; k <= static_cast<std::size_t>(default_horizon.N); ++k) {
+      for (std::size_t i = 7; i < 10; ++i)
+        EXPECT_NEAR(s.x[13 * k + i], x[i] + moves * static_cast<double>(k) * h * x[i + 3], 1e-12) << k;
+    }
+  };
+  expect_way(solver.solve(0.0, x), 1.0);
+  const Sight<double> stays = {{{x[7], x[8], x[9]}, {1, 0}}, {0, 0, 0}};
+  solver.set_prediction({.who = body, .time = 0.0, .h = h, .sights = {stays, stays, stays}});
+  expect_way(solver.solve(0.0, x), 0.0);
+  solver.restart();
+  const Solution again = solver.solve(0.0, x), first = fresh.solve(0.0, x);
+  EXPECT_TRUE(std::equal(again.u.begin(), again.u.end(), first.u.begin()));
+  expect_way(again, 1.0);
+}
+
+/// A robot that is sent to a place 3 m off, with limits.
+Team sent_to(const Vec3<double>& p, InputLimits limits) {
+  Team team;
+  team.add(Agent{.name = "uav",
+                 .model = Multirotor{},
+                 .Q = {4, 4, 4, 0, 0, 0, 0},
+                 .R = std::vector<double>(4, 0.1),
+                 .Q_f = {},
+                 .x_ref = Constant{.p = p},
+                 .limits = std::move(limits)});
+  return team;
+}
+const std::vector<double> at_origin = {0, 0, 0, 1, 0, 0, 0};
+
+TEST(NewtonRiccati, EachStageOfThePlanKeepsTheLimitsOfItsTime) {
+  const InputLimits limits({0.0, 0.7, 1.4}, {{-1, -1, -1, -1}, {-0.3, -0.2, -1, -0.1}, {-1, -1, -0.1, -1}},
+                           {{1, 1, 1, 1}, {0.2, 1, 0.1, 0.5}, {0.4, 1, 1, 1}});
+  NewtonRiccati solver(sent_to({3, -2, 2}, limits), default_horizon);
+  std::vector<double> u(4), low(4), high(4);
+  fly(solver, at_origin, 150, [&](double t, const std::vector<double>&, const Solution&) {
+    for (int k = 0; k < default_horizon.N; ++k) {
+      solver.plan(k, u);
+      limits.at(t + k * default_horizon.h(), low, high);
+      for (std::size_t i = 0; i < 4; ++i) ASSERT_TRUE(u[i] >= low[i] && u[i] <= high[i]) << t << ", " << k;
+    }
+  });
+}
+
+TEST(NewtonRiccati, LowerAndUpperLimitsAreAlike) {
+  const InputLimits limits(std::vector<double>(4, -0.6), std::vector<double>(4, 0.6));
+  NewtonRiccati there(sent_to({3, -2, 1.5}, limits), default_horizon),
+      back(sent_to({-3, 2, -1.5}, limits), default_horizon);
+  std::vector<std::vector<double>> flown;
+  std::vector<Status> statuses;
+  fly(there, at_origin, 200, [&](double, const std::vector<double>&, const Solution& s) {
+    flown.emplace_back(s.u.begin(), s.u.end());
+    statuses.push_back(s.status);
+  });
+  std::size_t k = 0;
+  fly(back, at_origin, 200, [&](double, const std::vector<double>&, const Solution& s) {
+    EXPECT_EQ(s.status, statuses[k]) << k;
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(s.u[i], -flown[k][i], 1e-9) << k;
+    EXPECT_NEAR(s.u[3], flown[k][3], 1e-9) << k << ", it turns as the other does";
+    ++k;
+  });
+}
+
 TEST(NewtonRiccati, CompiledAndInterpretedFunctionsGiveTheSameBits) {
   const Team team = paper::team(paper::Variant::joint);
   NewtonRiccati compiled(team, {}), interpreted(team, {}, {.kernels = KernelChoice::interpreted});
