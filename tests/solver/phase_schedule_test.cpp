@@ -23,7 +23,7 @@ TEST(PhaseSchedule, APhaseFollowsThatBeforeOfTheGroupAndItsNeighboursAndEachIsDo
         for (int b = 0; b <= a; ++b)
           if (random() % (trial % 2 == 0 ? 4 : 40) == 0) neighbours.emplace_back(a, b);
       }
-      const PhaseSchedule schedule(groups, neighbours, 3, threads);
+      const PhaseSchedule<3> schedule(groups, neighbours, threads);
       std::mutex mutex;
       std::vector<int> done(static_cast<std::size_t>(groups), 0);  // phases of each group
       const auto of = [&](int g) -> int& { return done[static_cast<std::size_t>(g)]; };
@@ -49,13 +49,13 @@ TEST(PhaseSchedule, AlongAChainNoGroupWaitsLongForItsNextPhase) {
   Pairs chain;
   for (int g = 0; g + 1 < groups; ++g) chain.emplace_back(g, g + 1);
   for (const int threads : {1, 2}) {
-    const PhaseSchedule schedule(groups, chain, phases, threads);
-    EXPECT_LE(schedule.rounds().size(), 2u);
+    const PhaseSchedule<phases> schedule(groups, chain, threads);
+    EXPECT_LE(schedule.rounds.size(), 2u);
     int waited = 0;                     // for another round
     std::vector<int> last(groups, -1);  // place among the tasks of its part
-    for (const PhaseSchedule::Round& round : schedule.rounds()) {
+    for (const PhaseRound& round : schedule.rounds) {
       std::fill(last.begin(), last.end(), -1);
-      for (const std::vector<PhaseSchedule::Task>& part : round) {
+      for (const std::vector<PhaseTask>& part : round) {
         for (std::size_t i = 0; i < part.size(); ++i) {
           int& before = last[static_cast<std::size_t>(part[i].group)];
           waited += part[i].phase > 0 && before < 0;

@@ -53,7 +53,7 @@ Krylov::Krylov(const Layout& layout, const InfluenceGraph& graph, const Coupling
                int max_iterations, double stop)
     : layout_(layout),
       kind_(graph.kind),
-      schedule_(static_cast<int>(layout.groups.size()), couplings.coupled_groups(), 2, threads),
+      schedule_(static_cast<int>(layout.groups.size()), couplings.coupled_groups(), threads),
       of_groups_(layout.groups.size()),
       curvature_(layout.groups.size()),
       changes_(layout.groups.size() * at(layout.width)),

@@ -97,7 +97,7 @@ class Krylov {
 
   Layout layout_;
   Influence kind_;
-  PhaseSchedule schedule_;  // phases: a direction, and its image
+  PhaseSchedule<2> schedule_;  // phases: a direction, and its image
   std::vector<Turn> turns_;
   bool goes_on_ = false;  // a dependent robot has dependents; otherwise each turn is visited once
   std::vector<char> due_, visited_;

@@ -8,12 +8,11 @@
 namespace sightline {
 namespace {
 
-using Task = PhaseSchedule::Task;
 using Near = std::vector<std::set<int>>;  // each group and its neighbours
 
 constexpr int few = 8;  // groups whose data stay in the cache between phases
 
-Near near_of(int groups, std::span<const std::pair<int, int>> neighbours) {
+Near near_of(int groups, GroupPairs neighbours) {
   Near near(at(groups));
   for (int g = 0; g < groups; ++g) near[at(g)].insert(g);
   for (const auto& [a, b] : neighbours) near[at(a)].insert(b), near[at(b)].insert(a);
@@ -21,9 +20,9 @@ Near near_of(int groups, std::span<const std::pair<int, int>> neighbours) {
 }
 
 /// Order of the tasks on one thread.
-std::vector<Task> order_of(const Near& near, int phases) {
+std::vector<PhaseTask> order_of(const Near& near, int phases) {
   const int groups = static_cast<int>(near.size());
-  std::vector<Task> order;
+  std::vector<PhaseTask> order;
   if (groups <= few) {
     for (int phase = 0; phase < phases; ++phase) {
       for (int g = 0; g < groups; ++g) order.push_back({phase, g});
@@ -35,11 +34,11 @@ std::vector<Task> order_of(const Near& near, int phases) {
   for (std::vector<int>& of_groups : waits) {
     for (const std::set<int>& its : near) of_groups.push_back(static_cast<int>(its.size()));
   }
-  std::vector<Task> due;
+  std::vector<PhaseTask> due;
   for (int g = 0; g < groups; ++g) {
     due.push_back({0, g});
     while (!due.empty()) {
-      const Task task = due.back();
+      const PhaseTask task = due.back();
       due.pop_back();
       order.push_back(task);
       const int next = task.phase + 1;
@@ -54,22 +53,22 @@ std::vector<Task> order_of(const Near& near, int phases) {
 
 }  // namespace
 
-PhaseSchedule::PhaseSchedule(int groups, std::span<const std::pair<int, int>> neighbours, int phases,
-                             int threads) {
+std::vector<PhaseRound> phase_rounds(int groups, GroupPairs neighbours, int phases, int threads) {
   constexpr int for_each = 4;  // parts per thread: other threads take over parts of a delayed one
   const Near near = near_of(groups, neighbours);
-  std::vector<Task> left = order_of(near, phases);
+  std::vector<PhaseTask> left = order_of(near, phases);
   const int parts = threads == 1 ? 1 : std::clamp(groups / few, 1, for_each * threads);
   // Round and part in which each phase of each group is done.
   struct Place {
     int round = -1, part = -1;
   };
   std::vector<std::vector<Place>> done(at(phases), std::vector<Place>(at(groups)));
+  std::vector<PhaseRound> rounds;
   for (int round = 0; !left.empty(); ++round) {
     const int shift = round % 2 == 0 ? 0 : groups / (2 * parts);
-    Round& tasks = rounds_.emplace_back(at(parts));
-    std::vector<Task> later;
-    for (const Task& task : left) {
+    PhaseRound& tasks = rounds.emplace_back(at(parts));
+    std::vector<PhaseTask> later;
+    for (const PhaseTask& task : left) {
       const int part = (task.group + shift) % groups * parts / groups;
       const auto is_ready = [&](int group) {
         const Place& before = done[at(task.phase - 1)][at(group)];
@@ -85,6 +84,7 @@ PhaseSchedule::PhaseSchedule(int groups, std::span<const std::pair<int, int>> ne
     }
     left = std::move(later);
   }
+  return rounds;
 }
 
 }  // namespace sightline

@@ -9,38 +9,39 @@
 
 namespace sightline {
 
+/// One phase of one group.
+struct PhaseTask {
+  int phase, group;
+};
+/// Tasks per part, in order; the parts of one round are independent.
+using PhaseRound = std::vector<std::vector<PhaseTask>>;
+using GroupPairs = std::span<const std::pair<int, int>>;
+std::vector<PhaseRound> phase_rounds(int groups, GroupPairs neighbours, int phases, int threads);
+
 /// A phase of a group depends on the previous phase of the group and of its neighbours; it runs as
 /// soon as these are done. Each thread first advances a contiguous range of groups as far as
 /// dependencies allow; the next round covers the range boundaries, until all phases are done.
-class PhaseSchedule {
- public:
+template <int phases>
+struct PhaseSchedule {
   /// @param neighbours  pairs of adjacent groups; may repeat, and may pair a group with itself
-  PhaseSchedule(int groups, std::span<const std::pair<int, int>> neighbours, int phases, int threads);
+  PhaseSchedule(int groups, GroupPairs neighbours, int threads)
+      : rounds(phase_rounds(groups, neighbours, phases, threads)) {}
 
-  /// Calls phase(group, thread) for each group, once per phase of the constructor; the result is
-  /// independent of the threads.
+  /// Calls phase(group, thread) for each group and phase; the result is independent of the threads.
   template <class... Phase>
-  void run(ThreadPool& pool, Phase&&... phases) const noexcept {
-    for (const Round& round : rounds_) {
+  void run(ThreadPool& pool, Phase&&... phase) const noexcept {
+    static_assert(sizeof...(Phase) == phases, "expected one function per phase");
+    for (const PhaseRound& round : rounds) {
       pool.share(static_cast<int>(round.size()), [&](int part, int thread) noexcept {
-        for (const Task& task : round[static_cast<std::size_t>(part)]) {
-          int phase = 0;
-          ((task.phase == phase++ ? phases(task.group, thread) : void()), ...);
+        for (const PhaseTask& task : round[static_cast<std::size_t>(part)]) {
+          int number = 0;
+          ((task.phase == number++ ? phase(task.group, thread) : void()), ...);
         }
       });
     }
   }
 
-  /// One phase of one group.
-  struct Task {
-    int phase, group;
-  };
-  /// Tasks per part, in order; the parts of one round are independent.
-  using Round = std::vector<std::vector<Task>>;
-  std::span<const Round> rounds() const { return rounds_; }
-
- private:
-  std::vector<Round> rounds_;
+  std::vector<PhaseRound> rounds;
 };
 
 }  // namespace sightline

@@ -56,7 +56,7 @@ struct Workspace final : PredictedStates::Writer {
   Groups groups;
   std::unique_ptr<Couplings> couplings;
   std::shared_ptr<ThreadPool> pool;
-  PhaseSchedule schedule;
+  PhaseSchedule<5> schedule;  // the functions of solve_groups()
   Krylov krylov;
   Descent descent;
 
