@@ -42,6 +42,19 @@ TEST(RobotState, OfEachRobotTheStateIsThatOfItsMotion) {
   }
 }
 
+TEST(RobotState, OfATextRobotTheRateOfTheHeadingHasAnyName) {
+  RobotState state(TextRobot{
+      .states = {"x", "y", "z", "yaw", "omega"},
+      .inputs = {"w"},
+      .f = {"0", "0", "0", "omega", "w - omega"},
+      .position = {"x", "y", "z"},
+      .heading = {
+          "yaw"}}.model());
+  std::vector<double> x(5);
+  state.write({{1, 2, 3}, upright({0.6, 0.8}), {}, 0.7}, x.data());
+  EXPECT_EQ(x[4], 0.7);
+}
+
 TEST(RobotState, AStateThatNobodyMeasuresIsRefused) {
   EXPECT_THAT(refusal_of([] { RobotState(LaggedHoverMultirotor<HoverLags::all>{}); }),
               testing::StartsWith("the state a_f of the robot hover_multirotor is not measured"));

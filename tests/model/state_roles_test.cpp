@@ -30,6 +30,14 @@ StateRoles by_name(const Model& model) {
     if (name == "d_x") roles.direction = {k, k + 1};
     if (name == "psi") roles.angle = k;
     if (name.starts_with("v_")) roles.velocities.push_back(k);
+    if (name == "v_f") roles.velocity_V[0] = k;
+    if (name == "v_s") roles.velocity_V[1] = k;
+    if (name == "v_x") roles.velocity_G[0] = k;
+    if (name == "v_y") roles.velocity_G[1] = k;
+    if (name == "v_z") roles.velocity_G[2] = k;
+    if (name == "r") roles.rate = k;
+    if (name == "a_f") roles.tilt[0] = k;
+    if (name == "a_s") roles.tilt[1] = k;
   }
   return roles;
 }
@@ -43,6 +51,11 @@ TEST(StateRoles, OfTheLibrarySRobotsAreWhatTheirNamesSay) {
     EXPECT_EQ(found.direction, named.direction) << model.name();
     EXPECT_EQ(found.angle, named.angle) << model.name();
     EXPECT_EQ(found.velocities, named.velocities) << model.name();
+    EXPECT_EQ(found.velocity_V, named.velocity_V) << model.name();
+    EXPECT_EQ(found.velocity_G, named.velocity_G) << model.name();
+    EXPECT_EQ(found.rate, named.rate) << model.name();
+    EXPECT_EQ(found.tilt, named.tilt) << model.name();
+    EXPECT_THAT(found.others, IsEmpty()) << model.name();
   }
 }
 
@@ -58,15 +71,18 @@ TEST(StateRoles, OfARobotWithoutNamesAreThoseOfItsPoseAndVelocity) {
 }
 
 TEST(StateRoles, OfATextRobotDoNotDependOnWhatItsStatesAreCalled) {
-  const TextRobot car = {.states = {"speed", "yaw", "up", "east", "north"},
-                         .inputs = {"a", "w"},
-                         .f = {"a - 0.5 * speed", "w", "0", "speed * cos(yaw)", "speed * sin(yaw)"},
+  const TextRobot car = {.states = {"speed", "yaw", "up", "east", "north", "omega", "aside"},
+                         .inputs = {"a", "w", "b"},
+                         .f = {"a - 0.5 * speed", "omega", "0", "speed * cos(yaw) - aside * sin(yaw)",
+                               "speed * sin(yaw) + aside * cos(yaw)", "w - omega", "b - aside"},
                          .position = {"east", "north", "up"},
                          .heading = {"yaw"}};
   const StateRoles roles = roles_of(car.model());
   EXPECT_THAT(roles.position, ElementsAre(3, 4, 2));
   EXPECT_EQ(roles.angle, 1);
-  EXPECT_THAT(roles.velocities, ElementsAre(0));
+  EXPECT_THAT(roles.velocities, ElementsAre(0, 6));
+  EXPECT_THAT(roles.velocity_V, ElementsAre(0, 6));
+  EXPECT_EQ(roles.rate, 5);
 }
 
 TEST(StateRoles, AStateIsNoVelocityForItsNameAlone) {

@@ -196,6 +196,23 @@ TEST(Tuner, SaysWhatMayBeTunedWithTheBoundsThatPartsSay) {
   EXPECT_EQ(tuner.tunables()["terms"][0]["weight"], 0.4);
 }
 
+TEST(Tuner, OfATextRobotTheGoalIsInItsPositionStatesWhateverTheirNames) {
+  Scenario scenario = scenario_of(R"toml([agent.car]
+start = { state = [1.0, 0.0, 2.0, 3.0] }
+reference = { state = [4.0, 0.0, 5.0, 6.0] }
+Q = [1.0, 0.0, 1.0, 1.0]
+[agent.car.robot.text]
+states = ["east", "speed", "north", "up"]
+inputs = ["a"]
+position = ["east", "north", "up"]
+f = { east = "speed", speed = "a", north = "0", up = "0" }
+)toml");
+  make_tunable(scenario);
+  const Tuner::Json reference = Tuner(scenario).tunables()["references"][0];
+  EXPECT_EQ(reference["places"], Tuner::Json({0, 2, 3}));
+  EXPECT_EQ(reference["goal"], Tuner::Json({4.0, 5.0, 6.0}));
+}
+
 TEST(Tuner, WritesJsonAsToml) {
   EXPECT_EQ(toml_of(Tuner::Json::parse(R"({"a b":[1,2.0,0.1],"c":"x\"y","d":true,"e":{}})")),
             R"({ "a b" = [1, 2.0, 0.1], c = "x\"y", d = true, e = {} })");

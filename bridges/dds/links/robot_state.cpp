@@ -11,8 +11,6 @@
 namespace sightline::dds {
 namespace {
 
-constexpr std::string_view rate_state = "r";
-
 /// The point nearest to `to` within distance `most` of `from`.
 Vec3<double> near(const Vec3<double>& to, const Vec3<double>& from, double most) noexcept {
   const Vec3<double> way = to - from;
@@ -37,22 +35,15 @@ RobotState::RobotState(const Model& model)
       rates_(scratch_),
       faster_(scratch_),
       lead_(scratch_) {
-  for (int i = 0; i < model.nx(); ++i) {
-    const auto is = [i](const auto& indices) {
-      return std::find(indices.begin(), indices.end(), i) != indices.end();
-    };
-    if (is(roles_.position) || is(roles_.direction) || is(roles_.velocities) || i == roles_.angle) continue;
-    const std::string_view name =
-        model.states().size() > size(i) ? model.states()[size(i)] : std::string_view("?");
-    if (name == rate_state && rate_ < 0) {
-      rate_ = i;
-      continue;
-    }
-    throw std::invalid_argument(
-        fmt::format("the state {} of the robot {} is not measured, expected position, heading, "
-                    "velocities and the rate r",
-                    name, model.name()));
-  }
+  std::vector<int> unmeasured = roles_.others;
+  for (const int state : roles_.tilt)
+    if (state >= 0) unmeasured.push_back(state);
+  if (unmeasured.empty()) return;
+  const std::size_t first = size(*std::min_element(unmeasured.begin(), unmeasured.end()));
+  throw std::invalid_argument(
+      fmt::format("the state {} of the robot {} is not measured, expected position, heading, "
+                  "velocities and the rate of the heading",
+                  model.states().size() > first ? model.states()[first] : "?", model.name()));
 }
 
 void RobotState::write(const Motion& motion, double* x) noexcept {
@@ -64,7 +55,7 @@ void RobotState::write(const Motion& motion, double* x) noexcept {
       set(roles_.position[2], motion.p.z);
   set(roles_.direction[0], d.x), set(roles_.direction[1], d.y);
   set(roles_.angle, std::atan2(d.y, d.x));
-  set(rate_, motion.r);
+  set(roles_.rate, motion.r);
   for (const int state : roles_.velocities) x[state] = 0.0;
   // Projects the velocity onto each velocity state's direction of motion; these directions are
   // orthogonal.

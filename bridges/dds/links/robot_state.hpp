@@ -63,7 +63,6 @@ class RobotState {
 
   Model model_;
   StateRoles roles_;
-  int rate_ = -1;  // index of the heading-rate state; -1: none
   std::vector<double> rest_, scratch_, rates_, faster_;
   std::vector<double> lead_;  // state of the trajectory point
   bool leads_ = false;

@@ -13,6 +13,7 @@
 #include "bridges/dds/simulators/ros2_rover.hpp"
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/model/state_roles.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -42,13 +43,11 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
     if (ros2->flies())
       return std::make_unique<Ros2Flyer>(participant, *ros2,
                                          Ros2Flyer::Setup{origin, below, heading, altitude, rotors}, faults);
-    const std::span<const std::string_view> states = model.states();
-    return std::make_unique<Ros2Rover>(
-        participant, *ros2,
-        Ros2Rover::Setup{.origin = origin,
-                         .start = {start.p, upright(start.d), {}, 0.0},
-                         .sideward = std::find(states.begin(), states.end(), "v_s") != states.end()},
-        faults);
+    return std::make_unique<Ros2Rover>(participant, *ros2,
+                                       Ros2Rover::Setup{.origin = origin,
+                                                        .start = {start.p, upright(start.d), {}, 0.0},
+                                                        .sideward = roles_of(model).velocity_V[1] >= 0},
+                                       faults);
   }
   if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
     return std::make_unique<CrazyflieVehicle>(

@@ -11,30 +11,12 @@
 namespace sightline {
 namespace {
 
-/// Jacobian of the sight: at(i, k) is d sight_i / d x_k, in the order of `write_sight`.
+/// Jacobian: at(i, k) is d y_i / d x_k of y = (sight in the order of `write_sight`, yaw rate).
 struct Slopes {
   std::vector<double> of;
   std::size_t nx;
   double at(std::size_t i, std::size_t k) const { return of[i * nx + k]; }
 };
-
-/// The Jacobian of a robot's sight as a program of its states and inputs.
-Program slopes_of(const Model& model) {
-  Graph graph;
-  const auto nx = static_cast<std::size_t>(model.nx());
-  const std::vector<Symbol> z = variables(graph, 0, model.nx() + model.nu());
-  const std::span<const Symbol> all = z;
-  std::array<Symbol, sight_size> shown;
-  write_sight(model.sight(all.first(nx), all.subspan(nx)), shown);
-  std::vector<Term> states;
-  for (std::size_t k = 0; k < nx; ++k) states.push_back(z[k].in(graph));
-  std::vector<Term> slopes;
-  for (const Symbol& one : shown) {
-    const std::vector<Term> by = gradient(graph, one.in(graph), states);
-    slopes.insert(slopes.end(), by.begin(), by.end());
-  }
-  return Program(graph, slopes, model.nx() + model.nu());
-}
 
 /// Symbolic formulas of a robot, over its states, then its inputs.
 class RobotFormulas {
@@ -47,24 +29,24 @@ class RobotFormulas {
     std::vector<Symbol> rate(nx);
     model.f(all.first(nx), all.subspan(nx), rate);
     for (const Symbol& one : rate) rates_.push_back(one.in(graph_));
-    const Sight<Symbol> sight = model.sight(all.first(nx), all.subspan(nx));
-    climb_ = sight.v.z.in(graph_);
-    direction_ = {sight.d.x.in(graph_), sight.d.y.in(graph_)};
+    std::array<Symbol, sight_size> sight;
+    write_sight(model.sight(all.first(nx), all.subspan(nx)), sight);
+    for (std::size_t i = 0; i < sight_size; ++i) sight_[i] = sight[i].in(graph_);
   }
 
   Term rate(int state) const { return rates_[static_cast<std::size_t>(state)]; }
-  Term climb() const { return climb_; }
+  Term climb() const { return sight_[7]; }
 
   /// d_x d_y' - d_y d_x'.
   Term yaw_rate() {
     const auto rate_of = [&](Term of) {
-      const std::vector<Term> slope = gradient(graph_, of, std::span(variables_).first(rates_.size()));
+      const std::vector<Term> slope = slopes(of);
       Term sum = graph_.constant(0.0);
       for (std::size_t k = 0; k < rates_.size(); ++k)
         sum = graph_.add(sum, graph_.multiply(slope[k], rates_[k]));
       return sum;
     };
-    const auto [d_x, d_y] = direction_;
+    const Term d_x = sight_[3], d_y = sight_[4];
     return graph_.subtract(graph_.multiply(d_x, rate_of(d_y)), graph_.multiply(d_y, rate_of(d_x)));
   }
 
@@ -79,21 +61,33 @@ class RobotFormulas {
   }
   bool is_state(int variable) const { return variable < states_; }
 
+  /// The Jacobian as a program of states and inputs.
+  Program jacobian() {
+    std::vector<Term> all;
+    const auto append = [&](const std::vector<Term>& row) { all.insert(all.end(), row.begin(), row.end()); };
+    for (const Term one : sight_) append(slopes(one));
+    append(slopes(yaw_rate()));
+    return Program(graph_, all, static_cast<int>(variables_.size()));
+  }
+
  private:
+  std::vector<Term> slopes(Term of) {
+    return gradient(graph_, of, std::span(variables_).first(rates_.size()));
+  }
+
   Graph graph_;
   int states_;
   std::vector<Term> variables_, rates_;
-  Term climb_;
-  std::array<Term, 2> direction_;
+  std::array<Term, sight_size> sight_;
 };
 
 }  // namespace
 
 StateRoles roles_of(const Model& model) {
   constexpr int samples = 5;
-  constexpr std::size_t heading = 3, velocity = 5;  // indices in a sight
+  constexpr std::size_t heading = 3, velocity = 5, tilt = 8, yaw_rate = sight_size;  // rows of the Jacobian
   const auto nx = static_cast<std::size_t>(model.nx());
-  const Program slopes = slopes_of(model);
+  const Program slopes = RobotFormulas(model).jacobian();
   std::mt19937_64 random(1);
   const auto draw = [&] { return std::uniform_real_distribution<double>(0.1, 1.0)(random); };
   std::vector<Slopes> seen;
@@ -136,7 +130,32 @@ StateRoles roles_of(const Model& model) {
     const bool speeds = always([&](const Slopes& s, const Vec2<double>&) {
       return is(norm(Vec3<double>{s.at(velocity, k), s.at(velocity + 1, k), s.at(velocity + 2, k)}), 1.0);
     });
-    if (!placed && speeds) roles.velocities.push_back(state);
+    if (placed) continue;
+    if (speeds) {
+      roles.velocities.push_back(state);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (is_unit(velocity, 3, axis)) roles.velocity_G[axis] = state, placed = true;
+      }
+      const auto along = [&](auto&& direction) {
+        return always([&](const Slopes& s, const Vec2<double>& d) {
+          const Vec2<double> e = direction(d);
+          return is(s.at(velocity, k), e.x) && is(s.at(velocity + 1, k), e.y);
+        });
+      };
+      if (!placed && along([](const Vec2<double>& d) { return d; })) roles.velocity_V[0] = state;
+      if (!placed && along([](const Vec2<double>& d) { return Vec2<double>{-d.y, d.x}; }))
+        roles.velocity_V[1] = state;
+      continue;
+    }
+    if (always([&](const Slopes& s, const Vec2<double>&) { return is(s.at(yaw_rate, k), 1.0); }))
+      roles.rate = state, placed = true;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const bool tilts = always([&](const Slopes& s, const Vec2<double>&) {
+        return s.at(tilt + axis, k) > 0 && is(s.at(tilt + 1 - axis, k), 0.0);
+      });
+      if (tilts) roles.tilt[axis] = state, placed = true;
+    }
+    if (!placed) roles.others.push_back(state);
   }
   if (roles.direction[0] < 0 || roles.direction[1] < 0) roles.direction = {-1, -1};
   return roles;

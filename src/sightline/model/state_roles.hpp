@@ -10,11 +10,16 @@ class Model;
 
 /// Indices into the state; -1 if no state has the role.
 struct StateRoles {
-  std::array<int, 3> position = {-1, -1, -1};  ///< p_x, p_y, p_z, up to contributions of other states [m]
-  std::array<int, 2> direction = {-1, -1};     ///< the heading (d_x, d_y)
-  int angle = -1;                              ///< the heading psi [rad]
-  std::vector<int> velocities{};               ///< 1 m/s of each changes the robot's speed by 1 m/s;
-                                               ///< ascending
+  std::array<int, 3> position = {-1, -1, -1};    ///< p_x, p_y, p_z, up to contributions of other states [m]
+  std::array<int, 2> direction = {-1, -1};       ///< the heading (d_x, d_y)
+  int angle = -1;                                ///< the heading psi [rad]
+  std::vector<int> velocities{};                 ///< 1 m/s of each changes the robot's speed by 1 m/s;
+                                                 ///< ascending
+  std::array<int, 3> velocity_G = {-1, -1, -1};  ///< of `velocities`: along the axes of G
+  std::array<int, 2> velocity_V = {-1, -1};      ///< of `velocities`: along the heading, to its left
+  int rate = -1;                                 ///< rate of the heading [rad/s]
+  std::array<int, 2> tilt = {-1, -1};            ///< proportional to the tilt, forward and to the left
+  std::vector<int> others{};                     ///< states without a role
 
   bool has_position() const { return position[0] >= 0 || position[1] >= 0 || position[2] >= 0; }
   bool has_heading() const { return direction[0] >= 0 || angle >= 0; }

@@ -14,6 +14,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
+#include "sightline/model/state_roles.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scenario/read_event.hpp"
 #include "sightline/scenario/templates.hpp"
@@ -322,12 +323,9 @@ std::string Tuner::final_text() const {
 
 Json Tuner::reference_of(const std::string& agent) const {
   const BodyId body = scenario_.team.find(agent);
-  const auto states = scenario_.team.model(body).states();
   Json places = Json::array();
-  for (const std::string_view axis : {"p_x", "p_y", "p_z"}) {
-    const auto found = std::find(states.begin(), states.end(), axis);
-    if (found != states.end()) places.push_back(found - states.begin());
-  }
+  for (const int state : roles_of(scenario_.team.model(body)).position)
+    if (state >= 0) places.push_back(state);
   Json reported = {{"agent", agent},  {"kind", nullptr},  {"value", nullptr},
                    {"goal", nullptr}, {"places", places}, {"parameters", Json::array()}};
   const auto* const now = chosen(now_.references.at(agent));

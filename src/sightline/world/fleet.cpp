@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "sightline/base.hpp"
@@ -11,36 +10,20 @@
 namespace sightline {
 namespace {
 
-/// Numbers that a vehicle provides, by the state names of planning models.
-constexpr std::array<std::string_view, 14> shown_names = {"p_x", "p_y", "p_z", "d_x", "d_y", "psi", "v_f",
-                                                          "v_s", "v_x", "v_y", "v_z", "r",   "a_f", "a_s"};
-using ShownNumbers = std::array<double, shown_names.size()>;
-
-/// For each state of the model, its index in shown_names.
-std::vector<std::size_t> shown_by(const Model& model) {
-  std::vector<std::size_t> all;
-  for (const std::string_view state : model.states()) {
-    const auto found = std::find(shown_names.begin(), shown_names.end(), state);
-    if (found == shown_names.end())
-      throw_invalid("the state {} of {} is none that a vehicle shows", state, model.name());
-    all.push_back(static_cast<std::size_t>(found - shown_names.begin()));
-  }
-  return all;
+double get(const double* x, int state) noexcept { return state >= 0 ? x[state] : 0.0; }
+void set(double* x, int state, double value) noexcept {
+  if (state >= 0) x[state] = value;
 }
 
-ShownNumbers shown_of(const RigidBody& body) {
+/// Writes what an IMU measures: the heading rate and the accelerations of the tilt.
+void write_sensed(const StateRoles& roles, const RigidBody& body, double* x) noexcept {
   const Rotation R = rotation(body.q);
-  const Vec2<double> d = heading(R), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
+  const Vec2<double> d = heading(R);
   const double lean = gravity / std::max(R.z.z, 0.1);  // bounded for every attitude
   const Vec2<double> a = rotate<double>({d.x, -d.y}, {lean * R.z.x, lean * R.z.y});
-  return {body.p.x, body.p.y, body.p.z, d.x,      d.y,      atan2(d.y, d.x),
-          v.x,      v.y,      body.v.x, body.v.y, body.v.z, heading_rate(R, body.w),
-          a.x,      a.y};
+  set(x, roles.rate, heading_rate(R, body.w));
+  set(x, roles.tilt[0], a.x), set(x, roles.tilt[1], a.y);
 }
-
-/// Index of the first number that a vehicle with an IMU measures itself.
-constexpr std::size_t first_sensed = 11;
-static_assert(shown_names[first_sensed] == "r");
 
 }  // namespace
 
@@ -58,12 +41,16 @@ Fleet::Fleet(const Team& team, const std::vector<RobotVehicle>& vehicles, const 
     if (!commands)
       throw_invalid("{} is of the kind {}, expected one that a vehicle can be: {}", team.name(one.robot),
                     model.name(), robots_with_vehicles());
+    StateRoles roles = roles_of(model);
+    if (!roles.others.empty())
+      throw_invalid("the state {} of {} is none that a vehicle shows", model.states()[at(roles.others[0])],
+                    model.name());
     int& craft = craft_of_[at(one.robot)];
     if (craft >= 0) throw_invalid("{} is two vehicles, expected one", team.name(one.robot));
     craft = static_cast<int>(crafts_.size());
     crafts_.push_back({.robot = one.robot,
                        .flown = Rotorcraft(one.vehicle, *commands, plant.seed, one.robot.index),
-                       .shown = shown_by(model),
+                       .roles = std::move(roles),
                        .inputs = model.nu()});
   }
 }
@@ -75,13 +62,15 @@ const Rotorcraft* Fleet::rotorcraft(BodyId robot) const noexcept {
 
 void Fleet::begin(BodyId robot, double, const double* x) noexcept {
   Craft& craft = crafts_[size(craft_of_[at(robot)])];
-  ShownNumbers n{};
-  for (std::size_t i = 0; i < craft.shown.size(); ++i) n[craft.shown[i]] = x[i];
-  const auto [p_x, p_y, p_z, d_x, d_y, psi, v_f, v_s, v_x, v_y, v_z, r, a_f, a_s] = n;
-  const bool has_angle = d_x == 0 && d_y == 0;
-  const Vec2<double> d = has_angle ? Vec2<double>{cos(psi), sin(psi)} : Vec2<double>{d_x, d_y};
-  const Vec2<double> v = rotate<double>(d, {v_f, v_s});
-  craft.flown.begin({p_x, p_y, p_z}, d, {v.x + v_x, v.y + v_y, v_z}, r);
+  const StateRoles& of = craft.roles;
+  const double psi = get(x, of.angle);
+  const Vec2<double> d = of.direction[0] < 0 ? Vec2<double>{cos(psi), sin(psi)}
+                                             : Vec2<double>{x[of.direction[0]], x[of.direction[1]]};
+  const Vec2<double> v = rotate<double>(d, {get(x, of.velocity_V[0]), get(x, of.velocity_V[1])});
+  const auto in_G = [x](const std::array<int, 3>& states) {
+    return Vec3<double>{get(x, states[0]), get(x, states[1]), get(x, states[2])};
+  };
+  craft.flown.begin(in_G(of.position), d, Vec3<double>{v.x, v.y, 0.0} + in_G(of.velocity_G), get(x, of.rate));
 }
 
 void Fleet::steer(BodyId robot, const double* u, const Vec3<double>& acceleration) noexcept {
@@ -126,17 +115,22 @@ void Fleet::blow() noexcept {
 
 void Fleet::show(BodyId robot, double* x) const noexcept {
   const Craft& craft = crafts_[size(craft_of_[at(robot)])];
-  const ShownNumbers n = shown_of(craft.flown.body());
-  for (std::size_t i = 0; i < craft.shown.size(); ++i) x[i] = n[craft.shown[i]];
+  const StateRoles& of = craft.roles;
+  const RigidBody& body = craft.flown.body();
+  const Vec2<double> d = heading(rotation(body.q)), v = rotate<double>({d.x, -d.y}, {body.v.x, body.v.y});
+  const auto set_G = [x](const std::array<int, 3>& states, const Vec3<double>& of_body) {
+    set(x, states[0], of_body.x), set(x, states[1], of_body.y), set(x, states[2], of_body.z);
+  };
+  set_G(of.position, body.p), set_G(of.velocity_G, body.v);
+  set(x, of.direction[0], d.x), set(x, of.direction[1], d.y);
+  set(x, of.angle, atan2(d.y, d.x));
+  set(x, of.velocity_V[0], v.x), set(x, of.velocity_V[1], v.y);
+  write_sensed(of, body, x);
 }
 
 void Fleet::sense(BodyId robot, double* x) const noexcept {
   const Craft& craft = crafts_[size(craft_of_[at(robot)])];
-  if (!craft.flown.vehicle().imu) return;
-  const ShownNumbers n = shown_of(craft.flown.seen());
-  for (std::size_t i = 0; i < craft.shown.size(); ++i) {
-    if (craft.shown[i] >= first_sensed) x[i] = n[craft.shown[i]];
-  }
+  if (craft.flown.vehicle().imu) write_sensed(craft.roles, craft.flown.seen(), x);
 }
 
 }  // namespace sightline

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "sightline/model/state_roles.hpp"
 #include "sightline/vehicle.hpp"
 #include "sightline/world/rotorcraft.hpp"
 #include "sightline/worlds.hpp"
@@ -50,7 +51,7 @@ class Fleet : public RobotDynamics {
   struct Craft {
     BodyId robot;
     Rotorcraft flown;
-    std::vector<std::size_t> shown;    ///< for each model state, its index among the numbers of a vehicle
+    StateRoles roles;                  ///< of the planning model
     int inputs;                        ///< number of the robot's inputs
     std::array<double, 4> commands{};  ///< the commands in force
     Vec3<double> wind{}, air{};        ///< air velocity in G, without and with downwash [m/s]
