@@ -38,6 +38,14 @@ std::string keys(std::string_view title, std::string_view table, const Part& par
   return text + '\n';
 }
 
+/// The keys of each kind of link.
+template <class... Kind>
+std::string links(const std::variant<Kind...>&) {
+  return (keys(fmt::format("Links of {}", Kind::name),
+               fmt::format("[agent.NAME.link] kind = \"{}\"", Kind::name), Kind{}) +
+          ...);
+}
+
 std::string commands() {
   const cli::Arguments arguments;
   std::string text;
@@ -65,10 +73,7 @@ std::string reference() {
          keys("Broadcasts as received", "[estimate.broadcast]", BroadcastOptions{}) +
          keys("Search", "[safety.search]", SearchOptions{}) +
          keys("Camera", "[agent.NAME.camera]", Camera{}) + keys("Tags", "[agent.NAME.tags]", Tags{}) +
-         keys("Hull", "[obstacle.NAME.hull]", Hull{}) +
-         keys("Links of PX4", "[agent.NAME.link] kind = \"px4\"", Px4Link{}) +
-         keys("Links of Crazyswarm2", "[agent.NAME.link] kind = \"crazyswarm2\"", Crazyswarm2Link{}) +
-         keys("Links of ROS 2", "[agent.NAME.link] kind = \"ros2\"", Ros2Link{}) +
+         keys("Hull", "[obstacle.NAME.hull]", Hull{}) + links(LinkKind{}) +
          keys("Exchange of parts", "[partition.exchange]", ExchangeOptions{}) +
          "### Faults of links\n\n`[[fleet.fault]]`\n\n" + link_fault_table() + "\n## Commands\n\n" +
          commands();

@@ -112,7 +112,7 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
     std::unique_ptr<LinkEnd> end =
-        made_end({domain_->participant(), publish}, link, name, model, fleet_of(scenario_).network);
+        made_end({{domain_->participant(), publish}, link, name, model, fleet_of(scenario_).network});
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();

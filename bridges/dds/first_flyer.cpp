@@ -16,19 +16,12 @@ namespace {
 
 constexpr auto acquaintance = std::chrono::seconds(1);
 
-/// Whether only a program that flies the robot publishes this topic. PX4 appends a message's
-/// version to its topic name.
+/// Whether only a program that flies the robot publishes this topic.
 bool flies(std::string_view topic, const Link& link) {
-  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
-    for (const char* name : {"/fmu/in/trajectory_setpoint", "/fmu/in/offboard_control_mode"}) {
-      const std::string plain = wire_topic(px4->name_space + name);
-      if (topic == plain || topic.starts_with(plain + "_v")) return true;
-    }
-    return false;
-  }
-  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
-    return topic.starts_with(wire_topic(crazyflie->name_space + "/cmd_"));
-  return topic == wire_topic(std::get<Ros2Link>(link.kind).cmd_vel);
+  const std::string wire = wire_topic("");
+  return topic.starts_with(wire) &&
+         std::visit([&](const auto& kind) { return kind.is_commanded_on(topic.substr(wire.size())); },
+                    link.kind);
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ class NearestPair {
 };
 
 bool is_same_origin(const ExaminedRobot& a, const ExaminedRobot& b) {
-  return std::holds_alternative<Px4Link>(a.link->kind) && std::holds_alternative<Px4Link>(b.link->kind) &&
+  return a.link->has_local_frame() && a.link->kind_name() == b.link->kind_name() &&
          norm(a.link->origin.p - b.link->origin.p) < same_origin;
 }
 

@@ -26,7 +26,7 @@ TEST(LinkFault, EachKindHasAKeyOfItsOwnAndASizeWithinItsBounds) {
   for (const LinkFaultText& text : link_faults) {
     keys.insert(text.key), names.insert(text.name);
     EXPECT_NE(text.key, 'h') << "it asks for help";
-    EXPECT_TRUE(text.of.px4) << text.name;
+    EXPECT_TRUE(can_have({.has_camera = true}, static_cast<LinkFaultKind>(names.size() - 1))) << text.name;
     EXPECT_FALSE(text.meaning.empty());
     EXPECT_TRUE(text.size.empty() || text.bounds.hold(text.fallback)) << text.name;
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -27,17 +28,7 @@ std::string network_in_words(const FleetNetwork& network) {
 }
 
 std::string link_in_words(const Link& link, std::string_view name) {
-  std::string how;
-  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) {
-    how = fmt::format("{} of PX4 1.{}",
-                      px4->name_space.empty() ? "topics without a namespace" : px4->name_space,
-                      14 + static_cast<int>(px4->release));
-  } else if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind)) {
-    how = fmt::format("{} of Crazyswarm2", crazyflie->name_space);
-  } else {
-    const auto& ros2 = std::get<Ros2Link>(link.kind);
-    how = ros2.odometry.empty() ? ros2.cmd_vel : fmt::format("{} and {}", ros2.odometry, ros2.cmd_vel);
-  }
+  const std::string how = std::visit([](const auto& kind) { return kind.in_words(); }, link.kind);
   const Vec3<double>& p = link.origin.p;
   std::string words = fmt::format("link        {}: {}, poses by {}", name, how, poses_in_words(link.poses));
   words += link.poses.estimated() ? std::string(", motion by odometry")
@@ -62,16 +53,11 @@ std::string in_words(const LinkFault& fault) {
 std::string link_fault_table() {
   std::string table = "| `kind` | key | of | `size` | default | what happens |\n|---|---|---|---|---|---|\n";
   for (const LinkFaultText& text : link_faults) {
-    const bool every = text.of.px4 && text.of.crazyswarm2 && text.of.ros2;
-    std::string of;
-    for (const auto& [has, name] :
-         {std::pair{text.of.px4, "px4"}, {text.of.crazyswarm2, "crazyswarm2"}, {text.of.ros2, "ros2"}})
-      if (has) of += fmt::format("{}`{}`", of.empty() ? "" : ", ", name);
     const bool sized = !text.size.empty();
     table += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", text.name, text.key,
-                         text.of.camera ? "with a camera"
-                         : every        ? "all"
-                                        : of,
+                         text.of.camera          ? "with a camera"
+                         : text.of.kinds.empty() ? "all"
+                                                 : fmt::format("`{}`", fmt::join(text.of.kinds, "`, `")),
                          sized ? fmt::format("{}, {}", text.size, text.bounds.words) : "",
                          sized ? fmt::format("{}", text.fallback) : "", text.meaning);
   }
@@ -80,8 +66,9 @@ std::string link_fault_table() {
 
 bool can_have(const Link& link, LinkFaultKind kind) {
   const FaultOf& of = text_of(kind).of;
-  const std::array<bool, 3> by_kind = {of.px4, of.crazyswarm2, of.ros2};
-  return by_kind[link.kind.index()] && (link.has_camera || !of.camera);
+  const bool by_kind =
+      of.kinds.empty() || std::find(of.kinds.begin(), of.kinds.end(), link.kind_name()) != of.kinds.end();
+  return by_kind && (link.has_camera || !of.camera);
 }
 
 std::string FleetPlan::in_words(const Team& team) const {

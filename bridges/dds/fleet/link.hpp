@@ -1,6 +1,8 @@
 /// Links to robots that are not simulated, [fleet] and [agent.NAME.link]; reading them needs no DDS.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -8,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -17,18 +20,52 @@
 
 namespace sightline {
 
+class TomlTable;
+
+namespace dds {
+class LinkEnd;
+class VehicleSimulator;
+struct EndSetup;
+struct SimulatorSetup;
+}  // namespace dds
+
+// Each kind of link offers, beside its parameters:
+//   read             its keys; in read_link.cpp
+//   commanded_by     the key and the topic, or the prefix of topics, for commands to a robot
+//   is_commanded_on  whether only a program that flies the robot publishes this topic
+//   in_words         the topics of the link
+//   end, simulator   the two ends of the link; in links/ and simulators/
+// A kind with local_frame = true has an estimator with a frame of its own.
+
 /// PX4 releases whose messages are supported.
 enum class Px4Release { v1_14, v1_15, v1_16, v1_17, v1_18 };
 
 /// A PX4 vehicle behind its uXRCE-DDS agent.
 struct Px4Link {
   static constexpr std::string_view name = "px4";
+  static constexpr bool local_frame = true;
 
   Px4Release release = Px4Release::v1_16;
   std::string name_space{};  ///< of its topics, "/px4_1"; empty: none
   int target_system = 0;     ///< required MAV_SYS_ID; 0: any
   double battery_min = 0.2;  ///< remaining charge below which it is not armed, 0 to 1
   double reset_max = 0.3;    ///< sum of its estimator's jumps that are attributed to its local frame [m]
+
+  static Px4Link read(const TomlTable& at, const std::string& agent);
+  std::pair<std::string_view, std::string> commanded_by() const { return {"namespace", name_space}; }
+  bool is_commanded_on(std::string_view topic) const {
+    for (const char* message : {"/fmu/in/trajectory_setpoint", "/fmu/in/offboard_control_mode"}) {
+      const std::string plain = name_space + message;  // PX4 appends a message's version
+      if (topic == plain || topic.starts_with(plain + "_v")) return true;
+    }
+    return false;
+  }
+  std::string in_words() const {
+    return fmt::format("{} of PX4 1.{}", name_space.empty() ? "topics without a namespace" : name_space,
+                       14 + static_cast<int>(release));
+  }
+  std::unique_ptr<dds::LinkEnd> end(const dds::EndSetup& setup) const;
+  std::unique_ptr<dds::VehicleSimulator> simulator(const dds::SimulatorSetup& setup) const;
 
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 5> releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
@@ -49,6 +86,13 @@ struct Crazyswarm2Link {
   std::string name_space{};  ///< of its topics and services, "/cf1"
   double takeoff_height = 0.5, takeoff_time = 2.0;
   double battery_min = 3.7;  ///< voltage below which it is not armed [V]
+
+  static Crazyswarm2Link read(const TomlTable& at, const std::string& agent);
+  std::pair<std::string_view, std::string> commanded_by() const { return {"namespace", name_space}; }
+  bool is_commanded_on(std::string_view topic) const { return topic.starts_with(name_space + "/cmd_"); }
+  std::string in_words() const { return fmt::format("{} of Crazyswarm2", name_space); }
+  std::unique_ptr<dds::LinkEnd> end(const dds::EndSetup& setup) const;
+  std::unique_ptr<dds::VehicleSimulator> simulator(const dds::SimulatorSetup& setup) const;
 
   static constexpr auto parameters() {
     return std::tuple{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
@@ -87,6 +131,15 @@ struct Ros2Link {
   std::string state{};  ///< topic of its state; empty: none
 
   bool flies() const { return !takeoff.empty(); }
+
+  static Ros2Link read(const TomlTable& at, const std::string& agent);
+  std::pair<std::string_view, std::string> commanded_by() const { return {"cmd_vel", cmd_vel}; }
+  bool is_commanded_on(std::string_view topic) const { return topic == cmd_vel; }
+  std::string in_words() const {
+    return odometry.empty() ? cmd_vel : fmt::format("{} and {}", odometry, cmd_vel);
+  }
+  std::unique_ptr<dds::LinkEnd> end(const dds::EndSetup& setup) const;
+  std::unique_ptr<dds::VehicleSimulator> simulator(const dds::SimulatorSetup& setup) const;
 
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 3> calls = {"topics", "empty", "trigger"};
@@ -128,9 +181,12 @@ struct GoalsFrom {
   std::shared_ptr<GoalTrack> track{};  ///< the robot's reference, which goals change; null: no goals
 };
 
+/// The kinds of links, by their words in files.
+using LinkKind = std::variant<Px4Link, Crazyswarm2Link, Ros2Link>;
+
 struct Link {
   BodyId robot{};
-  std::variant<Px4Link, Crazyswarm2Link, Ros2Link> kind{};
+  LinkKind kind{};
   LinkOrigin origin{};  ///< of the frame of its odometry and its velocity commands
   PosesFrom poses{};
   GoalsFrom goals{};
@@ -138,7 +194,14 @@ struct Link {
 
   /// "px4"
   std::string_view kind_name() const {
-    return std::visit([](const auto& k) { return std::remove_cvref_t<decltype(k)>::name; }, kind);
+    return std::visit([](const auto& k) { return std::string_view(k.name); }, kind);
+  }
+  bool has_local_frame() const {
+    return std::visit(
+        [](const auto& k) {
+          return requires { k.local_frame; };
+        },
+        kind);
   }
 };
 

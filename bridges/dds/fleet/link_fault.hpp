@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -32,17 +33,17 @@ enum class LinkFaultKind : std::uint8_t {
   blind,
 };
 
-/// Kinds of links whose robots can have a fault.
+/// Robots that can have a fault.
 struct FaultOf {
-  bool px4, crazyswarm2, ros2;
-  bool camera = false;  ///< only robots with a camera
+  std::span<const std::string_view> kinds{};  ///< only behind links of these kinds; empty: all
+  bool camera = false;                        ///< only robots with a camera
 };
 
 /// Description of a kind of fault, for files, keys and documents.
 struct LinkFaultText {
   std::string_view name;
-  char key;               ///< a letter
-  FaultOf of;             ///< px4, crazyswarm2, ros2
+  char key;  ///< a letter
+  FaultOf of;
   std::string_view size;  ///< unit or meaning of its size; empty: no size
   Bounds bounds;          ///< of the size
   double fallback;        ///< the default size
@@ -51,9 +52,10 @@ struct LinkFaultText {
 
 inline constexpr Bounds share_bounds = {0.0, 1.0, "0 to 1"};
 inline constexpr std::size_t link_fault_kinds = 16;
+inline constexpr std::array<std::string_view, 2> with_battery = {"px4", "crazyswarm2"};
 /// In the order of LinkFaultKind.
 inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
-  constexpr FaultOf all = {true, true, true}, px4 = {true, false, false};
+  constexpr FaultOf all = {}, px4 = {std::span(with_battery).first(1)};
   return std::array<LinkFaultText, link_fault_kinds>{{
       {"drop", 'd', all, "share", share_bounds, 0.2, "messages are lost"},
       {"delay", 'l', all, "s", {0.0, 10.0, "0 to 10"}, 0.05, "messages come later"},
@@ -79,7 +81,7 @@ inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
       {"silent", 's', all, "", {}, 0.0, "nothing comes from it"},
       {"disarm", 'x', px4, "", {}, 0.0, "it is disarmed"},
       {"pilot", 'p', px4, "", {}, 0.0, "a pilot takes it"},
-      {"battery_low", 'b', {true, true, false}, "", {}, 0.0, "its battery is critical"},
+      {"battery_low", 'b', {with_battery}, "", {}, 0.0, "its battery is critical"},
       {"estimator_invalid", 'e', px4, "", {}, 0.0, "its estimator is not valid"},
       {"wrong_release",
        'w',
@@ -88,7 +90,7 @@ inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
        {14.0, 18.0, "14 to 18", true},
        0.0,
        "it begins anew with the firmware 1.N; 0: the next one"},
-      {"blind", 'c', {true, true, true, true}, "", {}, 0.0, "its camera finds no tags"},
+      {"blind", 'c', {.camera = true}, "", {}, 0.0, "its camera finds no tags"},
   }};
 }();
 

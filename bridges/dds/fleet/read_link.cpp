@@ -77,16 +77,16 @@ Kind read_kind(const TomlTable& at, std::initializer_list<std::string_view> text
   return read_part<Kind>(TableSource(at), beside);
 }
 
-using LinkKind = decltype(Link::kind);
+}  // namespace
 
-LinkKind read_px4(const TomlTable& at, const std::string&) {
+Px4Link Px4Link::read(const TomlTable& at, const std::string&) {
   Px4Link link = read_kind<Px4Link>(at, {"namespace"});
   if (!at.has("release")) at.throw_invalid("release", "the release of its firmware, \"1.14\" to \"1.18\"");
   if (at.has("namespace")) link.name_space = read_ros_name(at, "namespace", "the namespace of its topics");
   return link;
 }
 
-LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
+Crazyswarm2Link Crazyswarm2Link::read(const TomlTable& at, const std::string& agent) {
   Crazyswarm2Link link = read_kind<Crazyswarm2Link>(at, {"namespace"});
   link.name_space = at.has("namespace") ? read_ros_name(at, "namespace", "the namespace of its topics")
                                         : fmt::format("/{}", agent);
@@ -95,7 +95,7 @@ LinkKind read_crazyswarm2(const TomlTable& at, const std::string& agent) {
   return link;
 }
 
-LinkKind read_ros2(const TomlTable& at, const std::string&) {
+Ros2Link Ros2Link::read(const TomlTable& at, const std::string&) {
   Ros2Link link = read_kind<Ros2Link>(
       at, {"odometry", "cmd_vel", "stamped", "frame", "body_frame", "takeoff", "land", "state"});
   // A robot whose poses come from mocap or tf needs no odometry.
@@ -121,9 +121,16 @@ LinkKind read_ros2(const TomlTable& at, const std::string&) {
   return link;
 }
 
+namespace {
+
 using ReadKind = LinkKind (*)(const TomlTable&, const std::string&);
-constexpr std::array<Named<ReadKind>, 3> link_kinds = {
-    {{Px4Link::name, read_px4}, {Crazyswarm2Link::name, read_crazyswarm2}, {Ros2Link::name, read_ros2}}};
+template <class... Kind>
+constexpr auto readers_of(const std::variant<Kind...>*) {
+  return std::array{Named<ReadKind>{
+      Kind::name,
+      [](const TomlTable& at, const std::string& agent) -> LinkKind { return Kind::read(at, agent); }}...};
+}
+constexpr auto link_kinds = readers_of(static_cast<const LinkKind*>(nullptr));
 
 PosesFrom read_poses(const TomlTable& at, PoseSource fallback) {
   PosesFrom poses{.source = fallback};
@@ -190,12 +197,9 @@ FleetNetwork read_network(const TomlTable& at) {
   return network;
 }
 
-/// The key and the topic, or the prefix of topics, for commands to a robot.
-std::pair<std::string_view, std::string_view> commanded_by(const Link& link) {
-  if (const auto* px4 = std::get_if<Px4Link>(&link.kind)) return {"namespace", px4->name_space};
-  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
-    return {"namespace", crazyflie->name_space};
-  return {"cmd_vel", std::get<Ros2Link>(link.kind).cmd_vel};
+/// Of the kind of this link.
+auto commanded_by(const Link& link) {
+  return std::visit([](const auto& kind) { return kind.commanded_by(); }, link.kind);
 }
 
 /// Goals in the table of a link, without their track.
@@ -231,7 +235,7 @@ void read_link(const TomlTable& agent, const Agent& robot, const Scenario& scena
     if (goals.robot == link.robot) link.goals.track = goals.track;
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, robot.name);
   for (const Link& other : std::span(fleet.links).first(fleet.links.size() - 1))
-    if (other.kind.index() == link.kind.index() && commanded_by(other) == commanded_by(link))
+    if (other.kind_name() == link.kind_name() && commanded_by(other) == commanded_by(link))
       at.throw_invalid(commanded_by(link).first, "topics of its own: another robot has these");
   link.has_camera = agent.has("camera");
   const bool by_view = agent.has("localization") && agent.text("localization", "a word") == "vision";
@@ -240,13 +244,12 @@ void read_link(const TomlTable& agent, const Agent& robot, const Scenario& scena
     at.throw_invalid("poses", "\"odometry\", \"mocap\" or \"tf\", or localization = \"vision\" of the robot");
   if (!link.poses.estimated() && by_view)
     at.throw_invalid("poses", "\"estimate\" of a robot with localization = \"vision\"");
-  const bool is_px4 = std::holds_alternative<Px4Link>(link.kind),
-             own = link.poses.source == PoseSource::odometry;
+  const bool has_frame = link.has_local_frame(), own = link.poses.source == PoseSource::odometry;
   if (at.has("origin")) {
     if (link.poses.estimated())
       at.throw_invalid("origin",
                        "no such key with poses = \"estimate\": the origin of its odometry is unknown");
-    if (!own && !is_px4)
+    if (!own && !has_frame)
       at.throw_invalid("origin", "no such key, only with poses = \"odometry\": those of others are in G");
     const TomlTable origin = at.table("origin", "a table with p and heading");
     origin.read({{"heading",
@@ -254,7 +257,7 @@ void read_link(const TomlTable& agent, const Agent& robot, const Scenario& scena
                   {-2 * std::numbers::pi, 2 * std::numbers::pi, "-2 pi to 2 pi rad"}}},
                 {"p"});
     link.origin.p = origin.vec3("p");
-  } else if (is_px4 && own) {
+  } else if (has_frame && own) {
     at.throw_invalid("origin",
                      "a table with p and heading: where in G its estimator starts, its local frame's origin");
   }

@@ -263,3 +263,11 @@ std::string CrazyswarmLinkEnd::counts() const {
 }
 
 }  // namespace sightline::dds
+
+std::unique_ptr<sightline::dds::LinkEnd> sightline::Crazyswarm2Link::end(const dds::EndSetup& setup) const {
+  if (setup.model.rolls())
+    throw std::invalid_argument(fmt::format(
+        "agent.{}.link.kind = crazyswarm2, behind which a {} does not drive, expected a robot that flies",
+        setup.name, setup.model.name()));
+  return std::make_unique<dds::CrazyswarmLinkEnd>(setup.at, setup.link);
+}

@@ -46,10 +46,17 @@ class LinkEnd {
   virtual const DelayHistogram* arrivals() const noexcept { return nullptr; }
 };
 
-/// Creates the end for the kind of the link.
-/// @throws std::invalid_argument if the link does not support the model, std::runtime_error if a
-///   topic cannot be created
-std::unique_ptr<LinkEnd> made_end(const Port& at, const Link& link, std::string_view name, const Model& model,
-                                  const FleetNetwork& network);
+/// What the end of a link is made from: `end` of its kind. `end` throws std::invalid_argument if the
+/// link does not support the model, std::runtime_error if a topic cannot be created.
+struct EndSetup {
+  Port at;
+  const Link& link;
+  std::string_view name;  ///< of the robot
+  const Model& model;
+  const FleetNetwork& network;
+};
+inline std::unique_ptr<LinkEnd> made_end(const EndSetup& setup) {
+  return std::visit([&](const auto& kind) { return kind.end(setup); }, setup.link.kind);
+}
 
 }  // namespace sightline::dds

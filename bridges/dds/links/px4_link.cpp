@@ -436,3 +436,9 @@ std::string Px4LinkEnd::counts() const {
 }
 
 }  // namespace sightline::dds
+
+std::unique_ptr<sightline::dds::LinkEnd> sightline::Px4Link::end(const dds::EndSetup& setup) const {
+  const bool loopback = setup.network.interfaces == std::vector<std::string>{"lo"};
+  return std::make_unique<dds::Px4LinkEnd>(setup.at, setup.link,
+                                           loopback ? dds::Stamps::of_this_machine : dds::Stamps::none);
+}

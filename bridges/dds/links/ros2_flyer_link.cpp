@@ -164,3 +164,9 @@ void Ros2FlyerLinkEnd::examine(const Surroundings& around, FindingList& to) {
 }
 
 }  // namespace sightline::dds
+
+std::unique_ptr<sightline::dds::LinkEnd> sightline::Ros2Link::end(const dds::EndSetup& setup) const {
+  dds::check_commands(*this, setup.name, setup.model);
+  if (flies()) return std::make_unique<dds::Ros2FlyerLinkEnd>(setup.at, setup.link);
+  return std::make_unique<dds::Ros2LinkEnd>(setup.at, setup.link);
+}

@@ -266,3 +266,14 @@ std::string CrazyflieVehicle::counts() const {
 }
 
 }  // namespace sightline::dds
+
+std::unique_ptr<sightline::dds::VehicleSimulator> sightline::Crazyswarm2Link::simulator(
+    const dds::SimulatorSetup& setup) const {
+  return std::make_unique<dds::CrazyflieVehicle>(
+      setup.participant, *this,
+      dds::CrazyflieVehicle::Setup{.origin = setup.origin,
+                                   .p = setup.below,
+                                   .heading = setup.heading,
+                                   .rotors = setup.rotors.value_or(Vehicle::crazyflie())},
+      setup.faults);
+}

@@ -303,3 +303,17 @@ std::string Px4Vehicle::counts() const {
 }
 
 }  // namespace sightline::dds
+
+std::unique_ptr<sightline::dds::VehicleSimulator> sightline::Px4Link::simulator(
+    const dds::SimulatorSetup& setup) const {
+  return std::make_unique<dds::Px4Vehicle>(
+      setup.participant, *this,
+      dds::Px4Vehicle::Setup{.origin = setup.origin,
+                             .p = setup.below,
+                             .heading = setup.heading,
+                             .altitude = setup.altitude,
+                             .system = static_cast<std::uint8_t>(
+                                 target_system > 0 ? target_system : 1 + setup.robot.index % 255),
+                             .rotors = setup.rotors},
+      setup.faults);
+}

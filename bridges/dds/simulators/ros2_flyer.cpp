@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bridges/dds/links/ros2_flyer_link.hpp"
+#include "bridges/dds/simulators/ros2_rover.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/model/state_roles.hpp"
 
 extern "C" {
 #include "ros.h"
@@ -166,3 +169,19 @@ std::string Ros2Flyer::counts() const {
 }
 
 }  // namespace sightline::dds
+
+std::unique_ptr<sightline::dds::VehicleSimulator> sightline::Ros2Link::simulator(
+    const dds::SimulatorSetup& setup) const {
+  dds::check_commands(*this, setup.name, setup.model);
+  if (flies())
+    return std::make_unique<dds::Ros2Flyer>(
+        setup.participant, *this,
+        dds::Ros2Flyer::Setup{setup.origin, setup.below, setup.heading, setup.altitude, setup.rotors},
+        setup.faults);
+  return std::make_unique<dds::Ros2Rover>(
+      setup.participant, *this,
+      dds::Ros2Rover::Setup{.origin = setup.origin,
+                            .start = {setup.start.p, upright(setup.start.d), {}, 0.0},
+                            .sideward = roles_of(setup.model).velocity_V[1] >= 0},
+      setup.faults);
+}

@@ -7,13 +7,8 @@
 #include <stdexcept>
 
 #include "bridges/dds/links/px4_release.hpp"
-#include "bridges/dds/simulators/crazyflie_vehicle.hpp"
-#include "bridges/dds/simulators/px4_vehicle.hpp"
-#include "bridges/dds/simulators/ros2_flyer.hpp"
-#include "bridges/dds/simulators/ros2_rover.hpp"
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
-#include "sightline/model/state_roles.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -29,45 +24,22 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
   const std::vector<double> rest(size(model.nu()));
   const Sight<double> start = model.sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
   const Vec3<double> below = {start.p.x, start.p.y, 0.0};
-  const double heading = std::atan2(start.d.y, start.d.x), altitude = std::max(lowest_takeoff, start.p.z);
+  SimulatorSetup setup = {.participant = participant,
+                          .robot = link.robot,
+                          .name = team.name(link.robot),
+                          .model = model,
+                          .origin = link.origin,
+                          .start = start,
+                          .below = below,
+                          .heading = std::atan2(start.d.y, start.d.x),
+                          .altitude = std::max(lowest_takeoff, start.p.z),
+                          .faults = faults};
   // A vision-localized robot has an odometry frame at its start pose: the flyer must not know the
   // position.
-  const bool drives = model.rolls();
-  const LinkOrigin origin =
-      link.poses.estimated() ? LinkOrigin{drives ? start.p : below, heading} : link.origin;
-  std::optional<Vehicle> rotors;
+  if (link.poses.estimated()) setup.origin = {model.rolls() ? start.p : below, setup.heading};
   for (const RobotVehicle& vehicle : scenario.vehicles)
-    if (vehicle.robot == link.robot) rotors = vehicle.vehicle;
-  if (const auto* ros2 = std::get_if<Ros2Link>(&link.kind)) {
-    check_commands(*ros2, team.name(link.robot), model);
-    if (ros2->flies())
-      return std::make_unique<Ros2Flyer>(participant, *ros2,
-                                         Ros2Flyer::Setup{origin, below, heading, altitude, rotors}, faults);
-    return std::make_unique<Ros2Rover>(participant, *ros2,
-                                       Ros2Rover::Setup{.origin = origin,
-                                                        .start = {start.p, upright(start.d), {}, 0.0},
-                                                        .sideward = roles_of(model).velocity_V[1] >= 0},
-                                       faults);
-  }
-  if (const auto* crazyflie = std::get_if<Crazyswarm2Link>(&link.kind))
-    return std::make_unique<CrazyflieVehicle>(
-        participant, *crazyflie,
-        CrazyflieVehicle::Setup{.origin = origin,
-                                .p = below,
-                                .heading = heading,
-                                .rotors = rotors.value_or(Vehicle::crazyflie())},
-        faults);
-  const auto& px4 = std::get<Px4Link>(link.kind);
-  return std::make_unique<Px4Vehicle>(
-      participant, px4,
-      Px4Vehicle::Setup{.origin = origin,
-                        .p = below,
-                        .heading = heading,
-                        .altitude = altitude,
-                        .system = static_cast<std::uint8_t>(
-                            px4.target_system > 0 ? px4.target_system : 1 + link.robot.index % 255),
-                        .rotors = rotors},
-      faults);
+    if (vehicle.robot == link.robot) setup.rotors = vehicle.vehicle;
+  return std::visit([&](const auto& kind) { return kind.simulator(setup); }, link.kind);
 }
 
 DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain)

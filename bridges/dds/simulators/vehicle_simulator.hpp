@@ -31,10 +31,25 @@ class VehicleSimulator {
   virtual std::string counts() const = 0;
 };
 
+/// What a simulator is made from: `simulator` of the kind of its link.
+struct SimulatorSetup {
+  dds_entity_t participant;
+  BodyId robot;
+  std::string_view name;  ///< of the robot
+  const Model& model;
+  LinkOrigin origin;
+  Sight<double> start;  ///< in G
+  Vec3<double> below;   ///< the point of the ground below `start` [m]
+  double heading;       ///< at the start [rad]
+  double altitude;      ///< of its take-off [m]
+  std::optional<Vehicle> rotors{};
+  Faults& faults;  ///< of this robot; must outlive it
+};
+
 /// Creates the simulator for a link.
 /// @param faults  of this robot; must outlive it. Messages go through FaultyWriter, poses through
 ///   Faults::said(). The owner applies restarts and a wrong release
-/// @throws std::invalid_argument if no simulator exists for the kind
+/// @throws std::invalid_argument if the link does not support the model
 std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
                                                  const Link& link, Faults& faults);
 

@@ -28,8 +28,11 @@ SeenBodies::SeenBodies(const Scenario& scenario, dds_entity_t participant) {
                        link.robot ? nullptr : std::make_unique<PoseSubscriber>()});
     if (link.robot) {
       // The robot's own motion is used, whatever its model; another part plans it.
-      bodies_.back().robot = made_end({participant, PublishMode::off}, *link.robot, team.name(link.body),
-                                      team.model(link.body), fleet_of(scenario).network);
+      bodies_.back().robot = made_end({{participant, PublishMode::off},
+                                       *link.robot,
+                                       team.name(link.body),
+                                       team.model(link.body),
+                                       fleet_of(scenario).network});
       continue;
     }
     read_seen_poses(*bodies_.back().poses, participant, link.poses, Attitude::ignored);
