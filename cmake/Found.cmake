@@ -27,6 +27,8 @@ macro(sightline_found result what)
 endmacro()
 
 # The oldest that are known to do.
+set(least_Boost 1.74)
+set(components_Boost CONFIG)
 set(least_CLI11 2.1)
 set(least_CycloneDDS 0.10)
 set(least_Eigen3 3.4)

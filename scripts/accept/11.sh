@@ -87,7 +87,7 @@ package() {
   local work name told
   local -a without=()
   work=$(mktemp -d) || return 1
-  for name in SQLite3 tomlplusplus nlohmann_json CLI11 ZLIB PkgConfig; do
+  for name in Boost SQLite3 tomlplusplus nlohmann_json CLI11 ZLIB PkgConfig; do
     without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$name=ON")
   done
   told=$(cmake -S . -B "$work/core" -G Ninja "${without[@]}" 2>&1) || { echo "$told"; return 1; }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/beast/http/rfc7230.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -65,13 +66,10 @@ FoxgloveRequest read_unsubscribe(const FoxgloveJson& json) {
 }  // namespace
 
 std::string_view foxglove_protocol(std::string_view named) {
-  while (!named.empty()) {
-    const std::size_t comma = std::min(named.find(','), named.size());
-    std::string_view word = named.substr(0, comma);
-    named.remove_prefix(std::min(comma + 1, named.size()));
-    word.remove_prefix(std::min(word.find_first_not_of(" \t"), word.size()));
-    word = word.substr(0, word.find_last_not_of(" \t") + 1);
-    const auto found = std::find(foxglove_protocols.begin(), foxglove_protocols.end(), word);
+  const boost::beast::http::opt_token_list words({named.data(), named.size()});
+  if (!boost::beast::http::validate_list(words)) return {};
+  for (const auto word : words) {
+    const auto found = std::find(foxglove_protocols.begin(), foxglove_protocols.end(), std::string(word));
     if (found != foxglove_protocols.end()) return *found;
   }
   return {};

@@ -2,22 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/beast/http.hpp>
 
 namespace sightline {
 namespace {
 
-char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+namespace http = boost::beast::http;
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return lower_case(c); });
-  return lower;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+std::string lower_case(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return text;
 }
 
@@ -27,31 +21,6 @@ std::string_view cut(std::string_view& text, std::string_view mark) {
   const std::string_view first = text.substr(0, at);
   text = at == std::string_view::npos ? std::string_view() : text.substr(at + mark.size());
   return first;
-}
-
-bool is_printable(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7f'; });
-}
-
-std::string_view reason_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 400:
-      return "Bad Request";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 500:
-      return "Internal Server Error";
-    default:
-      return "Service Unavailable";
-  }
 }
 
 }  // namespace
@@ -70,34 +39,31 @@ std::string_view HttpRequest::parameter(std::string_view key) const {
 }
 
 bool HttpRequest::lists(std::string_view name, std::string_view word) const {
-  for (std::string_view rest = header(name); !rest.empty();)
-    if (lower_case(without_blanks(cut(rest, ","))) == word) return true;
-  return false;
+  const std::string_view list = header(name);
+  return http::token_list({list.data(), list.size()}).exists({word.data(), word.size()});
 }
 
 std::optional<HttpRequest> parse_request(std::string_view head) {
-  std::string_view line = cut(head, "\r\n");
-  HttpRequest request;
-  request.method = cut(line, " ");
-  std::string_view target = cut(line, " ");
-  if (line != "HTTP/1.1" || !is_printable(request.method) || !is_printable(target)) return std::nullopt;
-  request.path = cut(target, "?");
-  request.query = target;
-  if (request.method.empty() || !request.path.starts_with('/')) return std::nullopt;
-  while (!head.empty()) {
-    std::string_view value = cut(head, "\r\n");
-    if (value.find(':') == std::string_view::npos) return std::nullopt;
-    const std::string name = lower_case(cut(value, ":"));
-    if (name.empty() || !is_printable(name)) return std::nullopt;
-    if (!request.headers.emplace(name, without_blanks(value)).second) return std::nullopt;
-  }
-  const std::string_view length = request.header("content-length");
-  if (request.headers.contains("transfer-encoding") || (!length.empty() && length != "0"))
-    return std::nullopt;
+  http::request_parser<http::empty_body> parser;
+  boost::beast::error_code fault;
+  const std::string with_end = fmt::format("{}\r\n\r\n", head);
+  parser.header_limit(request_limit + 4);
+  parser.put(boost::asio::buffer(with_end), fault);
+  if (fault || !parser.is_done() || parser.get().version() != 11) return std::nullopt;
+  const auto& read = parser.get();
+  const std::string whole_target(read.target());
+  std::string_view target = whole_target;
+  HttpRequest request{std::string(read.method_string()), std::string(cut(target, "?")), std::string(target)};
+  if (!request.path.starts_with('/')) return std::nullopt;
+  for (const auto& field : read)
+    if (!request.headers.emplace(lower_case(std::string(field.name_string())), std::string(field.value()))
+             .second)
+      return std::nullopt;
   return request;
 }
 
 std::string http_response(int status, std::string_view type, std::string_view body, bool with_body) {
+  const std::string reason(http::obsolete_reason(static_cast<http::status>(status)));
   // The headers forbid foreign and inline content, frames and use by other pages, and keep the
   // token out of referrers.
   return fmt::format(
@@ -112,7 +78,7 @@ std::string http_response(int status, std::string_view type, std::string_view bo
       "X-Content-Type-Options: nosniff\r\n"
       "Cache-Control: no-store\r\n"
       "Connection: close\r\n\r\n{}",
-      status, reason_of(status), type, body.size(), with_body ? body : std::string_view());
+      status, reason, type, body.size(), with_body ? body : std::string_view());
 }
 
 }  // namespace sightline
