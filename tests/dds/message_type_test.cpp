@@ -177,22 +177,7 @@ TEST(MessageType, NamesOnTheWireAreThoseOfRos) {
   EXPECT_EQ(px4_topic("", Px4Side::in, "OffboardControlMode", 18), "/fmu/in/offboard_control_mode");
 }
 
-TEST(MessageType, WhatIsNoIdlOfOursIsRefusedWithItsLine) {
-  const auto refusal = [](std::string_view idl) -> std::string {
-    try {
-      (void)parse_idl(idl);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
-  };
-  const std::string head = "// a comment\nmodule a { module msg { module dds_ {\n";
-  EXPECT_EQ(refusal(head + "struct B_ { double x; }; }; }; };"), "");
-  EXPECT_EQ(refusal(head + "struct B_ { wide x; };"),
-            "idl:3: x, expected a simple type, or a message by its whole name");
-  EXPECT_EQ(refusal(head + "struct B_ { double x }; "), "idl:3: }, expected ;");
-  EXPECT_EQ(refusal(head + "struct B_ { double x; };"), "idl:3: the end, expected the end of module dds_");
-  EXPECT_EQ(refusal("module a {\nunion"), "idl:2: union, expected module, struct or }");
+TEST(MessageType, OneThatTheIdlLacksIsRefused) {
   EXPECT_THROW((void)message_type("a::msg::dds_::B_"), std::invalid_argument);
   EXPECT_THROW((void)px4_type("MessageFormatRequest", 14), std::invalid_argument);
 }

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
-#include <map>
 #include <set>
 #include <stdexcept>
 
-#include "bridges/dds/idl/idl_texts.hpp"
+#include "bridges/dds/idl/idl_fields.hpp"
 #include "bridges/dds/topics/sha256.hpp"
 
 namespace sightline::dds {
@@ -67,132 +65,6 @@ std::string ros_name(std::string_view idl_name) {
                      without_release(idl_name.substr(last + 2)));
 }
 
-class IdlParser {
- public:
-  explicit IdlParser(std::string_view text) : text_(text) { next(); }
-
-  std::vector<MessageType> parse() {
-    while (!token_.empty()) {
-      if (token_ == "#") {  // skips #include: all messages share one list
-        rest_of_line();
-      } else if (token_ == "module") {
-        next();
-        modules_.push_back(word());
-        expect("{");
-      } else if (token_ == "struct") {
-        structure();
-      } else if (token_ == "}" && !modules_.empty()) {
-        next();
-        expect(";");
-        modules_.pop_back();
-      } else {
-        throw_invalid("module, struct or }");
-      }
-    }
-    if (!modules_.empty()) throw_invalid("the end of module " + modules_.back());
-    return std::move(types_);
-  }
-
- private:
-  [[noreturn]] void throw_invalid(std::string_view expected) const {
-    throw std::invalid_argument(
-        fmt::format("idl:{}: {}, expected {}", line_, token_.empty() ? "the end" : token_, expected));
-  }
-  void next() {
-    skip_blank();
-    const std::size_t from = at_;
-    const auto of_word = [&](std::size_t i) {
-      const unsigned char c = static_cast<unsigned char>(text_[i]);
-      return std::isalnum(c) != 0 || c == '_' || c == ':';
-    };
-    while (at_ < text_.size() && of_word(at_)) ++at_;
-    if (at_ == from && at_ < text_.size()) ++at_;
-    token_ = text_.substr(from, at_ - from);
-  }
-  void skip_blank() {
-    for (; at_ < text_.size(); ++at_) {
-      if (text_.substr(at_, 2) == "//") at_ = std::min(text_.find('\n', at_), text_.size());
-      if (at_ == text_.size()) return;
-      if (text_[at_] == '\n')
-        ++line_;
-      else if (std::isspace(static_cast<unsigned char>(text_[at_])) == 0)
-        return;
-    }
-  }
-  void rest_of_line() {
-    at_ = std::min(text_.find('\n', at_), text_.size());
-    next();
-  }
-  void expect(std::string_view token) {
-    if (token_ != token) throw_invalid(token);
-    next();
-  }
-  std::string word() {
-    if (token_.empty() || (std::isalpha(static_cast<unsigned char>(token_[0])) == 0)) throw_invalid("a name");
-    std::string name(token_);
-    next();
-    return name;
-  }
-
-  void structure() {
-    next();
-    MessageType type;
-    for (const std::string& module : modules_) type.idl_name += module + "::";
-    type.idl_name += word();
-    if (modules_.size() != 3) throw_invalid("a struct in module PACKAGE { module msg { module dds_ {");
-    type.name = ros_name(type.idl_name);
-    expect("{");
-    while (token_ != "}") fields(type);
-    next();
-    expect(";");
-    types_.push_back(std::move(type));
-  }
-
-  void fields(MessageType& type) {
-    Field field;
-    if (token_ == "sequence") {
-      next();
-      expect("<");
-      field.many = Many::sequence;
-      field.type = type_word();
-      expect(">");
-    } else {
-      field.type = type_word();
-    }
-    const Many many = field.many;
-    for (bool more = true; more;) {
-      field.name = word();
-      field.many = many;
-      field.length = 1;
-      if (token_ == "[") {
-        next();
-        if (!all_digits(token_) || many == Many::sequence) throw_invalid("the length of an array");
-        std::from_chars(token_.data(), token_.data() + token_.size(), field.length);
-        field.many = Many::array;
-        next();
-        expect("]");
-      }
-      type.fields.push_back(field);
-      more = token_ == ",";
-      if (more) next();
-    }
-    expect(";");
-  }
-
-  std::string type_word() {
-    std::string name = word();
-    if (simple(name) != nullptr) return name;
-    if (name.find("::") == std::string::npos) throw_invalid("a simple type, or a message by its whole name");
-    return ros_name(name);
-  }
-
-  std::string_view text_, token_;
-  std::size_t at_ = 0;
-  int line_ = 1;
-  std::vector<std::string> modules_;
-  std::vector<MessageType> types_;
-};
-
 const MessageType& named(const std::string& ros_name) {
   const auto& all = message_types();
   const auto found =
@@ -223,14 +95,14 @@ std::string description(const MessageType& type) {
 
 }  // namespace
 
-std::vector<MessageType> parse_idl(std::string_view idl) { return IdlParser(idl).parse(); }
-
 const std::vector<MessageType>& message_types() {
   static const std::vector<MessageType> all = [] {
     std::vector<MessageType> types;
-    for (const std::string_view text : idl_texts) {
-      std::vector<MessageType> more = parse_idl(text);
-      types.insert(types.end(), more.begin(), more.end());
+    for (const auto& [message, type, name, many, length] : idl_fields) {
+      if (types.empty() || types.back().idl_name != message)
+        types.push_back({std::string(message), ros_name(message), {}});
+      types.back().fields.push_back(
+          {simple(type) != nullptr ? std::string(type) : ros_name(type), std::string(name), many, length});
     }
     return types;
   }();

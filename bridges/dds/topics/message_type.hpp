@@ -1,4 +1,4 @@
-/// Message types parsed from the compiled IDL: names, sizes and hashes on the wire.
+/// Message types of the IDL: names, sizes and hashes on the wire.
 #pragma once
 
 #include <cstddef>
@@ -28,12 +28,7 @@ struct MessageType {
   std::vector<Field> fields;
 };
 
-/// Parses the messages of an IDL text: modules of ROS 2's form; structs of numbers, strings,
-/// arrays, sequences and earlier structs.
-/// @throws std::invalid_argument with the line, for anything else
-std::vector<MessageType> parse_idl(std::string_view idl);
-
-/// All message types of the bridge, parsed once.
+/// All message types of the bridge.
 const std::vector<MessageType>& message_types();
 /// One of message_types().
 /// @param idl_name  as MessageType::idl_name
