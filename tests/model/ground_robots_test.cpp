@@ -35,21 +35,6 @@ TEST(Unicycle, MovesAsTheOmniRoverThatNeverDrivesSideward) {
   }
 }
 
-TEST(Unicycle, DrivesAlongItsHeadingAlone) {
-  Random random(3);
-  const Model unicycle = Unicycle{};
-  std::array<double, 6> x;
-  unicycle.at_rest(random_pose(random, 2), x.data());
-  for (int k = 0; k < 1000; ++k) {
-    const auto u = uniform_array<2>(random, -1, 1);
-    unicycle.step(x.data(), u.data(), 0.01);
-    ASSERT_TRUE(unicycle.normalise(x.data()));
-    const Sight<double> seen = unicycle.sight(x.data(), u.data());
-    EXPECT_NEAR(seen.v.x * seen.d.y - seen.v.y * seen.d.x, 0.0, 1e-15);
-    EXPECT_NEAR(seen.v.x * seen.d.x + seen.v.y * seen.d.y, x[5], 1e-15);
-  }
-}
-
 TEST(GroundRobots, TheHeightIsThatOfTheStartForEver) {
   Random random(4);
   for (const Model& model : {Model(OmniRover{}), Model(Unicycle{})}) {

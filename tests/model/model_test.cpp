@@ -305,17 +305,6 @@ TYPED_TEST(RobotLaws, ItTurnsWhereItsStateSaysWhereItHeads) {
   EXPECT_EQ(Model(this->robot_).turns(), has_heading<TypeParam>);
 }
 
-TEST(Model, LimitsAreThoseOfTheStructAndElseOne) {
-  const Model plain = Multirotor{}, own = VelocityMultirotor::ar_drone();
-  for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(plain.u_max()[i], 1.0);
-    EXPECT_EQ(plain.u_min()[i], -1.0);
-    EXPECT_EQ(own.u_min()[i], -own.u_max()[i]);
-  }
-  EXPECT_NEAR(own.u_max()[0], 2.863, 5e-4);
-  EXPECT_EQ(own.u_max()[3], 1.6);
-}
-
 TEST(Model, AHeadingOfNoDirectionIsRefused) {
   std::array<double, 7> x = {1, 2, 3, 0, 0, 0, 0};
   EXPECT_FALSE(Model(Multirotor{}).normalise(x.data()));

@@ -4,7 +4,6 @@
 
 #include "sightline/model.hpp"
 #include "sightline/robots.hpp"
-#include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
@@ -26,21 +25,6 @@ TEST(PointMass, FliesAsItsLinearEquationIsSolved) {
       EXPECT_NEAR(x[i + 3], decay * start[i + 3] + a * u[i], 1e-9);
       EXPECT_NEAR(x[i], start[i] + a * start[i + 3] + b * u[i], 1e-9);
     }
-  }
-}
-
-TEST(PointMass, RatesAddAsStatesAndInputsDo) {
-  Random random(2);
-  for (int k = 0; k < 1000; ++k) {
-    const PointMass point{uniform(random, 0, 2)};
-    const auto x = uniform_array<6>(random, -2, 2), y = uniform_array<6>(random, -2, 2);
-    const auto u = uniform_array<3>(random, -2, 2), w = uniform_array<3>(random, -2, 2);
-    auto both = x;
-    auto pushed = u;
-    for (std::size_t i = 0; i < x.size(); ++i) both[i] += y[i];
-    for (std::size_t i = 0; i < u.size(); ++i) pushed[i] += w[i];
-    const auto a = point.f(x, u), b = point.f(y, w), sum = point.f(both, pushed);
-    for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(sum[i], a[i] + b[i], 1e-14);
   }
 }
 

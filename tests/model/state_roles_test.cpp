@@ -42,10 +42,20 @@ StateRoles by_name(const Model& model) {
   return roles;
 }
 
+std::vector<Model> all_robots() {
+  return {Model(Multirotor{}),
+          Model(AngleMultirotor{}),
+          Model(OmniRover{}),
+          Model(Unicycle{}),
+          Model(PointMass{}),
+          Model(VelocityMultirotor::px4()),
+          Model(HoverMultirotor{}),
+          Model(LaggingHoverMultirotor{}),
+          Model(VelocityMultirotor::ar_drone())};
+}
+
 TEST(StateRoles, OfTheLibrarySRobotsAreWhatTheirNamesSay) {
-  for (const Model& model : {Model(Multirotor{}), Model(AngleMultirotor{}), Model(OmniRover{}),
-                             Model(Unicycle{}), Model(PointMass{}), Model(VelocityMultirotor::px4()),
-                             Model(HoverMultirotor{}), Model(LaggingHoverMultirotor{})}) {
+  for (const Model& model : all_robots()) {
     const StateRoles found = roles_of(model), named = by_name(model);
     EXPECT_EQ(found.position, named.position) << model.name();
     EXPECT_EQ(found.direction, named.direction) << model.name();
@@ -115,18 +125,6 @@ TEST(StateRoles, OfAPoseThatIsNoStateThereAreNone) {
   EXPECT_FALSE(roles.has_position());
   EXPECT_FALSE(roles.has_heading());
   EXPECT_THAT(roles.velocities, IsEmpty());
-}
-
-std::vector<Model> all_robots() {
-  return {Model(Multirotor{}),
-          Model(AngleMultirotor{}),
-          Model(OmniRover{}),
-          Model(Unicycle{}),
-          Model(PointMass{}),
-          Model(VelocityMultirotor::px4()),
-          Model(HoverMultirotor{}),
-          Model(LaggingHoverMultirotor{}),
-          Model(VelocityMultirotor::ar_drone())};
 }
 
 /// A robot of the plane that also climbs by `climb`, with the rate of its heading `turn`.

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "sightline/formula.hpp"
@@ -9,6 +8,7 @@
 #include "sightline/robots.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -127,7 +127,7 @@ TEST(TextRobot, AnAngleIsWrappedAndAStateThatIsNotFiniteRefused) {
   std::array<double, 5> x = {0, 0, 7.0, 0, 0};
   ASSERT_TRUE(model.normalise(x.data()));
   EXPECT_EQ(x[2], wrap_angle(7.0));
-  x[0] = std::numeric_limits<double>::quiet_NaN();
+  x[0] = not_a_number;
   EXPECT_FALSE(model.normalise(x.data()));
   std::array<double, 6> no_direction{};
   EXPECT_FALSE(unicycle.model().normalise(no_direction.data()));
@@ -150,12 +150,7 @@ TEST(TextRobot, ItsLimitsAreTheModels) {
 
 TEST(TextRobot, WhatDoesNotFitTogetherIsRefusedWithASentence) {
   const auto refused = [](auto&& change) {
-    try {
-      changed(angle, change).model();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what()).find("expected") != std::string::npos;
-    }
-    return false;
+    return refusal_of([&] { changed(angle, change).model(); }).find("expected") != std::string::npos;
   };
   EXPECT_FALSE(refused([](TextRobot&) {}));
   EXPECT_TRUE(refused([](TextRobot& r) { r.f.pop_back(); }));

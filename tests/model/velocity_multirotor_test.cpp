@@ -4,7 +4,6 @@
 
 #include "sightline/model.hpp"
 #include "sightline/robots.hpp"
-#include "tests/support/error.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline {
@@ -70,26 +69,6 @@ TEST(VelocityMultirotor, InTheLevelFrameYawingAloneTurnsNoVelocity) {
   }
 }
 
-TEST(VelocityMultirotor, LeansByItsAccelerationInGInBothFrames) {
-  Random random(6);
-  for (const VelocityFrame frame : {VelocityFrame::heading, VelocityFrame::level}) {
-    const Model model = VelocityMultirotor{.tau_f = 0.4, .tau_s = 0.7, .frame = frame};
-    for (int trial = 0; trial < 50; ++trial) {
-      auto x = uniform_array<9>(random, -1, 1);
-      ASSERT_TRUE(model.normalise(x.data()));
-      const auto u = uniform_array<4>(random, -1, 1);
-      const Sight<double> now = model.sight(x.data(), u.data());
-      constexpr double dt = 1e-6;
-      model.step(x.data(), u.data(), dt);
-      const Sight<double> then = model.sight(x.data(), u.data());
-      const Vec2<double> a =
-          rotate<double>({now.d.x, -now.d.y}, {(then.v.x - now.v.x) / dt, (then.v.y - now.v.y) / dt});
-      EXPECT_NEAR(now.lean.x, a.x / gravity, 1e-5);
-      EXPECT_NEAR(now.lean.y, a.y / gravity, 1e-5);
-    }
-  }
-}
-
 TEST(VelocityMultirotor, TheArDroneMovesInItsPlaneAsEquation24) {
   Random random(2);
   const Multirotor paper;
@@ -142,21 +121,6 @@ TEST(VelocityMultirotor, WithoutFurtherLagsItIsEquation24InOtherUnits) {
     const auto rate = robot.f<double>(x, {robot.v_max * u[0], -robot.v_max * u[1], u[2], u[3]});
     const auto expected = paper.f<double>(x, u);
     for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(rate[i], expected[i], 2e-15) << i;
-  }
-}
-
-TEST(VelocityMultirotor, WithoutCommandItCoastsByItsVelocityTimesTheLag) {
-  Random random(4);
-  const VelocityMultirotor robot;
-  const Model model = robot;
-  for (int trial = 0; trial < 20; ++trial) {
-    std::array<double, 9> x;
-    const std::array<double, 4> none{};
-    model.at_rest(random_pose(random, 2), x.data());
-    x[7] = uniform(random, -2, 2);
-    const double expected = x[2] + robot.tau_z * x[7];
-    for (int step = 0; step < 1000; ++step) model.step(x.data(), none.data(), 0.01);
-    EXPECT_NEAR(x[2], expected, 1e-8);
   }
 }
 
