@@ -63,13 +63,5 @@ TEST(NotFiniteAt, TheThirdBodyMayBeWhereItIsNot) {
   EXPECT_FALSE(spot->third);
 }
 
-TEST(NotFiniteAt, ASpotIsSaidWithItsUnits) {
-  Spot spot;
-  spot.observer.p = {1, 2, 3};
-  spot.observer.d = spot.target.d = {1, 0};
-  EXPECT_EQ(to_string(spot),
-            "observer at (1, 2, 3) m heading (1, 0), target at (0, 0, 0) m heading (1, 0), t = 0 s");
-}
-
 }  // namespace
 }  // namespace sightline

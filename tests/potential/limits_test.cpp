@@ -43,11 +43,6 @@ TEST(InputDisc, ItIsABoundOnTheLengthOfTwoInputs) {
   }
 }
 
-TEST(SpeedLimit, AMaximumBelowItsMinimumIsRefused) {
-  EXPECT_THAT(refusal_of([] { Limit(SpeedLimit{.max = 0.5, .min = 0.5}); }),
-              HasSubstr("speed.min = 0.5, expected below max"));
-}
-
 TEST(SpeedLimit, ALeastSpeedIsKeptAsAGreatestIs) {
   Random random(3);
   const Model model = PointMass{};
@@ -63,7 +58,9 @@ TEST(SpeedLimit, ALeastSpeedIsKeptAsAGreatestIs) {
   }
 }
 
-TEST(InputDisc, AnInputTwiceIsRefused) {
+TEST(Limit, AMaximumBelowItsMinimumAndAnInputTwiceAreRefused) {
+  EXPECT_THAT(refusal_of([] { Limit(SpeedLimit{.max = 0.5, .min = 0.5}); }),
+              HasSubstr("speed.min = 0.5, expected below max"));
   EXPECT_THAT(refusal_of([] { Limit(InputDisc{.i = 1, .j = 1}); }), HasSubstr("input_disc.j = 1"));
 }
 

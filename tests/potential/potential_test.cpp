@@ -346,29 +346,10 @@ TEST(Potential, OneThatAsksForTheTimeGetsIt) {
 
 TEST(Potential, OneThatIsNotWrittenOverAStepHasNone) {
   const Potential potential(Turning{});
+  EXPECT_EQ(potential.name(), "potential");
   EXPECT_FALSE(potential.kappa_A());
   EXPECT_TRUE(std::isnan(potential.sloped({}, {})));
   EXPECT_NE(potential.sharpened(3.0).as<Turning>(), nullptr);
-}
-
-TEST(Potential, OneWithoutALimitIsNeverViolated) {
-  Random random(3);
-  const Potential potential = Turning{};
-  EXPECT_EQ(potential.violation(random_sight(random, 1), random_sight(random, 1)), -infinite);
-  EXPECT_EQ(potential.name(), "potential");
-}
-
-TEST(Potential, IsNoOtherPotential) {
-  const Potential potential = KeepOut{};
-  EXPECT_EQ(potential.as<Cohesion>(), nullptr);
-  EXPECT_EQ(potential.as<SensorCone>(), nullptr);
-}
-
-TEST(Potential, ANumberInFrontIsItsWeight) {
-  const Weighted term = 0.4 * KeepOut{.d_min = 0.8};
-  EXPECT_EQ(term.weight, 0.4);
-  ASSERT_NE(term.potential.as<KeepOut>(), nullptr);
-  EXPECT_EQ(term.potential.as<KeepOut>()->d_min, 0.8);
 }
 
 TEST(Require, RefusesWhatDoesNotHoldAndWhatIsNotFinite) {

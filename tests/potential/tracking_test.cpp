@@ -51,17 +51,6 @@ TEST(Tracking, IsTheWeightedSumOfSquares) {
   }
 }
 
-TEST(Tracking, OnTheReferenceItCostsNothingAndOffItAlwaysSomething) {
-  Random random(2);
-  for (int k = 0; k < 1000; ++k) {
-    Problem p(random);
-    EXPECT_GT(p.cost<double>(), 0.0);
-    p.x = p.x_ref;
-    p.u = p.u_ref;
-    EXPECT_EQ(p.cost<double>(), 0.0);
-  }
-}
-
 TEST(Tracking, TheHessianIsTwiceTheWeightsAndConstant) {
   Random random(3);
   const Problem p(random);
