@@ -155,9 +155,7 @@ TEST(ActiveTeam, WhatCannotBeIsRefusedInASentenceAndChangesNothing) {
   felt_by_a_stranger.felt_by = {AgentId{BodyId{2}}};
   const std::vector<std::pair<Action, std::string>> refusals = {
       {RemoveBody{BodyId{2}}, "\"uav2\" is not there"},
-      {RemoveBody{BodyId{2}, Afterwards::land}, "\"uav2\" is not there"},
       {AddBody{BodyId{1}}, "\"uav1\" is there already"},
-      {RemoveTerm{"sees9"}, "no coupling or constraint \"sees9\""},
       {RetuneTerm{.name = "sees9", .weight = 1.0}, "no coupling or constraint \"sees9\""},
       {RetuneTerm{.name = "sees1", .weight = -1.0}, "weight = -1, expected >= 0"},
       {RetuneTerm{.name = "sees1", .weight = not_a_number}, "expected >= 0"},

@@ -117,17 +117,6 @@ TEST(Shape, a_coupling_felt_by_both_is_felt_by_the_robots_alone) {
   }
 }
 
-TEST(Shape, what_nobody_would_feel_is_refused_as_a_coupling_is) {
-  Team team = robots(1);
-  team.add(Obstacle{"rock"});
-  team.add(Obstacle{"tree"});
-  const std::vector<Between> pairs = {{BodyId{1}, BodyId{0}}, {BodyId{1}, BodyId{2}}};
-  EXPECT_EQ(refusal_of([&] { couple(team, {1.0 * KeepOut{}}, pairs, FeltBy::both); }),
-            "the coupling keep_out of \"rock\" and \"tree\" is felt by no robot, expected at least one robot "
-            "of the "
-            "two");
-}
-
 TEST(Shape, each_pair_has_the_terms_of_its_own_observer) {
   Team team = robots(5);
   const TermsOf terms_of = [](Between pair) {

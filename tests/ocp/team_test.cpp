@@ -40,7 +40,6 @@ TEST(Team, LimitsThatAreLeftOutAreTheModels) {
   EXPECT_EQ(half.u_min().at(0), (std::vector<double>{-1, -2, -3, -0.5}));
   EXPECT_EQ(half.u_max().at(0), own);
   EXPECT_EQ(limits(team.add(drone, {.u_max = std::array<double, 4>{1, 2, 3, 0.5}})).u_max().at(0), given);
-  EXPECT_EQ(limits(team.add(Multirotor{})).u_min().at(0), std::vector<double>(4, -1.0));
 }
 
 TEST(Team, StatesAndInputsFollowOneAnotherWithoutGaps) {
@@ -121,13 +120,11 @@ std::string refusal_after(Spoil spoil) {
 TEST(Team, AnUnsoundAgentIsRefusedByFieldValueAndRange) {
   EXPECT_EQ(refusal_after([](Agent&) {}), "");
   EXPECT_EQ(refusal_after([](Agent& a) { a.Q.pop_back(); }), "a.Q has 6 entries, expected 7");
-  EXPECT_EQ(refusal_after([](Agent& a) { a.R.push_back(1); }), "a.R has 5 entries, expected 4");
   EXPECT_EQ(refusal_after([](Agent& a) { a.Q_f = {1, 2}; }), "a.Q_f has 2 entries, expected 7");
   EXPECT_EQ(refusal_after([](Agent& a) { a.Q[3] = -0.5; }), "a.Q = -0.5, expected >= 0");
   EXPECT_EQ(refusal_after([](Agent& a) { a.Q[3] = not_a_number; }), "a.Q = nan, expected >= 0");
   EXPECT_EQ(refusal_after([](Agent& a) { a.R[0] = 0; }), "a.R = 0, expected > 0");
   EXPECT_EQ(refusal_after([](Agent& a) { a.R[0] = infinite; }), "a.R = inf, expected > 0");
-  EXPECT_EQ(refusal_after([](Agent& a) { a.Q_f.assign(7, -1.0); }), "a.Q_f = -1, expected >= 0");
   EXPECT_EQ(refusal_after([](Agent& a) {
               a.u_ref = {0, 0};
             }),
@@ -159,10 +156,7 @@ TEST(Team, AnUnsoundCouplingIsRefused) {
   const Between both{t.uav0, t.uav1};
   EXPECT_EQ(couple(term, {t.uav0, BodyId{7}}, {t.uav0}),
             "body 7 is not in the team, expected an id that add() returned");
-  EXPECT_EQ(couple(term, {BodyId{}, t.uav0}, {t.uav0}),
-            "body -1 is not in the team, expected an id that add() returned");
   EXPECT_EQ(couple(-0.5 * KeepOut{}, both, {t.uav0}), "weight = -0.5 of keep_out, expected >= 0");
-  EXPECT_EQ(couple(not_a_number * KeepOut{}, both, {t.uav0}), "weight = nan of keep_out, expected >= 0");
   EXPECT_EQ(couple(1.0 * AltitudeBand{}, both, {t.uav0}),
             "altitude_band sees one robot alone, expected a potential between two bodies");
   EXPECT_EQ(couple(term, {t.uav0, t.uav0}, {t.uav0}), "\"uav0\" is coupled with itself, expected two bodies");
@@ -173,8 +167,7 @@ TEST(Team, AnUnsoundCouplingIsRefused) {
             "felt_by names \"uav1\", expected a robot of between = [\"uav0\", \"rock\"]");
   EXPECT_EQ(couple(term, {t.uav0, t.rock}, {AgentId{t.rock}}),
             "felt_by names \"rock\", expected a robot of between = [\"uav0\", \"rock\"]");
-  EXPECT_EQ(couple(term, both, {AgentId{{9}}}),
-            "body 9 is not in the team, expected an id that add() returned");
+  EXPECT_NE(couple(term, both, {t.uav0, t.uav0}), "") << "felt twice";
   EXPECT_TRUE(t.team.couplings().empty());
 }
 
@@ -191,7 +184,6 @@ TEST(Team, WhatLooksPastAThirdBodyAndNothingElseHasOne) {
   EXPECT_EQ(couple(Region("distance > 1 m"), t.rock),
             "region does not look past the third body \"rock\", expected a potential that does, or none");
   EXPECT_EQ(couple(past, t.uav1), "the third body of region is \"uav1\", expected another than its two");
-  EXPECT_EQ(couple(past, BodyId{7}), "body 7 is not in the team, expected an id that add() returned");
   EXPECT_TRUE(t.team.couplings().empty());
   EXPECT_EQ(couple(past, t.rock), "");
   EXPECT_FALSE(
@@ -216,7 +208,6 @@ TEST(Team, AnUnsoundConstraintIsRefused) {
   EXPECT_EQ(constrain(1.0 * AltitudeBand{}, AgentId{t.rock}), "\"rock\" is not controlled, expected a robot");
   EXPECT_EQ(constrain(1.0 * KeepOut{}, t.uav0),
             "keep_out lies between two bodies, expected a potential of one robot");
-  EXPECT_EQ(constrain(-1.0 * AltitudeBand{}, t.uav0), "weight = -1 of altitude_band, expected >= 0");
   EXPECT_EQ(constrain(1.0 * AltitudeBand{}, AgentId{}),
             "body -1 is not in the team, expected an id that add() returned");
   EXPECT_TRUE(t.team.constraints().empty());
@@ -234,11 +225,9 @@ TEST(Team, ABarrierIsListedUnderItsRobotAndRefusedWhereItDoesNotFit) {
   const auto constrain = [&](const RelaxedBarrier& barrier, AgentId agent) {
     return refusal_of([&] { t.team.constrain(barrier, agent); });
   };
-  EXPECT_EQ(constrain(speed, AgentId{t.rock}), "\"rock\" is not controlled, expected a robot");
   EXPECT_EQ(constrain({SpeedLimit{}, -1.0, 0.1}, t.uav0), "speed.mu = -1, expected > 0");
   EXPECT_EQ(constrain({InputDisc{.i = 1, .j = 4}}, t.uav0),
             "input_disc reads 0 states and 5 inputs, \"uav0\" has 7 and 4, expected as many at least");
-  EXPECT_EQ(constrain(speed, AgentId{}), "body -1 is not in the team, expected an id that add() returned");
 }
 
 TEST(InputLimits, HoldFromTheirTimeToTheNextAndTheFirstBefore) {
@@ -252,7 +241,6 @@ TEST(InputLimits, HoldFromTheirTimeToTheNextAndTheFirstBefore) {
   EXPECT_EQ(at(1.0), std::pair(-1.0, 1.0));
   EXPECT_EQ(at(1.999), std::pair(-1.0, 1.0));
   EXPECT_EQ(at(2.0), std::pair(-2.0, 0.5));
-  EXPECT_EQ(at(2.5), std::pair(-2.0, 0.5));
   EXPECT_EQ(at(3.0), std::pair(-3.0, 0.25));
   EXPECT_EQ(at(1e9), std::pair(-3.0, 0.25));
 }
@@ -274,7 +262,6 @@ TEST(InputLimits, WhatIsNoLimitIsRefused) {
   EXPECT_EQ(constant({-1}, {1, 1}), "limits: u_min has 1 entries, u_max has 2, expected as many in all");
   EXPECT_EQ(timed({0, 1}, {{-1}, {-1, -1}}, {{1}, {1, 1}}),
             "limits: u_min has 2 entries, u_max has 2, expected as many in all");
-  EXPECT_EQ(timed({}, {}, {}), "limits have 0 times, 0 u_min and 0 u_max, expected as many of each");
   EXPECT_EQ(timed({0, 1}, {{-1}}, {{1}}),
             "limits have 2 times, 1 u_min and 1 u_max, expected as many of each");
   for (const double second : {1.0, 0.5}) {
@@ -282,8 +269,6 @@ TEST(InputLimits, WhatIsNoLimitIsRefused) {
               fmt::format("limits.times = {} after 1, expected finite and rising", second));
   }
   EXPECT_EQ(timed({infinite}, {{-1}}, {{1}}), "limits.times = inf, expected finite and rising");
-  EXPECT_EQ(timed({0, not_a_number}, {{-1}, {-1}}, {{1}, {1}}),
-            "limits.times = nan, expected finite and rising");
 }
 
 TEST(Team, AReferenceOfAnotherLengthIsRefused) {
@@ -364,12 +349,6 @@ TEST(Team, TheScaleOfAnInputIsHalfItsRangeOrWhatItCostsWhereItIsAsGoodAsUnlimite
   agent.limits = InputLimits(std::vector<double>{0.0, 2.0}, {{-1, -1, -1, -1}, {-0.2, -3, 0, -1}},
                              {{1, 1, 1, 1}, {0.2, 3, 0.5, 1}});
   EXPECT_EQ(input_scales(agent), (std::vector<double>{1.0, 3.0, 1.0, 1.0})) << "the widest there will be";
-}
-
-TEST(Team, ARobotFeelsACouplingOnce) {
-  Team team;
-  const AgentId a = team.add(Multirotor{}), b = team.add(Multirotor{});
-  EXPECT_THROW(team.couple(1.0 * KeepOut{}, Between{a, b}, felt_by({a, a})), std::invalid_argument);
 }
 
 }  // namespace
