@@ -19,25 +19,17 @@ std::string describe(EventKind kind, double value) {
 
 TEST(EventWords, WhatHappensToABodyNamesIt) {
   EXPECT_EQ(describe(EventKind::hold, 0), "uav0: hold");
-  EXPECT_EQ(describe(EventKind::grounded, 12), "uav12: grounded");
   EXPECT_EQ(describe(EventKind::measurement_not_finite, 1), "uav1: measurement refused, not_finite");
-  EXPECT_EQ(describe(EventKind::barrier_conflict, 2), "uav2: barrier conflict");
-  EXPECT_EQ(describe(EventKind::search, 1), "uav1: searches for what it observes");
-  EXPECT_EQ(describe(EventKind::found, 1), "uav1: has found it");
-  EXPECT_EQ(describe(EventKind::stale, 1), "uav1: no messages of its part arrive");
-  EXPECT_EQ(describe(EventKind::received, 1), "uav1: messages of its part arrive again");
   EXPECT_EQ(describe(EventKind::input_refused, 3), "input_refused uav3");
 }
 
 TEST(EventWords, WhatTheScriptDoesNamesTheEvent) {
   EXPECT_EQ(describe(EventKind::event_occurred, 0), "event \"e0\" happens");
-  EXPECT_EQ(describe(EventKind::event_in_force, 3), "event \"e3\" in force");
   EXPECT_EQ(describe(EventKind::event_ignored, 1), "event \"e1\" ignored: it cannot be");
 }
 
 TEST(EventWords, WhatHappensToNoBodyHasItsNumber) {
   EXPECT_EQ(describe(EventKind::missed_period, 3), "missed_period 3");
-  EXPECT_EQ(describe(EventKind::samples_dropped, 7), "samples_dropped 7");
   EXPECT_EQ(describe(EventKind::pairs_left_out, 4), "4 near pairs more than there is room for");
 }
 

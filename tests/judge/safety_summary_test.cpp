@@ -29,6 +29,7 @@ Scenario meant_outside(Scenario scenario) {
 }
 
 const std::vector<Presence> there = {Presence::steered, Presence::steered, Presence::hold};
+const std::vector<FallbackLevel> landing = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
 
 /// A summary of bodies that are put where a test wants them, at rest.
 class Judged {
@@ -227,13 +228,12 @@ TEST(SafetySummary, AWallThatIsPassedByLessThanAMillimetreIsBroken) {
 }
 
 TEST(SafetySummary, ARobotThatLandsIsGroundedOrAbsentHasNoFloor) {
-  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid},
-                                   grounded = {FallbackLevel::grounded, FallbackLevel::valid,
+  const std::vector<FallbackLevel> grounded = {FallbackLevel::grounded, FallbackLevel::valid,
                                                FallbackLevel::valid};
   const std::vector<Presence> sinks = {Presence::land, Presence::steered, Presence::hold},
                               gone = {Presence::absent, Presence::steered, Presence::hold};
   for (const auto& [presence, levels] :
-       {std::pair<std::vector<Presence>, std::vector<FallbackLevel>>{there, lands},
+       {std::pair<std::vector<Presence>, std::vector<FallbackLevel>>{there, landing},
         {there, grounded},
         {sinks, {}},
         {gone, {}}}) {
@@ -256,10 +256,9 @@ std::vector<std::string> begun_below(Judged& summary, double last = 0.28) {
 }
 
 TEST(SafetySummary, ARobotThatLandsHasACeiling) {
-  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
   Judged summary(scenario("[safety]\nceiling = 2.0\n"));
-  summary.add(0.0, heights(2.5, 1.0), there, {}, lands);
-  summary.add(0.1, heights(2.4, 1.0), there, {}, lands);
+  summary.add(0.0, heights(2.5, 1.0), there, {}, landing);
+  summary.add(0.1, heights(2.4, 1.0), there, {}, landing);
   EXPECT_EQ(summary->broken().size(), 1U);
 }
 
@@ -319,21 +318,19 @@ TEST(SafetySummary, AStartWithinTheHardDistanceIsJudgedLikeOneBeyondAWall) {
 }
 
 TEST(SafetySummary, OneThatCeasesToLandIsJudgedFromWhenItIsAboveTheFloor) {
-  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
   Judged summary(scenario("[safety]\nfloor = 0.3\n"));
   summary.add(0.0, heights(1.0, 1.0), there);
-  summary.add(0.1, heights(0.05, 1.0), there, {}, lands);
+  summary.add(0.1, heights(0.05, 1.0), there, {}, landing);
   summary.add(0.2, heights(0.1, 1.0), there);
   summary.add(0.3, heights(0.4, 1.0), there);
   EXPECT_TRUE(summary->broken().empty());
 }
 
 TEST(SafetySummary, OneThatCeasesToLandAndLandsAgainHasNoFloorMeanwhile) {
-  const std::vector<FallbackLevel> lands = {FallbackLevel::land, FallbackLevel::valid, FallbackLevel::valid};
   Judged summary(scenario("[safety]\nfloor = 0.3\n"));
-  summary.add(0.0, heights(0.05, 1.0), there, {}, lands);
+  summary.add(0.0, heights(0.05, 1.0), there, {}, landing);
   summary.add(0.1, heights(0.05, 1.0), there);
-  summary.add(0.2, heights(0.04, 1.0), there, {}, lands);
+  summary.add(0.2, heights(0.04, 1.0), there, {}, landing);
   EXPECT_TRUE(summary->broken().empty());
 }
 

@@ -206,24 +206,6 @@ TEST(Summary, WhatAnEventAddsIsJudgedBesideWhatIsThere) {
   EXPECT_EQ(std::make_tuple(worst(0), worst(1), worst(2)), std::make_tuple(0.0, 0.5, 0.25));
 }
 
-TEST(Summary, ARawInputViolatesItsOwnLimitAlone) {
-  Team team;
-  team.add(Multirotor{}, {.u_min = {-2, -1, -1, -1}, .u_max = {0.5, 1, 1, 1}});
-  const Scenario scenario = scenario_of(std::move(team));
-  const auto violations = [&](std::vector<double> raw) {
-    Summary summary(scenario, 1);
-    Sample sample = sample_of(scenario, 0.0);
-    sample.raw_u = std::move(raw);
-    summary.add(sample);
-    return summary.values().input_violations;
-  };
-  EXPECT_EQ(violations({-2, 1, -1, 1}), 0);
-  EXPECT_EQ(violations({0.5 + 1e-10, 1, -1, 1}), 0);
-  EXPECT_EQ(violations({0.5 + 1e-8, 1, -1, 1}), 1);
-  EXPECT_EQ(violations({-2.1, 1.1, -1.1, 1}), 3);
-  EXPECT_EQ(violations({std::numeric_limits<double>::quiet_NaN(), 0, 0, 0}), 1);
-}
-
 TEST(Summary, LeastDistanceIsThatOfARobotToAnyBodyAndNullForOneAlone) {
   Team pair;
   pair.add(Obstacle{"wall"});
