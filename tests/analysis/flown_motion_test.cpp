@@ -1,5 +1,6 @@
 #include "sightline/analysis/identification/flown_motion.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,6 +12,8 @@
 
 namespace sightline {
 namespace {
+
+using testing::HasSubstr;
 
 Team fleet() {
   Team team;
@@ -28,15 +31,13 @@ TEST(FlownMotion, IsOfAMultirotorThatIsNamedOrTheOnlyOne) {
             "--agent is missing, expected one of uav, scout");
   EXPECT_EQ(refusal_of([&] { identified_robot(team, "uav7"); }),
             "--agent = uav7, expected one of uav, scout");
-  EXPECT_EQ(refusal_of([&] { identified_robot(team, "rover"); }),
-            "--agent = rover is of the kind omni_rover, expected a multirotor: multirotor, angle_multirotor, "
-            "hover_multirotor, velocity_multirotor");
+  EXPECT_THAT(refusal_of([&] { identified_robot(team, "rover"); }),
+              HasSubstr("--agent = rover is of the kind omni_rover, expected a multirotor"));
   EXPECT_NE(refusal_of([&] { identified_robot(team, "target"); }), "");
   Team one;
   one.add(OmniRover{}, {.name = "rover"});
-  EXPECT_EQ(refusal_of([&] { identified_robot(one, ""); }),
-            "--agent is missing and no robot is a multirotor, expected one of the kind multirotor, "
-            "angle_multirotor, hover_multirotor, velocity_multirotor");
+  EXPECT_THAT(refusal_of([&] { identified_robot(one, ""); }),
+              HasSubstr("--agent is missing and no robot is a multirotor"));
   one.add(Multirotor{}, {.name = "uav"});
   EXPECT_EQ(identified_robot(one, "").index, 1);
 }

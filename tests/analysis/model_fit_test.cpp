@@ -15,11 +15,17 @@ const std::string drawn_numbers =
     "robot = \"hover_multirotor\"\nparameters = { b_z = 1.2, b_psi = 1.3, a_f = -0.4, b_f = 1.8, a_s = -0.5, "
     "b_s = 1.6, tau = 0.11, tau_z = 0.3, tau_psi = 0.2 }";
 constexpr ModelStructure whole{Commands::tilt, true, true, true};
+constexpr const char* delayed = "input_delay = 0.073";
+
+FlownMotion excited(const std::string& disturbance, const ExcitationOptions& options = {}) {
+  const Scenario scenario = alone(drawn_numbers, 11, disturbance);
+  return fly_excitation(scenario, uav(scenario), options);
+}
+FittedModel fitted(const FlownMotion& motion) { return fit_model(motion, {0, motion.size()}, whole); }
 
 TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
-  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
-  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
-  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  const FlownMotion motion = excited(delayed);
+  const FittedModel model = fitted(motion);
   for (const auto& [key, value] :
        {std::pair{"b_z", 1.2}, std::pair{"b_psi", 1.3}, std::pair{"a_f", -0.4}, std::pair{"b_f", 1.8},
         std::pair{"a_s", -0.5}, std::pair{"b_s", 1.6}, std::pair{"tau", 0.11}, std::pair{"tau_z", 0.3},
@@ -30,24 +36,22 @@ TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
 
 // As a vehicle with periods of its own is seen: each measurement 4 ms before the period in which it is there.
 TEST(ModelFit, MeasurementsBetweenPeriodsCountAtTheirTimes) {
-  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
-  FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  FlownMotion motion = excited(delayed);
   EXPECT_FALSE(motion.is_between_periods());
   for (std::size_t k = motion.size() - 1; k > 0; --k) {
     motion.measured[k] = between(motion.measured[k], motion.measured[k - 1], 0.4);
     motion.measured[k].before = 0.4 * motion.period;
   }
   EXPECT_TRUE(motion.is_between_periods());
-  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  const FittedModel model = fitted(motion);
   for (const auto& [key, value] : {std::pair{"b_z", 1.2}, std::pair{"tau", 0.11}, std::pair{"tau_z", 0.3},
                                    std::pair{"tau_psi", 0.2}, std::pair{"delay", 0.073}})
     EXPECT_NEAR(number(model, key), value, 2e-3 * std::abs(value) + 5e-4) << key;
 }
 
 TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
-  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
-  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
-  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  const FlownMotion motion = excited("input_delay = 0.073\nwind = [0.5, -0.3, 0.0]");
+  const FittedModel model = fitted(motion);
   EXPECT_NEAR(number(model, "w_x"), 0.5, 2e-3);
   EXPECT_NEAR(number(model, "w_y"), -0.3, 2e-3);
   EXPECT_NEAR(number(model, "b_f"), 1.8, 5e-3);
@@ -55,8 +59,7 @@ TEST(ModelFit, ASteadyWindIsFoundBesideTheNumbersOfTheVehicle) {
 }
 
 TEST(ModelFit, ItsIntervalsShrinkWithTheRootOfTheTime) {
-  const Scenario scenario = alone(drawn_numbers, 11, std::string(test::usual_noise));
-  const FlownMotion motion = fly_excitation(scenario, uav(scenario), {.seconds = 80});
+  const FlownMotion motion = excited(std::string(test::usual_noise), {.seconds = 80});
   const FittedModel some = fit_model(motion, {0, motion.size() / 4}, whole),
                     all = fit_model(motion, {0, motion.size()}, whole);
   for (std::size_t i = 0; i < all.found.size(); ++i) {
@@ -66,10 +69,9 @@ TEST(ModelFit, ItsIntervalsShrinkWithTheRootOfTheTime) {
 }
 
 TEST(ModelFit, OfAnInputThatRestsNothingIsFound) {
-  const Scenario scenario = alone(drawn_numbers, 11);
-  FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  FlownMotion motion = excited("");
   for (auto& u : motion.u) u[2] = 0.2;
-  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  const FittedModel model = fitted(motion);
   EXPECT_EQ(inputs_moved(motion, {0, motion.size()}), (std::array<bool, 4>{true, true, false, true}));
   for (const FoundNumber& one : model.found) {
     const bool of_climb = one.number.key == "b_z" || one.number.key == "tau_z";
@@ -79,19 +81,17 @@ TEST(ModelFit, OfAnInputThatRestsNothingIsFound) {
 }
 
 TEST(ModelFit, MeasurementsThatAreMissingAreSteppedOver) {
-  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
-  FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  FlownMotion motion = excited(delayed);
   for (std::size_t k = 0; k < motion.size(); ++k) {
     if (k % 7 < 3) motion.measured[k].psi = std::numeric_limits<double>::quiet_NaN();
   }
-  const FittedModel model = fit_model(motion, {0, motion.size()}, whole);
+  const FittedModel model = fitted(motion);
   EXPECT_NEAR(number(model, "b_f"), 1.8, 5e-3);
   EXPECT_NEAR(number(model, "delay"), 0.073, 1e-3);
 }
 
 TEST(ModelFit, TheLumpedDelayIsAboutTheDelayAndTheLagOfTheTilt) {
-  const Scenario scenario = alone(drawn_numbers, 11, "input_delay = 0.073");
-  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const FlownMotion motion = excited(delayed);
   const Stretch all{0, motion.size()};
   const FittedModel with = fit_model(motion, all, whole), lumped = fit_lumped(motion, all, with);
   EXPECT_NEAR(number(lumped, "delay"), 0.073 + 0.11, 0.03);
@@ -100,8 +100,7 @@ TEST(ModelFit, TheLumpedDelayIsAboutTheDelayAndTheLagOfTheTilt) {
 }
 
 TEST(ModelFit, AStartIsFoundFromTheMeasurementsAfterIt) {
-  const Scenario scenario = alone(drawn_numbers, 11, std::string(test::usual_noise));
-  const FlownMotion motion = fly_excitation(scenario, uav(scenario));
+  const FlownMotion motion = excited(std::string(test::usual_noise));
   const MotionPrediction prediction(motion, whole,
                                     {.b_z = 1.2,
                                      .b_psi = 1.3,

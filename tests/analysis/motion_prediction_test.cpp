@@ -49,39 +49,23 @@ void expect_prediction(const FlownMotion& motion, const ModelStructure& structur
 
 TEST(MotionPrediction, IsTheMotionOfTheRobotThatHasTheStructure) {
   const double delay = 0.01 * late;
-  const HoverMultirotor h;
-  const LaggingHoverMultirotor l;
-  const Multirotor p;
-  expect_prediction(flight(p, 1), {Commands::tilt, true, false, false},
-                    {.b_z = p.b_z,
-                     .b_psi = p.b_psi,
-                     .a_f = p.a_f,
-                     .b_f = p.b_f,
-                     .a_s = p.a_s,
-                     .b_s = p.b_s,
-                     .delay = delay},
+  const auto numbers_of = [&](const auto& m) -> ModelNumbers {
+    return {.b_z = m.b_z,
+            .b_psi = m.b_psi,
+            .a_f = m.a_f,
+            .b_f = m.b_f,
+            .a_s = m.a_s,
+            .b_s = m.b_s,
+            .delay = delay};
+  };
+  expect_prediction(flight(Multirotor{}, 1), {Commands::tilt, true, false, false}, numbers_of(Multirotor{}),
                     1e-4);
-  expect_prediction(flight(h, 1), {Commands::tilt, true, true, false},
-                    {.b_z = h.b_z,
-                     .b_psi = h.b_psi,
-                     .a_f = h.a_f,
-                     .b_f = h.b_f,
-                     .a_s = h.a_s,
-                     .b_s = h.b_s,
-                     .delay = delay},
-                    1e-4);
-  expect_prediction(flight(l, 1), {Commands::tilt, true, true, true},
-                    {.b_z = l.b_z,
-                     .b_psi = l.b_psi,
-                     .a_f = l.a_f,
-                     .b_f = l.b_f,
-                     .a_s = l.a_s,
-                     .b_s = l.b_s,
-                     .delay = delay,
-                     .tau = l.tau,
-                     .tau_z = l.tau_z,
-                     .tau_psi = l.tau_psi},
-                    1e-3);
+  expect_prediction(flight(HoverMultirotor{}, 1), {Commands::tilt, true, true, false},
+                    numbers_of(HoverMultirotor{}), 1e-4);
+  const LaggingHoverMultirotor lagging;
+  ModelNumbers with_lags = numbers_of(lagging);
+  with_lags.tau = lagging.tau, with_lags.tau_z = lagging.tau_z, with_lags.tau_psi = lagging.tau_psi;
+  expect_prediction(flight(lagging, 1), {Commands::tilt, true, true, true}, with_lags, 1e-3);
   for (const VelocityFrame frame : {VelocityFrame::heading, VelocityFrame::level}) {
     const VelocityMultirotor v{.frame = frame};
     expect_prediction(

@@ -19,12 +19,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// n robots in a ring of 1.5 m, each looking at the next by a bearing; each feels its own couplings alone.
-struct SpscQueue {
+struct RobotRing {
   Team team;
   std::vector<AgentId> robots{};
   std::vector<double> x0{};
 
-  explicit SpscQueue(int n, double pitch, bool level_view = false, std::array<double, 7> Q = {}) {
+  explicit RobotRing(int n, double pitch, bool level_view = false, std::array<double, 7> Q = {}) {
     const double radius = n == 2 ? 0.75 : 1.5 / (2 * std::sin(3.1416 / n));
     for (int i = 0; i < n; ++i) {
       const double phi = 2 * 3.1416 * i / n;
@@ -57,7 +57,7 @@ struct SpscQueue {
 
 TEST(ObservationCycles, APairThatLooksDownAtEachOtherClimbsAsItsFlightDoesAndUpwardsItSinks) {
   for (const double pitch : {0.3, -0.3}) {
-    const SpscQueue ring(2, pitch);
+    const RobotRing ring(2, pitch);
     const auto cycles = observation_cycles(ring.team, ring.x0);
     ASSERT_EQ(cycles.size(), 1u);
     EXPECT_GT(cycles[0].drift.z * pitch, 0.0);
@@ -70,16 +70,16 @@ TEST(ObservationCycles, APairThatLooksDownAtEachOtherClimbsAsItsFlightDoesAndUpw
 }
 
 TEST(ObservationCycles, EachWayOutThatIsAdvisedBringsTheFlightToRest) {
-  const SpscQueue ring(2, 0.3);
+  const RobotRing ring(2, 0.3);
   const auto advised = observation_cycles(ring.team, ring.x0).at(0).maneuvers;
   EXPECT_THAT(advised, Contains(HasSubstr("level")));
   EXPECT_THAT(advised, Contains(HasSubstr("hold the place of uav0")));
   EXPECT_THAT(advised, Contains(HasSubstr("altitude_band")));
-  SpscQueue level(2, 0.3, true), held(2, 0.3, false, {1.6, 1.6, 1.6}), banded(2, 0.3);
+  RobotRing level(2, 0.3, true), held(2, 0.3, false, {1.6, 1.6, 1.6}), banded(2, 0.3);
   for (const AgentId robot : banded.robots) {
     banded.team.constrain(1.0 * AltitudeBand{.z_min = 4.5, .z_max = 5.5}, robot);
   }
-  for (const SpscQueue* maneuver : {&level, &held, &banded}) {
+  for (const RobotRing* maneuver : {&level, &held, &banded}) {
     EXPECT_LT(maneuver->flown(), 1.0);
     const auto cycles = observation_cycles(maneuver->team, maneuver->x0);
     ASSERT_EQ(cycles.size(), 1u) << "it is a cycle still";
@@ -89,14 +89,14 @@ TEST(ObservationCycles, EachWayOutThatIsAdvisedBringsTheFlightToRest) {
 }
 
 TEST(ObservationCycles, AHeightHeldAloneDoesNotHelpAndIsNotTakenForAWayOut) {
-  const SpscQueue held(2, 0.3, false, {0, 0, 1.6});
+  const RobotRing held(2, 0.3, false, {0, 0, 1.6});
   EXPECT_GT(held.flown(), 3.0) << "they wander sideways";
   EXPECT_GT(norm(observation_cycles(held.team, held.x0).at(0).drift), 0.0);
 }
 
 TEST(ObservationCycles, RingsOfThreeAndFourAreOneCycleEachAndClimb) {
   for (const int n : {3, 4}) {
-    const SpscQueue ring(n, 0.4);
+    const RobotRing ring(n, 0.4);
     const auto cycles = observation_cycles(ring.team, ring.x0);
     ASSERT_EQ(cycles.size(), 1u);
     EXPECT_EQ(cycles[0].robots.size(), static_cast<std::size_t>(n));

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/refusal.hpp"
+
 namespace sightline {
 namespace {
 
@@ -57,13 +59,8 @@ TEST(Starts, ABodyThatAnEventAddsWhereAnotherStartsIsTold) {
 }
 
 TEST(Starts, TwoRobotsInOnePlaceAreRefusedUnlessACampaignDrawsThem) {
-  try {
-    (void)start_warnings("[0.0, 0.0, 1.0]", "");
-    ADD_FAILURE() << "accepted";
-  } catch (const ScenarioError& refusal) {
-    EXPECT_STREQ(refusal.what(),
-                 "starts.toml:7: agent.b.start.p = [0, 0, 1], expected a place of its own, a starts there");
-  }
+  EXPECT_EQ(refusal_of<ScenarioError>([] { (void)start_warnings("[0.0, 0.0, 1.0]", ""); }),
+            "starts.toml:7: agent.b.start.p = [0, 0, 1], expected a place of its own, a starts there");
 }
 
 }  // namespace

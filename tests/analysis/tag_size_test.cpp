@@ -46,14 +46,10 @@ TEST(TagSize, NothingIsSaidOfTagsThatAreReadFromEverySide) {
 }
 
 TEST(TagSize, TagsThatAreSmallAtTheGreatestDistanceAreAWarning) {
-  EXPECT_THAT(
-      judge_tag_sizes(kept_between(1.0, 3.0)).warnings,
-      ElementsAre(
-          "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 14.4 px it is not read from "
-          "every side"));
-  EXPECT_THAT(
-      judge_tag_sizes(kept_between(1.0, 4.0)).warnings,
-      ElementsAre("a tag of b has 10.4 px for the camera of a at d_max = 4 m, below 10.6 px it is not read"));
+  EXPECT_THAT(judge_tag_sizes(kept_between(1.0, 3.0)).warnings,
+              ElementsAre(HasSubstr("13.9 px for the camera of a at d_max = 3 m, below 14.4 px")));
+  EXPECT_THAT(judge_tag_sizes(kept_between(1.0, 4.0)).warnings,
+              ElementsAre(HasSubstr("10.4 px for the camera of a at d_max = 4 m, below 10.6 px")));
   EXPECT_THAT(preflight(kept_between(1.0, 4.0)).warnings,
               Contains(HasSubstr("below 10.6 px it is not read")));
 }
@@ -61,9 +57,7 @@ TEST(TagSize, TagsThatAreSmallAtTheGreatestDistanceAreAWarning) {
 TEST(TagSize, TagsThatAreTooSmallEverywhereAreRefused) {
   EXPECT_THAT(
       judge_tag_sizes(kept_between(4.0, 5.0)).refusals,
-      ElementsAre(
-          "a.toml: a tag of b has 10.4 px for the camera of a at d_min = 4 m, expected at least 10.6 px, "
-          "or it is not read"));
+      ElementsAre(HasSubstr("10.4 px for the camera of a at d_min = 4 m, expected at least 10.6 px")));
   EXPECT_THAT(preflight(kept_between(4.0, 5.0)).refusals, Contains(HasSubstr("expected at least 10.6 px")));
 }
 
@@ -72,10 +66,7 @@ TEST(TagSize, BeforeAFlightEachDistanceAtWhichTagsAreTooSmallIsRed) {
   ASSERT_EQ(small.size(), 1u);
   EXPECT_EQ(small[0].light, Light::red);
   EXPECT_EQ(small[0].aspect, Aspect::tags);
-  EXPECT_EQ(
-      small[0].sentence,
-      "a tag of b has 13.9 px for the camera of a at d_max = 3 m, below 14.4 px it is not read from every "
-      "side: larger tags, another camera, or nearer");
+  EXPECT_THAT(small[0].sentence, HasSubstr("at d_max = 3 m, below 14.4 px it is not read from every side"));
   EXPECT_THAT(tag_findings(kept_between(1.0, 4.0))[0].sentence, HasSubstr("below 10.6 px it is not read:"));
   const std::vector<Finding> large = tag_findings(kept_between(1.0, 2.5));
   ASSERT_EQ(large.size(), 1u);
