@@ -103,13 +103,5 @@ TEST(GraphLayout, in_columns_every_arrow_goes_to_the_left) {
   EXPECT_EQ(layout_of(ring_of(8)).kind, Kind::circle);
 }
 
-TEST(GraphLayout, the_same_graph_has_the_same_layout) {
-  Random random(4);
-  for (int n = 0; n < 50; ++n) {
-    const NodeGraph graph = random_cascade(random, 2 + random() % 62);
-    EXPECT_EQ(layout_of(graph).nodes, layout_of(graph).nodes);
-  }
-}
-
 }  // namespace
 }  // namespace sightline

@@ -23,10 +23,5 @@ TEST(Page, HasTheScriptOfItsFiguresAndASentenceForThoseWhoRunNone) {
   EXPECT_THAT(page_head("title"), HasSubstr("<noscript>"));
 }
 
-TEST(Page, ReadsOnLightAndOnDark) {
-  EXPECT_THAT(page_head("title"), HasSubstr("color-scheme: light dark"));
-  EXPECT_THAT(page_head("title"), HasSubstr("<title>title</title>"));
-}
-
 }  // namespace
 }  // namespace sightline
