@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "sightline/log.hpp"
-#include "sightline/record/log.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/leaning_flight.hpp"
 
@@ -14,7 +12,6 @@ namespace sightline {
 namespace {
 
 using test::fly_leaning;
-using test::LeaningTask;
 
 TEST(BodyCamera, PlannedWithItsLeanSeesBetterThanPlannedLevel) {
   const auto pair_of = [](std::string_view frame) {
@@ -56,18 +53,9 @@ TEST(BodyCamera, InTheWorldOfModelsItLeansAsTheModelDoes) {
 TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
   const Scenario scenario = test::leaning_scenario({.duration = 3.0});
   const Controls controls(scenario);
-  const auto world = make_world(scenario);
-  Sample prototype = sized_sample(*world, controls.controllers());
-  make_room_for_plans(scenario, prototype);
-  SpscQueue<Sample> ring(400, prototype);
   SimulatedClock clock;
   const auto folder = test::place("body_camera");
-  Log log(scenario, folder, controls.controllers(), ring);
-  log.start();
-  ClosedLoop(scenario, *world, controls.controllers(), clock, ring).fly();
-  log.finish();
-  ASSERT_EQ(log.error(), "");
-  std::ofstream(folder / "summary.json") << log.summary().json();
+  ASSERT_TRUE(fly_logged(scenario, folder, clock, controls.controllers()).logged);
   const Recording run = read_recording(folder);
   ASSERT_EQ(run.pairs.size(), 1u);
   EXPECT_EQ(run.pairs[0].mount.frame, MountFrame::body);

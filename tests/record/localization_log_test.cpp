@@ -3,60 +3,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/log.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/record/log.hpp"
-#include "sightline/scenario.hpp"
-#include "tests/support/folder.hpp"
+#include "tests/support/replayed_flight.hpp"
 
 namespace sightline {
 namespace {
 
-/// A short flight of scenarios/localize.toml in its log; another robot behind uav0 where it is a chain.
-struct LocalizedLog {
-  Scenario scenario;
-  test::Folder folder{"localization_log_test"};
-  SummaryValues values{};
-  std::string summary{};
-
-  explicit LocalizedLog(double duration, const std::vector<std::string>& set = {})
-      : scenario(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", built_in_registry(), set)) {
-    scenario.simulation.duration = duration;
-    scenario.simulation.settle = 2.0;
-    const Controls controls(scenario);
-    const auto world = make_world(scenario);
-    SpscQueue<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
-                           sized_sample(*world, controls.controllers(), controls.team_switcher()));
-    SimulatedClock clock;
-    ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
-    (void)loop.fly();
-    Log log(scenario, folder.path(), controls.controllers(), ring);
-    log.start();
-    log.finish();
-    EXPECT_EQ(log.error(), "");
-    summary = log.summary().json();
-  }
-
-  std::filesystem::path file() const { return folder.path() / "run.mcap"; }
-  RecordedFlight flight() const { return {file(), scenario.team, scenario.x0, scenario.horizon.dt}; }
-};
-
-CommandComparison compared_with(const LocalizedLog& log, RecordedFlight& flight) {
-  const Controls controls(log.scenario);
-  CommandComparison compared(flight, sized_sample(flight, controls.controllers(), controls.team_switcher()));
-  ClosedLoop loop(log.scenario, flight, controls.controllers(), flight, compared, nullptr,
-                  controls.team_switcher());
-  (void)loop.fly();
-  return compared;
+/// A short flight of scenarios/localize.toml in its log.
+test::ReplayedFlight localized(double duration, const std::vector<std::string>& set = {}) {
+  SimulatedClock clock;
+  return {read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", built_in_registry(), set), duration,
+          clock};
 }
 
 TEST(LocalizationLog, AReplayRunsTheEstimatorAgainAndItsEstimatesAreTheSameBitForBit) {
   for (const std::string filter : {"heading", "attitude"}) {
-    const LocalizedLog log(8.0,
-                           {"estimate.filter=\"" + filter + "\"", "estimate.broadcast.latency=[0.01, 0.05]",
-                            "agent.uav0.camera.outliers=0.1", "estimate.compass_noise=0.1"});
+    const auto log =
+        localized(8.0, {"estimate.filter=\"" + filter + "\"", "estimate.broadcast.latency=[0.01, 0.05]",
+                        "agent.uav0.camera.outliers=0.1", "estimate.compass_noise=0.1"});
     RecordedFlight flight = log.flight();
-    const CommandComparison compared = compared_with(log, flight);
+    const CommandComparison compared = test::replayed(log.scenario, flight);
     EXPECT_EQ(compared.updates(), 800);
     EXPECT_EQ(compared.differing(), 0);
     EXPECT_GT(compared.estimates(), 700);
@@ -66,7 +32,7 @@ TEST(LocalizationLog, AReplayRunsTheEstimatorAgainAndItsEstimatesAreTheSameBitFo
 }
 
 TEST(LocalizationLog, ABitOfADetectionThatFlipsIsFoundInTheUpdateThatTookIt) {
-  const LocalizedLog log(4.0);
+  const auto log = localized(4.0);
   RecordedFlight flight = log.flight();
   std::int64_t update = -1;
   for (std::size_t k = 200; k < flight.periods().size() && update < 0; ++k) {
@@ -76,7 +42,7 @@ TEST(LocalizationLog, ABitOfADetectionThatFlipsIsFoundInTheUpdateThatTookIt) {
     update = static_cast<std::int64_t>(k);
   }
   ASSERT_GT(update, 0);
-  const CommandComparison compared = compared_with(log, flight);
+  const CommandComparison compared = test::replayed(log.scenario, flight);
   ASSERT_TRUE(compared.first_estimate());
   EXPECT_EQ(compared.first_estimate()->update, update);
   EXPECT_EQ(compared.first_estimate()->robot, "uav0");
@@ -84,7 +50,7 @@ TEST(LocalizationLog, ABitOfADetectionThatFlipsIsFoundInTheUpdateThatTookIt) {
 }
 
 TEST(LocalizationLog, ItsTopicsSayWhatTheSampleDid) {
-  const LocalizedLog log(3.0);
+  const auto log = localized(3.0);
   McapReader mcap(log.file());
   ASSERT_TRUE(mcap.ok());
   std::map<std::string, int> count;

@@ -8,6 +8,7 @@
 
 #include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -93,17 +94,12 @@ TEST(LogText, WhatIsNoMessageIsRefusedAndNothingIsReadBehindItsEnd) {
 TEST(LogText, WhatIsMissingOrOfAnotherKindIsToldByItsName) {
   LogText text;
   text.read(R"({"time":1,"x":[1]})");
-  const auto refusal = [&](auto&& request) -> std::string {
-    try {
-      request();
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "found";
-  };
-  EXPECT_EQ(refusal([&] { (void)text.number("x"); }), "a message without \"x\", expected a number");
-  EXPECT_EQ(refusal([&] { (void)text.numbers("u"); }), "a message without \"u\", expected a list of numbers");
-  EXPECT_EQ(refusal([&] { (void)text.word("time"); }), "a message without \"time\", expected a word");
+  EXPECT_EQ(refusal_of<std::runtime_error>([&] { (void)text.number("x"); }),
+            "a message without \"x\", expected a number");
+  EXPECT_EQ(refusal_of<std::runtime_error>([&] { (void)text.numbers("u"); }),
+            "a message without \"u\", expected a list of numbers");
+  EXPECT_EQ(refusal_of<std::runtime_error>([&] { (void)text.word("time"); }),
+            "a message without \"time\", expected a word");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/passing_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -28,43 +29,24 @@ LoggedFlight flown(const Scenario& scenario, const fs::path& folder, const Fligh
   return fly_logged(scenario, folder, clock, controls.controllers(), options);
 }
 
-/// Passes all samples on, and counts those of updates and the others.
-class CountedSink final : public Sink<Sample> {
- public:
-  explicit CountedSink(Sink<Sample>& log) : log_(log) {}
-  Sample* claim() noexcept override { return sample_ = log_.claim(); }
-  bool takes_between() const noexcept override { return log_.takes_between(); }
-  Sample* claim_between() noexcept override { return sample_ = log_.claim_between(); }
-  void publish() noexcept override {
-    ++(sample_->of == Sample::Of::update ? samples : between);
-    log_.publish();
-  }
-  void close() noexcept override { log_.close(); }
-
-  int samples = 0, between = 0;
-
- private:
-  Sink<Sample>& log_;
-  Sample* sample_ = nullptr;
-};
-
 TEST(LoggedFlight, OfOneScenarioTwiceHasTheSameBytesWhoeverLooksOn) {
   const Scenario scenario = paper_for(2.0);
   const test::Folder once("logged_once"), watched("logged_watched");
-  std::optional<CountedSink> counted;
+  std::optional<test::PassingSink> sink;
+  int samples = 0, between = 0;
   double written = 0.0;
   FlightOptions options;
   options.watched = [&](Sink<Sample>& log, const Sample& prototype) -> Sink<Sample>& {
     EXPECT_EQ(prototype.x.size(), static_cast<std::size_t>(scenario.team.nx()));
-    return counted.emplace(log);
+    return sink.emplace(log, [&](const Sample& s) { ++(s.of == Sample::Of::update ? samples : between); });
   };
   options.written = [&](double time) { written = time; };
   options.summarised = [](const std::string& summary) { return summary + " "; };
   const LoggedFlight a = flown(scenario, once.path()), b = flown(scenario, watched.path(), options);
   EXPECT_TRUE(a.logged && b.logged);
   EXPECT_EQ(a.outcome.updates, 200);
-  EXPECT_EQ(counted->samples, 200);
-  EXPECT_EQ(counted->between, 1) << "the states after the last command";
+  EXPECT_EQ(samples, 200);
+  EXPECT_EQ(between, 1) << "the states after the last command";
   EXPECT_NEAR(written, 2.0, 0.02);
   EXPECT_EQ(test::read_file(once.path() / "run.mcap"), test::read_file(watched.path() / "run.mcap"));
   EXPECT_EQ(test::read_file(watched.path() / "summary.json"), b.summary);
@@ -96,28 +78,16 @@ TEST(LoggedFlight, TellsWhatWentWrong) {
   EXPECT_THAT(flight.faults.front(), HasSubstr("uav1"));
 }
 
-/// Puts an input into the log that no gate would let pass.
-class TamperingSink final : public Sink<Sample> {
- public:
-  explicit TamperingSink(Sink<Sample>& log) : log_(log) {}
-  Sample* claim() noexcept override { return sample_ = log_.claim(); }
-  void publish() noexcept override {
-    if (published_++ == 3) sample_->u[0] = 1e3;
-    log_.publish();
-  }
-  void close() noexcept override { log_.close(); }
-
- private:
-  Sink<Sample>& log_;
-  Sample* sample_ = nullptr;
-  int published_ = 0;
-};
-
 TEST(LoggedFlight, WithAnAppliedInputBeyondItsLimitsFails) {
   const test::Folder folder("logged_beyond");
-  std::optional<TamperingSink> tampering;
+  std::optional<test::PassingSink> sink;
+  int published = 0;
   FlightOptions options;
-  options.watched = [&](Sink<Sample>& log, const Sample&) -> Sink<Sample>& { return tampering.emplace(log); };
+  options.watched = [&](Sink<Sample>& log, const Sample&) -> Sink<Sample>& {
+    return sink.emplace(log, [&](Sample& sample) {
+      if (published++ == 3) sample.u[0] = 1e3;
+    });
+  };
   EXPECT_THAT(flown(paper_for(0.1), folder.path(), options).faults,
               testing::Contains("1 applied inputs were beyond the limits in force"));
 }

@@ -79,12 +79,18 @@ RandomLog write_log(const std::filesystem::path& path, int chunks, unsigned seed
   return log;
 }
 
+Message copied(const McapMessage& m) {
+  return {std::string(m.topic),
+          std::string(m.schema),
+          std::string(m.encoding),
+          m.sequence,
+          m.log_time,
+          Bytes(m.bytes.begin(), m.bytes.end())};
+}
+
 std::vector<Message> read_log(McapReader& reader) {
   std::vector<Message> messages;
-  reader.visit([&](const McapMessage& m) {
-    messages.push_back({std::string(m.topic), std::string(m.schema), std::string(m.encoding), m.sequence,
-                        m.log_time, Bytes(m.bytes.begin(), m.bytes.end())});
-  });
+  reader.visit([&](const McapMessage& m) { messages.push_back(copied(m)); });
   return messages;
 }
 
@@ -128,10 +134,7 @@ TEST(Mcap, ALogThatGrowsGivesEachMessageOnceAndInOrder) {
     McapReader reader(growing);
     std::vector<Message> messages;
     const auto read_on = [&] {
-      return reader.read_on([&](const McapMessage& m) {
-        messages.push_back({std::string(m.topic), std::string(m.schema), std::string(m.encoding), m.sequence,
-                            m.log_time, Bytes(m.bytes.begin(), m.bytes.end())});
-      });
+      return reader.read_on([&](const McapMessage& m) { messages.push_back(copied(m)); });
     };
     while (size < whole.size()) {
       ASSERT_TRUE(read_on()) << reader.error() << ", cut at " << size;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
-#include <numbers>
 
 #include "sightline/config.hpp"
 #include "sightline/log.hpp"
@@ -250,17 +249,6 @@ TEST(Recording, APeriodThatLacksWhatEachHasIsRefused) {
   EXPECT_THAT(refusal_without("no_last_state", "/wall/state", "1.99"),
               testing::HasSubstr("/wall/state at 1.99 s"));
   EXPECT_THAT(refusal_without("no_input", "/uav0/input", "1.2"), testing::HasSubstr("/uav0/input at 1.2 s"));
-  EXPECT_THAT(refusal_without("no_barrier", "/uav1/barrier", "0.5"),
-              testing::HasSubstr("/uav1/barrier at 0.5 s"));
-  EXPECT_NE(refusal_without("no_solver", "/solver", "0.3"), "");
-}
-
-TEST(Recording, APeriodThatLacksABodyForEverIsRefused) {
-  EXPECT_THAT(read_refusal(edited("gone",
-                                  [](std::string_view topic, std::string& text) {
-                                    if (topic == "/uav1/state") text.clear();
-                                  })),
-              testing::HasSubstr("a message of /uav1/pose is no pose of a state"));
 }
 
 TEST(Recording, TwoMessagesOfOnePeriodAreRefused) {

@@ -3,51 +3,17 @@
 #include <cmath>
 
 #include "sightline/log.hpp"
-#include "sightline/record/log.hpp"
 #include "sightline/scenario.hpp"
-#include "tests/support/folder.hpp"
+#include "tests/support/replayed_flight.hpp"
 
 namespace sightline {
 namespace {
 
-namespace fs = std::filesystem;
+using test::replayed;
+using test::ReplayedFlight;
 
-/// A short flight of a scenario, in its log.
-struct ReplayedFlight {
-  Scenario scenario;
-  test::Folder folder{"replay_test"};
-
-  /// Of a shipped one.
-  ReplayedFlight(const std::string& name, double duration, Clock& clock)
-      : ReplayedFlight(read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml"), duration, clock) {}
-  ReplayedFlight(Scenario of, double duration, Clock& clock) : scenario(std::move(of)) {
-    scenario.simulation.duration = duration;
-    const Controls controls(scenario);
-    SpscQueue<Sample> ring(static_cast<std::size_t>(duration / scenario.horizon.dt) + 8,
-                           sized_sample(scenario.team, controls.controllers(), controls.team_switcher()));
-    const auto world = make_world(scenario);
-    ClosedLoop loop(scenario, *world, controls.controllers(), clock, ring, nullptr, controls.team_switcher());
-    (void)loop.fly();
-    Log log(scenario, folder.path(), controls.controllers(), ring);
-    log.start();
-    log.finish();
-    EXPECT_EQ(log.error(), "");
-  }
-
-  RecordedFlight flight() const {
-    return {folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt};
-  }
-};
-
-/// The flight again, under a scenario's solver.
-CommandComparison again(const Scenario& scenario, RecordedFlight& flight) {
-  const Controls controls(scenario);
-  CommandComparison compared(flight,
-                             sized_sample(scenario.team, controls.controllers(), controls.team_switcher()));
-  ClosedLoop loop(scenario, flight, controls.controllers(), flight, compared, nullptr,
-                  controls.team_switcher());
-  (void)loop.fly();
-  return compared;
+ReplayedFlight shipped(const std::string& name, double duration, Clock& clock) {
+  return {read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml"), duration, clock};
 }
 
 class Stumbling final : public Clock {
@@ -58,9 +24,9 @@ class Stumbling final : public Clock {
 
 TEST(Replay, OfAFlightWhoseTeamChangesTheCommandsAreTheSameBitForBit) {
   SimulatedClock clock;
-  const ReplayedFlight flown("join_and_leave", 25.0, clock);
+  const ReplayedFlight flown = shipped("join_and_leave", 25.0, clock);
   RecordedFlight flight = flown.flight();
-  const CommandComparison compared = again(flown.scenario, flight);
+  const CommandComparison compared = replayed(flown.scenario, flight);
   EXPECT_EQ(compared.updates(), 2500);
   EXPECT_EQ(compared.commands(), 2500 * static_cast<std::int64_t>(flown.scenario.team.agents().size()));
   EXPECT_EQ(compared.differing(), 0);
@@ -92,16 +58,16 @@ add = "chaser"
                                             "chased.toml"),
                              1.0, clock);
   RecordedFlight flight = flown.flight();
-  const CommandComparison compared = again(flown.scenario, flight);
+  const CommandComparison compared = replayed(flown.scenario, flight);
   EXPECT_EQ(compared.updates(), 100);
   EXPECT_EQ(compared.differing(), 0);
 }
 
 TEST(Replay, OfAFlightThatMissedPeriodsTheCommandsAreTheSameBitForBit) {
   Stumbling clock;
-  const ReplayedFlight flown("handover", 30.0, clock);
+  const ReplayedFlight flown = shipped("handover", 30.0, clock);
   RecordedFlight flight = flown.flight();
-  const CommandComparison compared = again(flown.scenario, flight);
+  const CommandComparison compared = replayed(flown.scenario, flight);
   EXPECT_GT(compared.updates(), 2500);
   EXPECT_LT(compared.updates(), 3000);
   EXPECT_EQ(compared.differing(), 0);
@@ -109,14 +75,14 @@ TEST(Replay, OfAFlightThatMissedPeriodsTheCommandsAreTheSameBitForBit) {
 
 TEST(Replay, OnASteadyClockTeamsTakeOverWhereTheyDidWhenTheyWereReadyLate) {
   SteadyClock clock;
-  const ReplayedFlight flown("join_and_leave", 8.0, clock);
+  const ReplayedFlight flown = shipped("join_and_leave", 8.0, clock);
   RecordedFlight flight = flown.flight();
-  EXPECT_EQ(again(flown.scenario, flight).differing(), 0);
+  EXPECT_EQ(replayed(flown.scenario, flight).differing(), 0);
 }
 
 TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
   SimulatedClock clock;
-  const ReplayedFlight flown("cooperative_localization", 5.0, clock);
+  const ReplayedFlight flown = shipped("cooperative_localization", 5.0, clock);
   RecordedFlight flight = flown.flight();
   const Controls controls(flown.scenario);
   CommandComparison compared(
@@ -144,8 +110,8 @@ TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
 
 TEST(Replay, ALogSaysHowItWasFlown) {
   SimulatedClock clock;
-  const ReplayedFlight flown("pyramid_camera", 0.5, clock);
-  const FlownAs as = flown_as(flown.folder.path() / "run.mcap");
+  const ReplayedFlight flown = shipped("pyramid_camera", 0.5, clock);
+  const FlownAs as = flown_as(flown.file());
   EXPECT_EQ(as.text, flown.scenario.text);
   EXPECT_EQ(as.solver, "newton_riccati");
   ASSERT_TRUE(as.files.contains("sensors/camera.toml")) << "the sensor that it names is in the log";

@@ -68,11 +68,11 @@ Nearness nearness(const Scenario& scenario) {
 }
 
 TEST(SurroundedFlights, KeepDistanceAndFloorWithAndWithoutPotentials) {
-  struct SpscQueue {
+  struct ChaserRing {
     int count;
     double speed, far;
   };
-  for (const SpscQueue& ring : {SpscQueue{3, 0.5, 4.0}, {4, 1.0, 4.0}, {6, 1.0, 4.0}}) {
+  for (const ChaserRing& ring : {ChaserRing{3, 0.5, 4.0}, {4, 1.0, 4.0}, {6, 1.0, 4.0}}) {
     for (const bool felt : {false, true}) {
       const Nearness on = nearness(surrounded(ring.count, ring.speed, ring.far, felt, "on"));
       EXPECT_GE(on.nearest, 0.6) << ring.count << (felt ? " felt" : "");

@@ -1,12 +1,16 @@
 #include "sightline/record/tuned_log.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <tuple>
 
 #include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/passing_sink.hpp"
+#include "tests/support/replayed_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/view_scenario.hpp"
 
@@ -15,43 +19,30 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Hands events to a flight at 0.2 s: one that is, one that cannot be, one more.
-class TunedAtSink final : public Sink<Sample> {
- public:
-  TunedAtSink(Sink<Sample>& log, TunedScript& tuned) : log_(log), tuned_(tuned) {}
-  Sample* claim() noexcept override { return sample_ = log_.claim(); }
-  void publish() noexcept override {
-    if (sample_->time >= 0.2 && tuned_.size() == 0) {
-      const auto add = [&](const std::string& name, Action action, const std::string& keys) {
-        tuned_.add({.name = name, .trigger = AtTime{}, .actions = {std::move(action)}, .ramp = 0.5},
-                   keys + "ramp = 0.5\nname = \"" + name + "\"\n");
-      };
-      add("lighter", RetuneTerm{.name = "view", .weight = 0.1},
-          "retune = { couple = \"view\", weight = 0.1 }\n");
-      add("wrong", RetuneTerm{.name = "nobody", .weight = 1.0},
-          "retune = { couple = \"nobody\", weight = 1.0 }\n");
-      add("heavier", RetuneTerm{.name = "view", .weight = 0.8},
-          "retune = { couple = \"view\", weight = 0.8 }\n");
-    }
-    log_.publish();
+/// Hands events to a flight: one that is, one that cannot be, one more.
+void add_events(TunedScript& tuned) {
+  for (const auto& [name, couple, weight] :
+       {std::tuple{"lighter", "view", 0.1}, {"wrong", "nobody", 1.0}, {"heavier", "view", 0.8}}) {
+    tuned.add({.name = name,
+               .trigger = AtTime{},
+               .actions = {RetuneTerm{.name = couple, .weight = weight}},
+               .ramp = 0.5},
+              fmt::format("retune = {{ couple = \"{}\", weight = {:.1f} }}\nramp = 0.5\nname = \"{}\"\n",
+                          couple, weight, name));
   }
-  void close() noexcept override { log_.close(); }
-
- private:
-  Sink<Sample>& log_;
-  TunedScript& tuned_;
-  Sample* sample_ = nullptr;
-};
+}
 
 TEST(TunedLog, ATunedFlightIsFlownAgainFromItsLogWithTheSameCommands) {
   Scenario scenario = test::scenario_of(test::view_scenario);
   lift_deadline(scenario.solver);
   scenario.tuned = std::make_shared<TunedScript>();
   const test::Folder folder("tuned_log");
-  std::optional<TunedAtSink> sink;
+  std::optional<test::PassingSink> sink;
   FlightOptions options;
   options.watched = [&](Sink<Sample>& log, const Sample&) -> Sink<Sample>& {
-    return sink.emplace(log, *scenario.tuned);
+    return sink.emplace(log, [&](Sample& sample) {
+      if (sample.time >= 0.2 && scenario.tuned->size() == 0) add_events(*scenario.tuned);
+    });
   };
   {
     const Controls controls(scenario);
@@ -68,10 +59,7 @@ TEST(TunedLog, ATunedFlightIsFlownAgainFromItsLogWithTheSameCommands) {
   const Scenario again = flown_scenario(flown, log, built_in_registry());
   EXPECT_EQ(again.script.events.back().name, "heavier");
   RecordedFlight flight(log, again.team, again.x0, again.horizon.dt, {});
-  const Controls controls(again);
-  CommandComparison compared(flight, sized_sample(flight, controls.controllers(), controls.team_switcher()));
-  (void)ClosedLoop(again, flight, controls.controllers(), flight, compared, nullptr, controls.team_switcher())
-      .fly();
+  const CommandComparison compared = test::replayed(again, flight);
   EXPECT_EQ(compared.updates(), 100);
   EXPECT_EQ(compared.differing(), 0);
 
