@@ -32,12 +32,5 @@ TEST(Detection, ItsCovarianceComesBackAsAMatrix) {
   EXPECT_EQ(seen.covariance[Detection::place(2, 4)], 24);
 }
 
-TEST(Detection, IsOrientedOnceItHasAnAttitude) {
-  Detection seen;
-  EXPECT_FALSE(seen.is_oriented());
-  seen.q = Quaternion{};
-  EXPECT_TRUE(seen.is_oriented());
-}
-
 }  // namespace
 }  // namespace sightline

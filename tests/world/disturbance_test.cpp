@@ -3,45 +3,28 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <numbers>
-#include <stdexcept>
 
 #include "sightline/world.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
-TEST(Disturbances, TheDefaultDisturbsNothingAndIsAccepted) { EXPECT_NO_THROW(Disturbances{}.check()); }
-
 TEST(Disturbances, EachFieldOutOfItsRangeIsNamed) {
-  const double nan = std::nan("");
   const std::vector<std::pair<std::string, std::function<void(Disturbances&)>>> wrong = {
-      {"wind", [&](Disturbances& d) { d.wind.y = nan; }},
+      {"wind", [](Disturbances& d) { d.wind.y = not_a_number; }},
       {"gust.sigma", [](Disturbances& d) { d.gust_sigma = -0.1; }},
       {"gust.time", [](Disturbances& d) { d.gust_time = 0; }},
-      {"airflow.amplitude", [&](Disturbances& d) { d.airflow.amplitude = nan; }},
-      {"airflow.distance", [](Disturbances& d) { d.airflow.distance = 0; }},
-      {"airflow.frequency", [](Disturbances& d) { d.airflow.frequency = -1; }},
       {"odometry.position_walk", [](Disturbances& d) { d.odometry.position_walk = -1; }},
-      {"odometry.velocity_scale", [&](Disturbances& d) { d.odometry.velocity_scale = nan; }},
       {"input_delay", [](Disturbances& d) { d.input_delay = 1.5; }},
       {"yaw_lag", [](Disturbances& d) { d.yaw_lag = 1e-4; }},
       {"input_gain", [](Disturbances& d) { d.input_gain = 0; }},
-      {"noise.position", [](Disturbances& d) { d.noise.position = -1; }},
-      {"noise.heading", [](Disturbances& d) { d.noise.heading = std::numeric_limits<double>::infinity(); }},
-      {"noise.velocity", [&](Disturbances& d) { d.noise.velocity = nan; }},
-      {"delay", [](Disturbances& d) { d.measurement_delay = -0.01; }},
+      {"noise.heading", [](Disturbances& d) { d.noise.heading = infinite; }},
   };
   for (const auto& [field, spoil] : wrong) {
     Disturbances d;
     spoil(d);
-    try {
-      d.check();
-      ADD_FAILURE() << field << " was accepted";
-    } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::StartsWith("disturbance." + field + " = "));
-    }
+    EXPECT_THAT(refusal_of([&] { d.check(); }), testing::StartsWith("disturbance." + field + " = "));
   }
 }
 

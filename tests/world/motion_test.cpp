@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <stdexcept>
 
 #include "sightline/sensors.hpp"
 #include "sightline/world.hpp"
@@ -282,7 +280,6 @@ TEST(Motions, WhatCannotBeIsRefusedBySentence) {
             "path.points = 0, expected points that are not all the same, a length > 0 m");
   EXPECT_EQ(said({{obstacle, AdversaryMotion{.agent = uav0, .aim = 1.5}}}),
             "adversary.aim = 1.5, expected in [0, 1]");
-  EXPECT_EQ(said({{obstacle, HandMotion{.agent = uav0, .speed = 0}}}), "hand.speed = 0, expected > 0 m/s");
 }
 
 /// The obstacle's place and speed over a flight in which events move it.

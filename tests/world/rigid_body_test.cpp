@@ -52,19 +52,6 @@ TEST(RigidBody, TheAttitudeOfAHeadingAndALeanHasThem) {
   }
 }
 
-TEST(RigidBody, ACameraOfTheBodyLooksWhereItsAttitudeTurnsIt) {
-  for (int k = 0; k < 1000; ++k) {
-    const Vec3<double> axis = vector_within(0.3), p = vector_within(2), point = vector_within(3);
-    const Rotation R = rotation({sqrt(1 - dot(axis, axis)), axis.x, axis.y, axis.z});
-    const Sight<double> seen = {{p, heading(R)}, {}, lean(R)};
-    const SensorMount camera = {.pitch = 0.4, .offset = 0.2, .frame = MountFrame::body};
-    const Vec3<double> p_B = R.to_B(point - p) - Vec3<double>{0.2, 0, 0};
-    const Vec3<double> p_S = {std::cos(0.4) * p_B.x - std::sin(0.4) * p_B.z, p_B.y,
-                              std::sin(0.4) * p_B.x + std::cos(0.4) * p_B.z};
-    EXPECT_LT(distance(camera(seen, point), p_S), 1e-12);
-  }
-}
-
 TEST(RigidBody, ALeanIsFiniteHoweverItTumbles) {
   for (const double turn : {1.5, 1.6, 3.1, 4.0}) {
     const Vec2<double> xi = lean(rotation({std::cos(turn / 2), std::sin(turn / 2), 0, 0}));

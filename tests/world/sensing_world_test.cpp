@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "sightline/worlds.hpp"
-#include "tests/support/applied.hpp"
 #include "tests/support/two_robots.hpp"
 
 namespace sightline {
@@ -22,19 +21,6 @@ class Shown final : public SensingWorld {
 };
 
 const std::vector<double> begin = {0, 0, 1, 1, 0, 0, 0, 1.5, 0, 1, 0, 1, 0, 0};
-
-TEST(SensingWorld, WithoutSensorsIsTheInnerWorld) {
-  ModelWorld alone(two_robots(), begin);
-  Shown around(std::make_unique<ModelWorld>(two_robots(), begin));
-  const std::vector<double> u = {1, 0, 0.2, 0.1, 0, 1, 0, -0.3};
-  for (int k = 0; k < 20; ++k) {
-    const Measured expected = alone.measure(0.01 * k), now = around.measure(0.01 * k);
-    EXPECT_TRUE(std::equal(now.truth.begin(), now.truth.end(), expected.truth.begin(), expected.truth.end()));
-    EXPECT_TRUE(test::apply(alone, 0.01 * k, expected.measured, u, 0.01, 1));
-    EXPECT_TRUE(test::apply(around, 0.01 * k, now.measured, u, 0.01, 1));
-  }
-  EXPECT_EQ(around.ended(), alone.ended());
-}
 
 TEST(SensingWorld, AnAttitudeIsWhatTheWorldTellsElseTheModelS) {
   const Shown world(std::make_unique<ModelWorld>(two_robots(), begin));
