@@ -105,10 +105,7 @@ TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {
 
 TEST(CrazyswarmLink, WithoutAServerItSaysWhatIsMissing) {
   const Scenario scenario = crazyflies(1, 1.0);
-  DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network), {.ready = 0.5});
-  const Interrupts none{0};
-  Fields reported;
-  EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
+  const Fields reported = not_ready(scenario, std::make_shared<Domain>(fleet_of(scenario).network), 0.5);
   for (const char* sentence :
        {"cf0: rt/cf0/cmd_full_state: it has no subscriber", "cf0: /cf0/takeoff: no server",
         "cf0: /cf0/land: no server", "cf0: /cf0/notify_setpoints_stop: no server"})

@@ -13,6 +13,7 @@
 
 #include "bridges/dds/simulators/ros2_rover.hpp"
 #include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/refusal.hpp"
 
 extern "C" {
@@ -82,13 +83,7 @@ TEST(DdsWorld, AMixedFleetFliesAndDrives) {
 }
 
 TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
-  const std::string robot =
-      "[agent.r]\nrobot = \"unicycle\"\nstart = { p = [0, 0, 0] }\n[agent.r.link]\nkind = \"ros2\"\nodometry "
-      "= \"/r/odom\"\n"
-      "cmd_vel = \"/r/cmd_vel\"\nframe = \"";
-  const std::string head = fmt::format("[fleet]\ndomain = {}\n", test::own_domain());
-  Rig rig(test::scenario_of(head + robot + "map\"\n"), test::scenario_of(head + robot + "odom\"\n"),
-          {.ready = 1.5});
+  Rig rig(rover_in("map"), rover_in("odom"), {.ready = 1.5});
   EXPECT_FALSE(rig.take_off());
   EXPECT_THAT(rig.reported, Contains(HasSubstr("poses in other frames than frame, body_frame say")));
   EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.vehicle_simulators.of(0)).commands(), 0);
@@ -96,11 +91,7 @@ TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
 
 // Who is there is discovered while it is listened to: a rover has no other states in which another writer could be noticed before it moves.
 TEST(DdsWorld, AnotherWriterThatIsDiscoveredLateKeepsARoverWhereItIs) {
-  Rig rig(test::scenario_of(fmt::format("[fleet]\ndomain = {}\n[agent.r]\nrobot = \"unicycle\"\nstart = {{ p "
-                                        "= [0, 0, 0] }}\n[agent.r.link]\n"
-                                        "kind = \"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\n",
-                                        test::own_domain())),
-          {.ready = 2.5});
+  Rig rig(rover_in("odom"), {.ready = 2.5});
   std::unique_ptr<RawWriter> rival;
   std::thread later([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
@@ -249,11 +240,7 @@ TEST(DdsWorld, OfAnyPoseThatComesOnlyThoseThatAreFiniteAreBelieved) {
   using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
   Writer<Odometry> vehicle(domain->another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,
                            "/px4_0/fmu/out/vehicle_odometry", of_px4_output);
-  ASSERT_TRUE([&] {
-    for (int k = 0; k < 500 && vehicle.matched() == 0; ++k)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return vehicle.matched() > 0;
-  }());
+  ASSERT_TRUE(test::eventually([&] { return vehicle.matched() > 0; }));
   std::mt19937_64 random(3);
   for (int k = 0; k < 20'000; ++k) {
     Odometry m{};
@@ -290,20 +277,14 @@ TEST(DdsWorld, WhatItCannotFlyIsRefusedWithASentence) {
   };
   const std::string ros2 = "ros2\"\nodometry = \"/o\"\ncmd_vel = \"/c\"\n",
                     takes_off = "takeoff = \"/t\"\nland = \"/l\"\n";
-  EXPECT_EQ(
-      of_link("unicycle", "crazyswarm2\"\n"),
-      "agent.a.link.kind = crazyswarm2, behind which a unicycle does not drive, expected a robot that flies");
-  EXPECT_EQ(of_link("multirotor", ros2),
-            "agent.a.link.takeoff is missing, expected it and land, by which a multirotor flies");
-  EXPECT_EQ(of_link("unicycle", ros2 + takes_off),
-            "agent.a.link.takeoff = /t, where a unicycle drives, expected a robot that flies");
-  EXPECT_EQ(of_link("multirotor", ros2 + takes_off),
-            "agent.a.link.commands = velocity, which are no inputs of a multirotor, expected one of "
-            "velocity_multirotor");
-  EXPECT_THAT(
-      of_link("velocity_multirotor", ros2 + takes_off + "commands = \"normalised\"\n"),
-      HasSubstr(
-          "commands = normalised, which are no inputs of a velocity_multirotor, expected one of multirotor"));
+  EXPECT_THAT(of_link("unicycle", "crazyswarm2\"\n"),
+              HasSubstr("link.kind = crazyswarm2, behind which a unicycle does not drive"));
+  EXPECT_THAT(of_link("multirotor", ros2), HasSubstr("link.takeoff is missing, expected it and land"));
+  EXPECT_THAT(of_link("unicycle", ros2 + takes_off), HasSubstr("takeoff = /t, where a unicycle drives"));
+  EXPECT_THAT(of_link("multirotor", ros2 + takes_off),
+              HasSubstr("commands = velocity, which are no inputs of a multirotor"));
+  EXPECT_THAT(of_link("velocity_multirotor", ros2 + takes_off + "commands = \"normalised\"\n"),
+              HasSubstr("commands = normalised, which are no inputs of a velocity_multirotor"));
   EXPECT_THAT(refusal(test::scenario_of("[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n")),
               HasSubstr("fleet is missing"));
 }

@@ -13,6 +13,7 @@
 #include "sightline/base/now.hpp"
 #include "sightline/registry.hpp"
 #include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
 
 extern "C" {
 #include "px4.h"
@@ -111,18 +112,6 @@ TEST(Doctor, VehiclesOfEachReleaseAreGreenInAllThatIsLookedAtAndNothingIsSentToT
   EXPECT_EQ(around.writers_of("rt/px4_2/fmu/in/message_format_request").size(), 1u);
 }
 
-TEST(Doctor, AVehicleOfAnotherReleaseIsToldByTheReleaseThatItLooksLike) {
-  const Fields releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
-  for (std::size_t shift = 1; shift < releases.size(); ++shift) {
-    Fields said;
-    for (std::size_t i = 0; i < releases.size(); ++i) said.push_back(releases[(i + shift) % releases.size()]);
-    Ward ward(row_of(said, 1.0), row_of(releases, 1.0));
-    for (std::size_t i = 0; i < releases.size(); ++i)
-      EXPECT_TRUE(ward.finds(fmt::format("uav{}", i), Aspect::release, Light::red,
-                             fmt::format("it looks like PX4 {}, by vehicle_status", releases[i])));
-  }
-}
-
 TEST(Doctor, AVehicleThatTakesOtherLayoutsThanItSpeaksSaysSo) {
   Ward ward(row_of({"1.15"}, 1.0));
   ward.vehicle(0).aside().take_layouts_of(14);
@@ -181,8 +170,7 @@ TEST(Doctor, WhoElseSpeaksOrSteersIsFound) {
   EXPECT_TRUE(ward.finds("uav0", Aspect::writers, Light::red, "another flyer"));
   Writer<px4_msgs_msg_dds__VehicleOdometry_> second(ward.other, px4_msgs_msg_dds__VehicleOdometry__desc,
                                                     "/px4_1/fmu/out/vehicle_odometry", of_px4_output);
-  for (int k = 0; k < 500 && second.matched() == 0; ++k)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(test::eventually([&] { return second.matched() > 0; }));
   second({});
   EXPECT_TRUE(ward.finds("uav1", Aspect::writers, Light::red, "1 messages of a second writer"));
 }
@@ -349,17 +337,9 @@ TEST(Doctor, WhereNobodySpeaksItSaysWhatIsMissing) {
   EXPECT_TRUE(Ward::found_by(doctor, "uav0", Aspect::release, Light::red, "a newer release than 1.18"));
 }
 
-std::string rover_text(const std::string& frame) {
-  return fmt::format(
-      "[fleet]\ndomain = {}\n[agent.r]\nrobot = \"unicycle\"\nstart = {{ p = [0, 0, 0] "
-      "}}\n[agent.r.link]\nkind = "
-      "\"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\nframe = \"{}\"\n",
-      test::own_domain(), frame);
-}
-
 TEST(Doctor, ARoverIsLookedAtByItsTopics) {
   {
-    Ward ward(test::scenario_of(rover_text("odom")));
+    Ward ward(rover_in("odom"));
     const std::vector<Finding> all = ward.until(Light::green);
     EXPECT_EQ(worst(all), Light::green) << findings_table(all, false);
     EXPECT_TRUE(ward.finds("r", Aspect::clock, Light::green, "of ours"));
@@ -367,7 +347,7 @@ TEST(Doctor, ARoverIsLookedAtByItsTopics) {
     EXPECT_TRUE(ward.finds("r", Aspect::writers, Light::red, "another program writes to it"));
     EXPECT_EQ(dynamic_cast<Ros2Rover&>(ward.vehicle_simulators.of(0)).commands(), 0);
   }
-  Ward ward(test::scenario_of(rover_text("map")), test::scenario_of(rover_text("odom")));
+  Ward ward(rover_in("map"), rover_in("odom"));
   EXPECT_TRUE(ward.finds("r", Aspect::frames, Light::red, "other frames than frame, body_frame say"));
 }
 
@@ -405,7 +385,7 @@ TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
 }
 
 TEST(Doctor, ARoverWhoseClockIsAheadIsNotDriven) {
-  const Scenario scenario = test::scenario_of(rover_text("odom"));
+  const Scenario scenario = rover_in("odom");
   const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
   const dds_entity_t other = domain->another_participant();
   std::atomic<int> driven{0};
@@ -424,10 +404,7 @@ TEST(Doctor, ARoverWhoseClockIsAheadIsNotDriven) {
       odometry.write(&m);
     }
   });
-  DdsWorld world(scenario, domain, {.ready = 2.0});
-  Fields reported;
-  const Interrupts never{0};
-  EXPECT_FALSE(world.take_off(Arming::real, never, [&](std::string_view s) { reported.emplace_back(s); }));
+  const Fields reported = not_ready(scenario, domain, 2.0);
   done = 1;
   speaking.join();
   EXPECT_THAT(reported, testing::Contains(HasSubstr("s ahead of ours, expected 0.03 s at most")));

@@ -42,42 +42,29 @@ TEST(FirstFlyer, WhoIsToldWhatToDoAlreadyIsRefusedByName) {
                          "/px4_2/fmu/in/trajectory_setpoint", of_sensors);
   const RawWriter longer(other, geometry_msgs_msg_dds__Twist__desc, "/b/cmd_vel_nav", of_ros_commands);
   EXPECT_EQ(refusal(), "");
-  {
-    const RawWriter rival(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
-                          "/px4_1/fmu/in/trajectory_setpoint", of_sensors);
-    EXPECT_EQ(
-        refusal(),
-        "agent.a: another program writes rt/px4_1/fmu/in/trajectory_setpoint already, expected one flyer for "
-        "each robot");
+  struct Row {
+    const dds_topic_descriptor_t* type;
+    std::string topic, robot;
+  };
+  for (const auto& [type, topic, robot] :
+       {Row{&px4_msgs_msg_dds__TrajectorySetpoint__desc, "/px4_1/fmu/in/trajectory_setpoint", "agent.a"},
+        Row{&px4_msgs_msg_dds__TrajectorySetpoint__desc, "/px4_1/fmu/in/trajectory_setpoint_v1", "agent.a"},
+        Row{&geometry_msgs_msg_dds__Twist__desc, "/b/cmd_vel", "agent.b"},
+        Row{&geometry_msgs_msg_dds__Twist__desc, "/c/cmd_vel_legacy", "agent.c"}}) {
+    const RawWriter rival(other, *type, topic, of_ros_commands);
+    EXPECT_THAT(refusal(), HasSubstr(robot + ": another program writes rt" + topic + " already"));
   }
-  {
-    const RawWriter rival(other, px4_msgs_msg_dds__TrajectorySetpoint__desc,
-                          "/px4_1/fmu/in/trajectory_setpoint_v1", of_sensors);
-    EXPECT_THAT(refusal(),
-                HasSubstr("agent.a: another program writes rt/px4_1/fmu/in/trajectory_setpoint_v1"));
-  }
-  {
-    const RawWriter rival(other, geometry_msgs_msg_dds__Twist__desc, "/b/cmd_vel", of_ros_commands);
-    EXPECT_THAT(refusal(), HasSubstr("agent.b: another program writes rt/b/cmd_vel already"));
-  }
-  const RawWriter rival(other, geometry_msgs_msg_dds__Twist__desc, "/c/cmd_vel_legacy", of_ros_commands);
-  EXPECT_THAT(refusal(), HasSubstr("agent.c: another program writes rt/c/cmd_vel_legacy already"));
 }
 
-class TwoFlyers : public FlyTest {
- protected:
-  std::vector<std::string> to(const std::filesystem::path& fleet, const std::string& out) const {
-    return {"fly", fleet.string(), "-o", (folder / out).string()};
-  }
-};
+using TwoFlyers = FlyTest;
 
 TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
   const auto fleet = desk("60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto first = begin(to(fleet, "first"), "first");
+  const auto first = begin(flight(fleet, "first"), "first");
   ASSERT_TRUE(says("first.err", "the task begins")) << said("first.err") << said("vehicles.err");
   const auto begun = std::chrono::steady_clock::now();
-  const auto second = begin(to(fleet, "second"), "second");
+  const auto second = begin(flight(fleet, "second"), "second");
   EXPECT_TRUE(test::eventually([&] { return second->ended(); }, std::chrono::seconds(10)));
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(10));
   EXPECT_EQ(second->code(), 2);
@@ -96,7 +83,7 @@ TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
 TEST_F(TwoFlyers, WhoBeginAtTheSameTimeDoNotBothFly) {
   const auto fleet = desk("1.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto one = begin(to(fleet, "one"), "one"), two = begin(to(fleet, "two"), "two");
+  const auto one = begin(flight(fleet, "one"), "one"), two = begin(flight(fleet, "two"), "two");
   EXPECT_TRUE(test::eventually([&] { return one->ended() && two->ended(); }, std::chrono::seconds(40)));
   EXPECT_FALSE(one->code() == 0 && two->code() == 0) << said("one.err") << said("two.err");
   for (const auto& [flyer, name] : {std::pair(one.get(), "one.err"), std::pair(two.get(), "two.err")}) {

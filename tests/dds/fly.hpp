@@ -64,8 +64,22 @@ class FlyTest : public testing::Test {
     EXPECT_THAT(said("vehicles.out"), testing::Not(testing::ContainsRegex("[1-9][0-9]* (while|bad)")));
     expect_replayed("flown");
   }
-  std::vector<std::string> flight(const std::filesystem::path& fleet) const {
-    return {"fly", fleet.string(), "-o", (folder / "flown").string()};
+  std::vector<std::string> flight(const std::filesystem::path& fleet,
+                                  const std::string& out = "flown") const {
+    return {"fly", fleet.string(), "-o", (folder / out).string()};
+  }
+  struct Flying {
+    std::filesystem::path fleet;
+    std::unique_ptr<test::Child> vehicles, flyer;
+  };
+  /// A shipped fleet in its task, so long after the task began.
+  Flying in_task(const std::string& name, std::chrono::milliseconds since) const {
+    const std::filesystem::path fleet = fleet_of(name, "60.0");
+    auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
+    auto flyer = begin(flight(fleet), "fly");
+    EXPECT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
+    std::this_thread::sleep_for(since);
+    return {fleet, std::move(vehicles), std::move(flyer)};
   }
 
   std::filesystem::path folder = test::fresh_folder();

@@ -10,52 +10,39 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-namespace fs = std::filesystem;
 
 using FlyInterrupted = FlyTest;
 
 TEST_F(FlyInterrupted, CtrlCLandsAllAndTheFlightIsReplayed) {
-  const fs::path fleet = desk("60.0");
-  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  ::kill(flyer->pid(), SIGINT);
-  EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));
-  EXPECT_EQ(flyer->code(), 0) << said("fly.err");
+  const Flying one = in_task("desk", std::chrono::seconds(1));
+  ::kill(one.flyer->pid(), SIGINT);
+  EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(20)));
+  EXPECT_EQ(one.flyer->code(), 0) << said("fly.err");
   EXPECT_THAT(said("fly.err"), HasSubstr("uav0: done"));
-  vehicles->end(SIGINT);
+  one.vehicles->end(SIGINT);
   EXPECT_THAT(said("vehicles.out"), HasSubstr("disarmed"));
   EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(", armed")));
   expect_replayed("flown");
 }
 
 TEST_F(FlyInterrupted, VehiclesThatAreKilledAreGivenUpAndTheFlightIsReplayed) {
-  const fs::path fleet = desk("60.0");
-  auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  vehicles->end(SIGKILL);
+  const Flying one = in_task("desk", std::chrono::milliseconds(700));
+  one.vehicles->end(SIGKILL);
   // Whose last message is older is given up first; then all land.
   EXPECT_TRUE(says("fly.err", ": landing, nothing came from it any more")) << said("fly.err");
-  ::kill(flyer->pid(), SIGINT);
+  ::kill(one.flyer->pid(), SIGINT);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // two at a time are one
-  ::kill(flyer->pid(), SIGINT);  // a second one leaves them to their autopilots
-  EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(10)));
-  EXPECT_EQ(flyer->code(), 1);
+  ::kill(one.flyer->pid(), SIGINT);  // a second one leaves them to their autopilots
+  EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(10)));
+  EXPECT_EQ(one.flyer->code(), 1);
   expect_replayed("flown");
 }
 
 TEST_F(FlyInterrupted, AFlyerThatIsKilledLeavesALogThatIsReplayedAndVehiclesThatFailSafe) {
-  const fs::path fleet = desk("60.0");
-  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  flyer->end(SIGKILL);
+  const Flying one = in_task("desk", std::chrono::milliseconds(700));
+  one.flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-  vehicles->end(SIGINT);
+  one.vehicles->end(SIGINT);
   EXPECT_TRUE(
       std::regex_search(said("vehicles.out"), std::regex("failsafe 1\\.0[0-9]* s after the last heartbeat")))
       << said("vehicles.out");
@@ -78,14 +65,10 @@ TEST_F(FlyWhole, TwoCrazyfliesFly) { expect_flies("crazyflies", task); }
 TEST_F(FlyWhole, AMultirotorWatchesARoverOnRos2) { expect_flies("rover", task); }
 
 TEST_F(FlyInterrupted, CrazyfliesWhoseFlyerIsKilledLevelOutAndStopTheirMotors) {
-  const fs::path fleet = fleet_of("crazyflies", "60.0");
-  const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  flyer->end(SIGKILL);
+  const Flying one = in_task("crazyflies", std::chrono::milliseconds(700));
+  one.flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));
-  vehicles->end(SIGINT);
+  one.vehicles->end(SIGINT);
   EXPECT_TRUE(std::regex_search(
       said("vehicles.out"),
       std::regex("locked, .*levelled out 0\\.5[0-9]* s after the last set-point, motors off 2\\.0[0-9]* s")))

@@ -51,15 +51,11 @@ TEST_F(Fly, EachShippedFleetIsRead) {
 }
 
 TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
-  const fs::path fleet = desk("60.0");
-  auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  const auto flyer = begin(flight(fleet), "fly");
-  ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  vehicles->end(SIGKILL);
-  const auto again = begin({"vehicles", fleet.string()}, "again");
-  EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(20)));
-  EXPECT_EQ(flyer->code(), 1);
+  const Flying one = in_task("desk", std::chrono::milliseconds(500));
+  one.vehicles->end(SIGKILL);
+  const auto again = begin({"vehicles", one.fleet.string()}, "again");
+  EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(20)));
+  EXPECT_EQ(one.flyer->code(), 1);
   EXPECT_THAT(said("fly.err"), testing::AnyOf(HasSubstr("it was restarted"), HasSubstr("it was disarmed")));
   again->end(SIGINT);
   // A few set-points may have left before its first word was heard; an autopilot outside offboard drops them.

@@ -19,27 +19,24 @@ using testing::Not;
 
 class Forged : public FlyTest {
  protected:
-  /// Packets in a flight of 60 s that a person then ends. `last`: how it is ended after so long [s].
+  /// Packets in a flight of 60 s that a person then ends.
   void fly_among(long packets, double rate) {
-    const auto fleet = desk("60.0");
-    const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-    const auto flyer = begin(flight(fleet), "fly");
-    ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
+    const Flying one = in_task("desk", {});
     const std::vector<test::Packet> models = test::overheard(600, std::chrono::seconds(3));
     ASSERT_GT(models.size(), 300U);
     EXPECT_GT(test::forge(models, packets, rate), packets * 9 / 10);
     std::this_thread::sleep_for(std::chrono::seconds(3));  // as long as silence needs to be noticed
-    if (!flyer->ended()) ::kill(flyer->pid(), SIGINT);
-    if (!test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(30))) {
-      ::kill(flyer->pid(), SIGINT);
-      EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(10)));
+    if (!one.flyer->ended()) ::kill(one.flyer->pid(), SIGINT);
+    if (!test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(30))) {
+      ::kill(one.flyer->pid(), SIGINT);
+      EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(10)));
     }
-    vehicles->end(SIGINT);
-    fmt::print("{} packets: exit code {}\n{}{}", packets, flyer->code(), said("fly.err"),
+    one.vehicles->end(SIGINT);
+    fmt::print("{} packets: exit code {}\n{}{}", packets, one.flyer->code(), said("fly.err"),
                said("vehicles.out"));
     // Signals and sanitizers end it by other codes.
-    EXPECT_THAT(flyer->code(), AnyOf(0, 1));
-    EXPECT_EQ(vehicles->code(), 0);
+    EXPECT_THAT(one.flyer->code(), AnyOf(0, 1));
+    EXPECT_EQ(one.vehicles->code(), 0);
     EXPECT_THAT(said("vehicles.out"), HasSubstr("uav1: "));
     // A vehicle's count of bad set-points has those that were forged in the flyer's name, too.
     const auto summary = nlohmann::json::parse(said("flown/summary.json"));
@@ -47,7 +44,7 @@ class Forged : public FlyTest {
     EXPECT_EQ(summary.at("input_violations"), 0);
     EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
     // Who does not come down as asked is told with a reason.
-    if (flyer->code() == 0) {
+    if (one.flyer->code() == 0) {
       for (const char* uav : {"uav0: done\n", "uav1: done\n"}) EXPECT_THAT(said("fly.err"), HasSubstr(uav));
     } else {
       EXPECT_THAT(said("fly.err"), testing::ContainsRegex("uav[01]: (landing|done|pilot), "));

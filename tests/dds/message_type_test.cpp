@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "bridges/dds/links/px4_release.hpp"
-#include "bridges/dds/topics/sha256.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/tree.hpp"
 
 extern "C" {
@@ -180,15 +180,6 @@ TEST(MessageType, NamesOnTheWireAreThoseOfRos) {
 TEST(MessageType, OneThatTheIdlLacksIsRefused) {
   EXPECT_THROW((void)message_type("a::msg::dds_::B_"), std::invalid_argument);
   EXPECT_THROW((void)px4_type("MessageFormatRequest", 14), std::invalid_argument);
-}
-
-TEST(Sha256, IsThatOfTheStandard) {
-  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
-            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-  EXPECT_EQ(sha256(std::string(1'000'000, 'a')),
-            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
 }  // namespace

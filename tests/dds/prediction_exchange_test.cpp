@@ -72,29 +72,23 @@ TEST_F(TwoComputers, HearEachOtherOnceTheyFlyAndNotAnyLongerThanThey) {
   Computer left("left", "", &domain);
   auto right = std::make_unique<Computer>("right", "", &domain);
   EXPECT_FALSE(left.receives_from());
-  ASSERT_TRUE(test::eventually(
-      [&] {
-        left.stand(), right->stand(), pass_period();
-        return !left.talk.news().empty();
-      },
-      std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] {
+    left.stand(), right->stand(), pass_period();
+    return !left.talk.news().empty();
+  }));
   EXPECT_FALSE(left.receives_from()) << "it stands, and does not give way";
   EXPECT_TRUE(left.talk.all_hold());
-  ASSERT_TRUE(test::eventually(
-      [&] {
-        left.fly(0.0), right->fly(2.0), left.stand(), pass_period();
-        return left.receives_from();
-      },
-      std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] {
+    left.fly(0.0), right->fly(2.0), left.stand(), pass_period();
+    return left.receives_from();
+  }));
   EXPECT_THAT(left.talk.news(),
               testing::ElementsAre(HasSubstr("part right: its messages arrive, its robots fly")));
   right.reset();
-  ASSERT_TRUE(test::eventually(
-      [&] {
-        left.stand(), pass_period();
-        return !left.receives_from();
-      },
-      std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] {
+    left.stand(), pass_period();
+    return !left.receives_from();
+  }));
   EXPECT_THAT(left.talk.news(), testing::ElementsAre("part right: its messages do not arrive"));
   EXPECT_THAT(left.talk.counts().back(), HasSubstr("part right: "));
 }
@@ -107,19 +101,15 @@ flown_by = "simulation")";
   const auto begun = [](const Computer& c) { return c.talk.begins() && monotonic_now() > *c.talk.begins(); };
   left.stand();
   EXPECT_TRUE(left.talk.begins()) << "it hears nobody";
-  ASSERT_TRUE(test::eventually(
-      [&] {
-        left.talk.stand(PartPhase::rising, left.scenario.x0), right.stand(), pass_period();
-        return !right.talk.all_hold();
-      },
-      std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] {
+    left.talk.stand(PartPhase::rising, left.scenario.x0), right.stand(), pass_period();
+    return !right.talk.all_hold();
+  }));
   EXPECT_FALSE(left.talk.begins()) << "it does not hold";
-  ASSERT_TRUE(test::eventually(
-      [&] {
-        left.stand(), right.stand(), pass_period();
-        return begun(left) && begun(right);
-      },
-      std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] {
+    left.stand(), right.stand(), pass_period();
+    return begun(left) && begun(right);
+  }));
   EXPECT_LT(std::abs(*left.talk.begins() - *right.talk.begins()), 5'000'000) << "[ns]";
 }
 
@@ -134,7 +124,7 @@ TEST_F(TwoComputers, OneThatFliesSaysNoMoreWhenItBegins) {
                              wrong += (m.begins != 0) == m.steers;
                            }));
   const auto until = [](const std::atomic<int>& some, auto&& say) {
-    return test::eventually([&] { return say(), pass_period(), some > 5; }, std::chrono::seconds(10));
+    return test::eventually([&] { return say(), pass_period(), some > 5; });
   };
   EXPECT_TRUE(until(held, [&] { left.stand(); }));
   EXPECT_TRUE(until(flown, [&] { left.fly(0.0); }));
@@ -155,12 +145,10 @@ TEST_F(TwoComputers, WhatIsPredictedElsewhereIsPlannedWith) {
   const Team& team = left.scenario.team;
   Subteam with(team, std::vector{AgentId{{0}}}, make, Others::all),
       without(team, std::vector{AgentId{{0}}}, make, Others::all);
-  ASSERT_TRUE(test::eventually(
-      [&] {
-        right.stand(), right.fly(1.2), left.stand(), pass_period();
-        return left.receives_from();
-      },
-      std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] {
+    right.stand(), right.fly(1.2), left.stand(), pass_period();
+    return left.receives_from();
+  }));
   left.talk.begin(monotonic_now());
   left.talk.receive(0.0, with);
   const Solution planned = with.solve(0.0, left.scenario.x0), alone = without.solve(0.0, left.scenario.x0);
@@ -199,7 +187,7 @@ TEST_F(TwoComputers, MessagesOfAnotherShapeAreCountedAndDropped) {
     const auto at = line.find(" late, ");
     return std::stoi(line.substr(at + 7));
   };
-  ASSERT_TRUE(test::eventually([&] { return forger.matched() > 0; }, std::chrono::seconds(10)));
+  ASSERT_TRUE(test::eventually([&] { return forger.matched() > 0; }));
   using Message = sightline_msgs_msg_dds__Prediction_;
   using Robot = sightline_msgs_msg_dds__RobotPrediction_;
   using Numbers = std::vector<double>;
@@ -216,19 +204,16 @@ TEST_F(TwoComputers, MessagesOfAnotherShapeAreCountedAndDropped) {
       [&](Message&, Robot&, Numbers& n) { n[3] = std::numeric_limits<double>::quiet_NaN(); }};
   for (std::size_t i = 0; i < wrong.size(); ++i) {
     forge(wrong[i]);
-    EXPECT_TRUE(
-        test::eventually([&] { return unreadable() == static_cast<int>(i) + 1; }, std::chrono::seconds(10)))
+    EXPECT_TRUE(test::eventually([&] { return unreadable() == static_cast<int>(i) + 1; }))
         << i << ": " << left.talk.counts().back();
   }
   left.stand();
   EXPECT_THAT(left.talk.counts().back(), HasSubstr("part right: 0 predictions"));
   forge([](Message&, Robot&, Numbers&) {});
-  EXPECT_TRUE(test::eventually(
-      [&] {
-        left.stand();
-        return left.talk.counts().back().starts_with("part right: 1 predictions");
-      },
-      std::chrono::seconds(10)));
+  EXPECT_TRUE(test::eventually([&] {
+    left.stand();
+    return left.talk.counts().back().starts_with("part right: 1 predictions");
+  }));
 }
 
 TEST_F(TwoComputers, ASimulatedNetworkLosesWhatItSaysAndDelaysTheRest) {

@@ -47,6 +47,14 @@ inline Scenario row_of(const Fields& releases, double duration, const std::strin
   return test::scenario_of(text + more);
 }
 
+/// A rover of ROS 2 alone, whose odometry is in this frame.
+inline Scenario rover_in(const std::string& frame) {
+  return test::scenario_of(fmt::format(
+      "[fleet]\ndomain = {}\n[agent.r]\nrobot = \"unicycle\"\nstart = {{ p = [0, 0, 0] }}\n"
+      "[agent.r.link]\nkind = \"ros2\"\nodometry = \"/r/odom\"\ncmd_vel = \"/r/cmd_vel\"\nframe = \"{}\"\n",
+      test::own_domain(), frame));
+}
+
 struct NullSink final : Sink<Sample> {
   explicit NullSink(Sample prototype) : sample(std::move(prototype)) {}
   Sample* claim() noexcept override { return &sample; }
@@ -136,6 +144,15 @@ class Rig {
   std::array<int, event_kinds> occurred{};  // events of the task, by kind
   Px4VehicleCounts after_task;
 };
+
+/// What a flyer says that must not take off, and is given up after so long [s].
+inline Fields not_ready(const Scenario& scenario, const std::shared_ptr<Domain>& domain, double seconds) {
+  DdsWorld world(scenario, domain, {.ready = seconds});
+  Fields reported;
+  const Interrupts none{0};
+  EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
+  return reported;
+}
 
 /// Of each vehicle: armed at most once, never a set-point where it takes none, all numbers fit.
 inline void expect_well_treated(Rig& rig) {

@@ -99,14 +99,11 @@ TEST(Ros2FlyerLink, WhereItFallsSilentItIsAskedToLand) {
 
 TEST(Ros2FlyerLink, WithoutADriverItSaysWhatIsMissing) {
   const Scenario scenario = flyers({by_services}, 1.0);
-  DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network), {.ready = 0.5});
-  const Interrupts none{0};
-  Fields sentences;
-  EXPECT_FALSE(world.take_off(Arming::real, none, [&](std::string_view s) { sentences.emplace_back(s); }));
+  const Fields reported = not_ready(scenario, std::make_shared<Domain>(fleet_of(scenario).network), 0.5);
   for (const char* sentence :
        {"uav0: rt/uav0/odom: no message, it has no publisher", "uav0: rt/uav0/cmd_vel: it has no subscriber",
         "uav0: /uav0/takeoff: no server", "uav0: rt/by_services/state: no message, it has no publisher"})
-    EXPECT_THAT(sentences, Contains(sentence));
+    EXPECT_THAT(reported, Contains(sentence));
 }
 
 }  // namespace

@@ -11,10 +11,10 @@
 #include <memory>
 #include <thread>
 
-#include "bridges/dds/dds_world.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "tests/dds/fly.hpp"
 #include "tests/dds/keys.hpp"
+#include "tests/dds/rig.hpp"
 #include "tests/support/refusal.hpp"
 
 extern "C" {
@@ -217,10 +217,7 @@ TEST_F(SecureFlight, VehiclesWithoutKeysAreNobodyToAFlyerWithKeys) {
   const auto vehicles = begin({"vehicles", fleet_with("", "1.0").string()}, "vehicles");
   ASSERT_TRUE(says("vehicles.err", "simulated vehicles"));
   const Scenario scenario = read_scenario(fleet_with("keys", "1.0"), with_links());
-  DdsWorld flyer(scenario, std::make_shared<Domain>(with(fleet_keys())), {.ready = 2.5});
-  const Interrupts none{0};
-  std::vector<std::string> reported;
-  EXPECT_FALSE(flyer.take_off(Arming::real, none, [&](std::string_view s) { reported.emplace_back(s); }));
+  const Fields reported = not_ready(scenario, std::make_shared<Domain>(with(fleet_keys())), 2.5);
   EXPECT_THAT(reported, testing::Contains("uav0: done, it was not ready in time"));
   EXPECT_THAT(reported, testing::Contains(HasSubstr("vehicle_odometry: no message of PX4 1.16")));
   vehicles->end(SIGINT);
