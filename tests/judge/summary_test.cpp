@@ -1,18 +1,18 @@
 #include "sightline/judge/summary.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "sightline/potentials.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/random_team.hpp"
 
 namespace sightline {
@@ -332,28 +332,10 @@ TEST(Summary, KeysStandAsDocumentedInTheirOrder) {
   const auto json = nlohmann::ordered_json::parse(summary.json());
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
-  EXPECT_EQ(keys, (std::vector<std::string>{"scenario",
-                                            "seed",
-                                            "version",
-                                            "solver",
-                                            "settle",
-                                            "updates",
-                                            "cost",
-                                            "solve_us",
-                                            "allocations_per_update",
-                                            "status",
-                                            "without_plan",
-                                            "not_finite",
-                                            "input_violations",
-                                            "applied_violations",
-                                            "max_abs_input",
-                                            "min_distance",
-                                            "pairs",
-                                            "agents",
-                                            "limits",
-                                            "chatter",
-                                            "drift",
-                                            "events"}));
+  EXPECT_EQ(fmt::format("{}", fmt::join(keys, " ")),
+            "scenario seed version solver settle updates cost solve_us allocations_per_update status "
+            "without_plan not_finite input_violations applied_violations max_abs_input min_distance pairs "
+            "agents limits chatter drift events");
   EXPECT_EQ(json.at("scenario"), "some \"name\"");
   EXPECT_TRUE(json.at("pairs").at(0).at("distance").at("min").is_null());
   EXPECT_EQ(json.at("events").size(), 1U);
@@ -454,14 +436,11 @@ TEST(Summary, LinesRefuseWhatIsNoSummary) {
 }
 
 TEST(Summary, AFileThatCannotBeWrittenIsSaidAndLeavesNothing) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / fmt::format("summary_{}", ::getpid());
-  EXPECT_NE(write_summary(folder, "{}").find("summary.json cannot be written: "), std::string::npos);
-  std::filesystem::create_directories(folder);
-  EXPECT_EQ(write_summary(folder, "{}\n"), "");
-  std::ifstream file(folder / "summary.json");
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "{}\n");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  std::filesystem::remove_all(folder);
+  const test::Folder folder("summary_test");
+  EXPECT_THAT(write_summary(folder.path() / "none", "{}"), HasSubstr("summary.json cannot be written: "));
+  EXPECT_EQ(write_summary(folder.path(), "{}\n"), "");
+  EXPECT_EQ(test::read_file(folder.path() / "summary.json"), "{}\n");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
 }  // namespace
