@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 namespace sightline {
 namespace {
 
@@ -12,23 +10,6 @@ struct Counted {
   int number = 0;
   Counted(int n) : number(n) { ++made; }
 };
-
-TEST(Bounded, HoldsWhatWasAddedInItsOrder) {
-  Bounded<int, 4> list;
-  EXPECT_TRUE(list.empty());
-  for (const int item : {3, 1, 4}) EXPECT_EQ(list.push_back(item), item);
-  EXPECT_EQ(list.size(), 3U);
-  EXPECT_FALSE(list.is_full());
-  EXPECT_EQ(std::accumulate(list.begin(), list.end(), 0), 8);
-  list[1] = 5;
-  const Bounded<int, 4> copy = list;
-  list.push_back(9);
-  EXPECT_TRUE(list.is_full());
-  EXPECT_EQ(copy.size(), 3U);
-  EXPECT_EQ(copy[1], 5);
-  list.clear();
-  EXPECT_EQ(list.begin(), list.end());
-}
 
 TEST(Bounded, MakesNothingThatWasNotAdded) {
   Bounded<Counted, 50> list;

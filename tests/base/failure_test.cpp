@@ -42,13 +42,6 @@ TEST(Failure, IsReportedOnceWithWhatWasThrownFirst) {
   EXPECT_EQ(reported, "sightline: the page has ended: there is not enough memory\n");
 }
 
-TEST(Failure, WhatIsNoExceptionIsReportedToo) {
-  const ReportHere here;
-  Failure failure;
-  record_in(failure, 7);
-  EXPECT_EQ(failure.sentence(), "the page has ended: an exception without words");
-}
-
 TEST(Failure, ALongSentenceOfSeveralLinesBecomesOneLineOfBoundedLength) {
   const ReportHere here;
   Failure failure;

@@ -40,12 +40,6 @@ TEST(Grid, FindsThePairsThatTryingAllOfThemFindsAndInTheirOrder) {
   }
 }
 
-TEST(Grid, PointsAtOnePlaceAreAllNear) {
-  Grid grid(16);
-  const std::vector<Vec3<double>> p(16, Vec3<double>{-3.0, 2.5, 0.0});
-  EXPECT_EQ(by_grid(grid, p, 1e-6).size(), 120U);
-}
-
 TEST(Grid, PointsOnTheEdgesOfCellsAreNotMissed) {
   Random random(2);
   Grid grid(60);

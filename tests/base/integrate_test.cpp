@@ -74,18 +74,6 @@ TEST(Integrate, HalfTheStepLeavesASixteenthOfTheError) {
   for (const int steps : {32, 64, 128}) EXPECT_NEAR(error(steps) / error(2 * steps), 16.0, 2.0);
 }
 
-TEST(Integrate, AStateAtRestStaysAndAStepOfNoLengthChangesNothing) {
-  const auto rest = [](std::span<const double>, std::span<double> rate) {
-    for (double& r : rate) r = 0.0;
-  };
-  const auto move = [](std::span<const double> x, std::span<double> rate) {
-    for (std::size_t i = 0; i < x.size(); ++i) rate[i] = 1.0 + x[i];
-  };
-  const std::vector<double> x = {1.0, -2.0, 3.0};
-  EXPECT_EQ(integrate(rest, x, 5.0, 3), x);
-  EXPECT_EQ(integrate(move, x, 0.0, 3), x);
-}
-
 TEST(Integrate, EachComponentStandsForItself) {
   const auto f = [](std::span<const double> x, std::span<double> rate) {
     for (std::size_t i = 0; i < x.size(); ++i) rate[i] = x[i] * std::cos(x[i]);
