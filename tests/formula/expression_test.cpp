@@ -105,22 +105,5 @@ TEST(Expression, LogisticAndSoftplusAreThoseOfTheRecordingScalarAndStayFinite) {
   EXPECT_EQ(b.value(b.unary(Kind::logistic, b.constant(0.0))), 0.5);
 }
 
-TEST(Expression, FinishKeepsWhatIsNeededAndCopyAddsItOnce) {
-  ExpressionBuilder b;
-  b.unary(Kind::sine, b.variable(1));
-  const Expression square = b.finish(b.power(b.variable(0), 2), units::length, {"abs"});
-  EXPECT_EQ(square.steps().size(), 2U);
-  EXPECT_TRUE(square.uses(0));
-  EXPECT_FALSE(square.uses(1));
-  EXPECT_EQ(square.unit(), units::length);
-  EXPECT_TRUE(square.smoothed().contains("abs"));
-  EXPECT_FALSE(square.is_constant());
-  ExpressionBuilder c;
-  EXPECT_EQ(c.copy(square), c.copy(square));
-  EXPECT_EQ(c.size(), 2U);
-  EXPECT_TRUE(Expression::constant(2, {}).is_constant());
-  EXPECT_EQ(at(Expression(), 5), 0.0);
-}
-
 }  // namespace
 }  // namespace sightline

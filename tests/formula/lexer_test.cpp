@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "sightline/formula.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -24,22 +22,6 @@ TEST(Lexer, TokensAreTakenWholeAndBlanksAreNone) {
   EXPECT_EQ(tokens(""), "");
 }
 
-TEST(Lexer, NumbersAreTheNearestDoubles) {
-  Lexer lexer("0.1 1e300 007");
-  EXPECT_EQ(lexer.take().value, 0.1);
-  EXPECT_EQ(lexer.take().value, 1e300);
-  EXPECT_EQ(lexer.take().value, 7.0);
-}
-
-TEST(Lexer, ATokenKnowsWhereItBegins) {
-  Lexer lexer("  range\t< 4");
-  EXPECT_EQ(lexer.take().begin, 2U);
-  EXPECT_EQ(lexer.take().begin, 8U);
-  EXPECT_EQ(lexer.take().begin, 10U);
-  EXPECT_EQ(lexer.take().kind, TokenKind::end);
-  EXPECT_EQ(lexer.take().begin, 11U) << "the end comes again";
-}
-
 TEST(Lexer, WhatIsNoTokenIsRefusedAtItsLineAndColumn) {
   EXPECT_EQ(lexer_refusal("x +\n  é"),
             "2:3: \"é\" has no meaning here, expected numbers, names and the signs + - * / ^ "
@@ -57,17 +39,6 @@ TEST(Lexer, ColumnsCountCharactersAndNotBytes) {
   EXPECT_STREQ(error.what(), "2:2: bad");
   EXPECT_EQ(error.offset(), 7U);
   EXPECT_EQ(error.sentence(), "bad");
-}
-
-TEST(Lexer, AWordIsALetterThenLettersAndDigits) {
-  for (const char* word : {"a", "kappa_A", "_1", "B2"}) EXPECT_TRUE(is_word(word)) << word;
-  for (const char* word : {"", "1a", "a.b", "a b", "é"}) EXPECT_FALSE(is_word(word)) << word;
-}
-
-TEST(Lexer, WhatIsShownOfATokenIsShort) {
-  const std::string text(1000, 'x');
-  EXPECT_EQ(shown(Lexer(text).token()), "\"" + std::string(40, 'x') + "\"");
-  EXPECT_EQ(shown(Lexer("").token()), "the end");
 }
 
 }  // namespace

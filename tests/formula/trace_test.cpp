@@ -6,28 +6,9 @@
 #include "tests/support/error.hpp"
 #include "tests/support/formula.hpp"
 #include "tests/support/strict.hpp"
-#include "tests/support/wide.hpp"
 
 namespace sightline {
 namespace {
-
-double evaluate_one(const Graph& graph, Term out, std::span<const double> x) {
-  return evaluate(Program(graph, std::span(&out, 1), static_cast<int>(x.size())), x)[0];
-}
-
-TEST(Trace, ARecordedFormulaGivesWhatItGivesOnNumbers) {
-  Random random(1);
-  for (int k = 0; k < 4000; ++k) {
-    const auto x = uniform_array<input_count>(random, -1.5, 1.5);
-    const Formula formula(random, x, 1 + static_cast<int>(random() % 24));
-    Graph graph;
-    const Term out = formula(variables(graph, 0, input_count)).in(graph);
-    const Wide exact = formula(std::vector<Wide>(x.begin(), x.end()));
-    const double error = std::fabs(evaluate_one(graph, out, x) - static_cast<double>(exact.value()));
-    EXPECT_LE(error, 2 * exact.rounding()) << k;
-    EXPECT_LE(error, 1e-12) << k;
-  }
-}
 
 TEST(Trace, AFormulaOnLanesAndOnStrictHasTheBitsOfDouble) {
   Random random(2);

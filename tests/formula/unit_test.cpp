@@ -1,26 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "sightline/formula.hpp"
 
 namespace sightline {
 namespace {
-
-TEST(Unit, NamesAreKnownWithTheirSize) {
-  EXPECT_EQ(unit_named("m")->unit, units::length);
-  EXPECT_EQ(unit_named("cm")->factor, 0.01);
-  EXPECT_EQ(unit_named("deg")->unit, units::none);
-  EXPECT_DOUBLE_EQ(180 * unit_named("deg")->factor, std::numbers::pi);
-  EXPECT_EQ(unit_named("Hz")->unit, units::none / units::time);
-  EXPECT_FALSE(unit_named("metre"));
-}
-
-TEST(Unit, ProductsAndQuotientsAddAndSubtractPowers) {
-  EXPECT_EQ(units::velocity * units::time, units::length);
-  EXPECT_EQ(units::length / units::time, units::velocity);
-  EXPECT_EQ(units::length / units::length, units::none);
-}
 
 TEST(Unit, ARootOfAPowerIsAUnitUntilHalvesEnd) {
   EXPECT_EQ(to_power(units::length, 2), units::length * units::length);
