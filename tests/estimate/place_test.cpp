@@ -42,16 +42,6 @@ TEST(Place, TheSensorFrameIsThatOfTheModels) {
   }
 }
 
-TEST(Place, APositionMeansItself) {
-  Random random(3);
-  Measurement z = test::random_sighting(random);
-  z.of = Measures::position;
-  const Place place = place_of(z, {}, {}, 1.0, 0.1, 0.1);
-  EXPECT_EQ(norm(place.p - z.z), 0.0);
-  EXPECT_EQ(place.P, z.R);
-  EXPECT_EQ(norm(place.per_turn), 0.0);
-}
-
 TEST(Place, RollAndPitchGoOnWithTheGyroscope) {
   Random random(4);
   for (int k = 0; k < 200; ++k) {
