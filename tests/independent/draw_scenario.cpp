@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sightline/scenario.hpp"
-#include "tests/support/random_scenario.hpp"
+#include "tests/independent/random_scenario.hpp"
 
 /// With safety.start_outside, or as it is where that is refused.
 static std::string begun_outside(const std::string& text) {

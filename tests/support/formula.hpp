@@ -27,9 +27,9 @@ class Formula {
         const std::size_t n = values.size();
         return n - 1 - std::min<std::size_t>(random() % n, random() % n);
       };
-      const Step step{static_cast<Kind>(random() % kinds), recent(), recent(), constant(random)};
+      const Step step{random() % operation_count, recent(), recent(), constant(random)};
       // Where its branches meet, a logarithm has no third derivative to take differences by.
-      if (step.kind == Kind::logarithm && std::fabs(step.c + values[step.a] - 1.0) < 0.05) continue;
+      if (step.operation == logarithm && std::fabs(step.c + values[step.a] - 1.0) < 0.05) continue;
       const double value = apply(step, values);
       if (!(std::fabs(value) <= limit)) continue;
       steps_.push_back(step);
@@ -46,29 +46,8 @@ class Formula {
   std::size_t inputs() const { return inputs_; }
 
  private:
-  enum class Kind {
-    add,
-    subtract,
-    multiply,
-    divide,
-    negate,
-    scale,
-    shift,
-    root,
-    exponential,
-    sigmoid,
-    sine,
-    cosine,
-    logarithm,
-    logarithm_of_square,
-    softplus_of,
-    angle
-  };
-  static constexpr int kinds = 16;
-
   struct Step {
-    Kind kind;
-    std::size_t a, b;
+    std::size_t operation, a, b;
     double c;
   };
 
@@ -77,45 +56,30 @@ class Formula {
     return random() % 3 == 0 ? special[random() % 4] : uniform(random, -1.5, 1.5);
   }
 
+  static constexpr std::size_t operation_count = 16, logarithm = 12;
+
   template <class S>
   static S apply(const Step& step, const std::vector<S>& x) {
-    const S& a = x[step.a];
-    const S& b = x[step.b];
-    switch (step.kind) {
-      case Kind::add:
-        return a + b;
-      case Kind::subtract:
-        return a - b;
-      case Kind::multiply:
-        return a * b;
-      case Kind::divide:
-        return a / (1.0 + b * b);
-      case Kind::negate:
-        return -a;
-      case Kind::scale:
-        return step.c * a;
-      case Kind::shift:
-        return step.c + a;
-      case Kind::root:
-        return sqrt(1.0 + a * a);
-      case Kind::exponential:
-        return exp(a);
-      case Kind::sigmoid:
-        return logistic(a);
-      case Kind::sine:
-        return sin(a);
-      case Kind::cosine:
-        return cos(a);
-      case Kind::logarithm:
-        return relaxed_log(step.c + a);
-      case Kind::logarithm_of_square:
-        return log(1.0 + a * a);
-      case Kind::softplus_of:
-        return softplus(a);
-      case Kind::angle:
-        return atan2(a, 1.0 + b * b);
-    }
-    return a;
+    using Operation = S (*)(const S& a, const S& b, double c);
+    static constexpr Operation operations[operation_count] = {
+        [](const S& a, const S& b, double) -> S { return a + b; },
+        [](const S& a, const S& b, double) -> S { return a - b; },
+        [](const S& a, const S& b, double) -> S { return a * b; },
+        [](const S& a, const S& b, double) -> S { return a / (1.0 + b * b); },
+        [](const S& a, const S&, double) -> S { return -a; },
+        [](const S& a, const S&, double c) -> S { return c * a; },
+        [](const S& a, const S&, double c) -> S { return c + a; },
+        [](const S& a, const S&, double) -> S { return sqrt(1.0 + a * a); },
+        [](const S& a, const S&, double) -> S { return exp(a); },
+        [](const S& a, const S&, double) -> S { return logistic(a); },
+        [](const S& a, const S&, double) -> S { return sin(a); },
+        [](const S& a, const S&, double) -> S { return cos(a); },
+        [](const S& a, const S&, double c) -> S { return relaxed_log(c + a); },
+        [](const S& a, const S&, double) -> S { return log(1.0 + a * a); },
+        [](const S& a, const S&, double) -> S { return softplus(a); },
+        [](const S& a, const S& b, double) -> S { return atan2(a, 1.0 + b * b); },
+    };
+    return operations[step.operation](x[step.a], x[step.b], step.c);
   }
 
   std::size_t inputs_;

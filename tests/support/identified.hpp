@@ -11,6 +11,7 @@
 #include "sightline/analysis/identification/identify.hpp"
 #include "sightline/robots.hpp"
 #include "sightline/scenario.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline::test {
 
@@ -80,14 +81,6 @@ class WrittenDown final : public World {
   Measured now_;
 };
 
-struct Forgetful final : Sink<Sample> {
-  explicit Forgetful(Sample prototype) : sample(std::move(prototype)) {}
-  Sample* claim() noexcept override { return &sample; }
-  void publish() noexcept override {}
-  void close() noexcept override {}
-  Sample sample;
-};
-
 /// How a robot of cooperative_localization flies its task as a vehicle.
 inline FlownMotion task_flight(std::string_view preset, const std::string& robot, double seconds) {
   std::ostringstream text;
@@ -103,7 +96,7 @@ inline FlownMotion task_flight(std::string_view preset, const std::string& robot
   const auto world = make_world(scenario);
   WrittenDown written(*world, identified_robot(scenario.team, robot), scenario.horizon.dt);
   SimulatedClock clock;
-  Forgetful sink(sized_sample(written, controls.controllers()));
+  SampleSink sink(sized_sample(written, controls.controllers()));
   ClosedLoop loop(scenario, written, controls.controllers(), clock, sink);
   (void)loop.fly();
   return written.motion();

@@ -11,6 +11,7 @@
 #include "sightline/judge/planned_view.hpp"
 #include "sightline/judge/summary.hpp"
 #include "sightline/scenario.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline::test {
 
@@ -64,21 +65,16 @@ inline Scenario leaning_scenario(const LeaningTask& task) {
 }
 
 /// Hands each sample to a Summary.
-class Judged final : public Sink<Sample> {
+class Judged final : public SampleSink {
  public:
-  Judged(const Scenario& judged, Sample prototype) : summary(judged, 1), sample_(std::move(prototype)) {}
-  Sample* claim() noexcept override { return &sample_; }
+  Judged(const Scenario& judged, Sample prototype) : SampleSink(std::move(prototype)), summary(judged, 1) {}
   void publish() noexcept override {
     summary.add(sample_);
     x.insert(x.end(), sample_.x.begin(), sample_.x.end());
   }
-  void close() noexcept override {}
 
   Summary summary;
   std::vector<double> x;  // of all samples
-
- private:
-  Sample sample_;
 };
 
 /// What a flight of a scenario is, as another one judges it.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "sightline/model.hpp"
 
@@ -47,6 +48,15 @@ inline Sight<double> random_sight(Random& random, double reach) {
   Sight<double> seen = {random_pose(random, reach), random_point(random, 2.0)};
   seen.lean = {uniform(random, -0.8, 0.8), uniform(random, -0.8, 0.8)};
   return seen;
+}
+
+/// D [m] apart in a random direction.
+inline std::pair<Sight<double>, Sight<double>> random_sights_apart(double D, Random& random) {
+  const Sight<double> a = random_sight(random, 3);
+  Sight<double> b = random_sight(random, 3);
+  const Vec3<double> r = b.p - a.p;
+  b.p = a.p + (D / norm(r)) * r;
+  return {a, b};
 }
 
 }  // namespace sightline

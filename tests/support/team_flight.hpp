@@ -1,13 +1,13 @@
 /// Flights of a team that changes, as the loop flies them, kept in memory.
 #pragma once
 
-#include <algorithm>
-#include <memory>
+#include <functional>
 #include <vector>
 
 #include "sightline/loop.hpp"
 #include "sightline/worlds.hpp"
 #include "tests/support/newton_riccati_of.hpp"
+#include "tests/support/sample_sink.hpp"
 #include "tests/support/valid.hpp"
 
 namespace sightline {
@@ -23,10 +23,9 @@ struct FlownPeriod {
 };
 
 /// Keeps all samples; the loop is never held up.
-class KeepSamples final : public Sink<Sample> {
+class KeepSamples final : public test::SampleSink {
  public:
-  explicit KeepSamples(Sample prototype) : sample_(std::move(prototype)) {}
-  Sample* claim() noexcept override { return &sample_; }
+  using SampleSink::SampleSink;
   void publish() noexcept override {
     flown.push_back({sample_.time,
                      sample_.x,
@@ -37,14 +36,21 @@ class KeepSamples final : public Sink<Sample> {
                      {sample_.events.begin(), sample_.events.begin() + sample_.event_count}});
     if (after) after(flown.back());
   }
-  void close() noexcept override {}
 
   std::vector<FlownPeriod> flown;
   std::function<void(FlownPeriod&)> after;
-
- private:
-  Sample sample_;
 };
+
+/// Evaluates the optimality of each update, outside of it.
+inline void evaluate_kkt(KeepSamples& sink, const Team& all, TeamSwitcher& team_switcher) {
+  std::vector<double> u_before(static_cast<std::size_t>(all.nu()));
+  sink.after = [&all, &team_switcher, u_before](FlownPeriod& period) mutable {
+    Controller& controller = *team_switcher.present().controller;
+    controller.gather(all, test::valid(all, period.x), u_before);  // as the update saw it
+    u_before = period.u;
+    period.kkt = team_switcher.present().solver->kkt(period.time, controller.states);
+  };
+}
 
 struct TeamFlight {
   std::vector<FlownPeriod> flown;
@@ -62,15 +68,7 @@ inline TeamFlight fly_script(const Team& all, const std::vector<double>& x0, con
   SimulatedClock clock;
   const Controllers controllers = {*team_switcher.present().solver};
   KeepSamples sink(sized_sample(all, controllers, &team_switcher));
-  std::vector<double> u_before(static_cast<std::size_t>(all.nu()));
-  if (with_kkt) {
-    sink.after = [&](FlownPeriod& period) {
-      Controller& controller = *team_switcher.present().controller;
-      controller.gather(all, test::valid(all, period.x), u_before);  // as the update saw it
-      u_before = period.u;
-      period.kkt = team_switcher.present().solver->kkt(period.time, controller.states);
-    };
-  }
+  if (with_kkt) evaluate_kkt(sink, all, team_switcher);
   Loop loop(world, controllers, clock, sink,
             {.duration = duration,
              .period = horizon.dt,

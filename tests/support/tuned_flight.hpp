@@ -10,6 +10,7 @@
 
 #include "sightline/scenario.hpp"
 #include "sightline/server/tuner.hpp"
+#include "tests/support/sample_sink.hpp"
 #include "tests/support/view_scenario.hpp"
 
 namespace sightline::test {
@@ -36,11 +37,10 @@ struct FlownCommands {
 };
 
 /// Takes each sample, and tunes between two periods.
-class TuningSink final : public Sink<Sample> {
+class TuningSink final : public SampleSink {
  public:
   TuningSink(Sample prototype, Tuner* tuner, std::vector<TimedChange> changes, FlownCommands& flown)
-      : sample_(std::move(prototype)), tuner_(tuner), changes_(std::move(changes)), flown_(flown) {}
-  Sample* claim() noexcept override { return &sample_; }
+      : SampleSink(std::move(prototype)), tuner_(tuner), changes_(std::move(changes)), flown_(flown) {}
   void publish() noexcept override {
     flown_.u.push_back(sample_.u);
     flown_.x.push_back(sample_.x);
@@ -52,10 +52,8 @@ class TuningSink final : public Sink<Sample> {
       }
     }
   }
-  void close() noexcept override {}
 
  private:
-  Sample sample_;
   Tuner* tuner_;
   std::vector<TimedChange> changes_;
   FlownCommands& flown_;

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_kinds.hpp"
+#include "tests/independent/drawn_kinds.hpp"
 #include "tests/support/random.hpp"
 
 namespace sightline::test {
@@ -48,7 +48,7 @@ class RandomScenario : DrawnLines {
   /// The same seed and duration [s]: the same text.
   RandomScenario(std::uint64_t seed, double duration)
       : DrawnLines(0x9E3779B97F4A7C15U * (seed + 1)), duration_(duration) {
-    line("# Seed {} of tests/support/random_scenario.hpp", seed);
+    line("# Seed {} of tests/independent/random_scenario.hpp", seed);
     draw_team();
     write_horizon();
     for (const Robot& robot : robots_) write_robot(robot);
