@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <fstream>
-#include <limits>
 
 #include "tests/support/folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -50,14 +50,7 @@ TEST(Database, AnewRemovesWhatWasThere) {
 
 TEST(Database, RefusalsNameTheFile) {
   const auto folder = test::fresh_folder();
-  const auto said = [](auto&& call) {
-    try {
-      call();
-    } catch (const std::runtime_error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
+  const auto said = [](auto&& call) { return refusal_of<std::runtime_error>(call); };
   const auto missing = folder / "none" / "a.sqlite";
   EXPECT_THAT(said([&] { Database(missing, Database::Open::anew); }),
               testing::StartsWith(missing.native() + ": "));

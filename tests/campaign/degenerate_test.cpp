@@ -142,8 +142,6 @@ class Watch final : public Sink<Sample> {
   double period_;
 };
 
-TEST(Degenerate, TheListHasTwoHundredStarts) { EXPECT_EQ(starts().size(), 200U); }
-
 TEST(Degenerate, EachStartEndsAsItShould) {
   Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml");
   CampaignPlan plan = *scenario.campaign;

@@ -91,18 +91,5 @@ TEST(EvasionTable, HasALineForEachQuantityAndSourceAndAColumnForEachRun) {
   EXPECT_EQ(table[8][0], "out of view after the first view [s]");
 }
 
-TEST(EvasionDrawings, AreThePapersFiguresWithACurveForEachRun) {
-  const EvasionRuns flown{"mine", {evade(paper()), evade(paper()), evade(paper())}};
-  auto drawings = evasion_drawings(section_7_3, flown);
-  prune(drawings);
-  ASSERT_EQ(drawings.size(), 5U);
-  EXPECT_EQ(drawings[0].panels.size(), 3U);
-  EXPECT_EQ(drawings[1].panels.size(), 4U);
-  EXPECT_EQ(drawings[2].panels.size(), 3U);
-  ASSERT_EQ(drawings[3].panels.size(), 3U);
-  EXPECT_EQ(drawings[3].panels[1].curves.size(), 3U + 2U);  // and two limits
-  EXPECT_EQ(drawings[4].panels.size(), 4U);
-}
-
 }  // namespace
 }  // namespace sightline

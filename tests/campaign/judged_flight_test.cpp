@@ -10,6 +10,7 @@
 #include "sightline/judge/summary.hpp"
 #include "sightline/log.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -54,19 +55,6 @@ RunResult judged(const Scenario& scenario) {
   RunEvaluator judge(scenario, plan, sized_sample(*world, controls.controllers()));
   const LoopOutcome outcome = ClosedLoop(scenario, *world, controls.controllers(), clock, judge).fly();
   return judge.result(outcome);
-}
-
-TEST(JudgedFlight, TwoThatPassThroughEachOtherBetweenSamplesAreTooClose) {
-  const Scenario scenario = flyable(head_on(2.25, 0.5, 4.0, 1.4));
-  const test::Folder folder("judged_between");
-  const LoggedFlight flight = flown(scenario, folder.path());
-  EXPECT_THAT(flight.faults, Contains(HasSubstr("d_hard is 1.4 m")));
-  const Json summary = Json::parse(flight.summary);
-  EXPECT_NEAR(summary.at("min_distance").get<double>(), 0.0, 1e-3);
-  EXPECT_EQ(summary.at("safety").at("hard_distances").at(0).at("kept"), false);
-  const RunResult result = judged(scenario);
-  EXPECT_EQ(result.outcome, Outcome::too_close);
-  EXPECT_EQ(result.min_distance, summary.at("min_distance").get<double>()) << "one judge";
 }
 
 TEST(JudgedFlight, TheStatesAfterTheLastCommandAreLoggedAndJudged) {
@@ -143,19 +131,10 @@ remove = "seen"
 )toml";
 }
 
-class KeptSamples final : public Sink<Sample> {
- public:
-  explicit KeptSamples(Sample sample) : sample_(std::move(sample)) {}
-  Sample* claim() noexcept override { return &sample_; }
+struct KeptSamples final : test::AllSamples {
+  using AllSamples::AllSamples;
   bool takes_between() const noexcept override { return true; }
   Sample* claim_between() noexcept override { return &sample_; }
-  void publish() noexcept override { samples.push_back(sample_); }
-  void close() noexcept override {}
-
-  std::vector<Sample> samples;
-
- private:
-  Sample sample_;
 };
 
 TEST(JudgedFlight, ACampaignAndASummaryClaimTheSameOfTheSameFlightWhateverChangesInIt) {
@@ -178,10 +157,10 @@ TEST(JudgedFlight, ACampaignAndASummaryClaimTheSameOfTheSameFlightWhateverChange
     for (const double tampered : {0.0, narrowed ? 0.6 : 1e3, std::nan("")}) {
       RunEvaluator judge(scenario, plan, sized);
       Summary summary(scenario, controls.controllers().size());
-      for (std::size_t k = 0; k < kept.samples.size(); ++k) {
+      for (std::size_t k = 0; k < kept.all.size(); ++k) {
         Sample& sample = *judge.claim();
-        sample = kept.samples[k];
-        if (k == kept.samples.size() / 2 && tampered != 0.0) sample.u[input] = tampered;
+        sample = kept.all[k];
+        if (k == kept.all.size() / 2 && tampered != 0.0) sample.u[input] = tampered;
         judge.publish();
         summary.add(sample);
       }
@@ -223,41 +202,19 @@ class Sleeper final : public Clock {
   std::int64_t from_, until_;
 };
 
-TEST(JudgedFlight, PeriodsThatWereMissedAreJudged) {
+TEST(JudgedFlight, PeriodsThatWereMissedAreJudgedAtTheEndToo) {
   const Scenario scenario = flyable(head_on(2.0, 0.1, 2.0, 0.5));
-  const test::Folder folder("judged_missed");
-  const LoggedFlight flight = flown(scenario, folder.path(), Sleeper(3, 15));
-  EXPECT_EQ(flight.outcome.missed, 12);
-  EXPECT_THAT(flight.faults, Contains(HasSubstr("d_hard is 0.5 m")));
-  EXPECT_NEAR(Json::parse(flight.summary).at("min_distance").get<double>(), 0.0, 1e-3);
-  EXPECT_EQ(read_recording(folder.path()).time.size(), 8U);
-  RecordedFlight recorded(folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
-  EXPECT_EQ(recorded.periods().size(), 8U);
-  EXPECT_FALSE(recorded.lost_after());
-}
-
-TEST(JudgedFlight, MissedPeriodsAtTheEndAreJudged) {
-  const Scenario scenario = flyable(head_on(2.0, 0.1, 2.0, 0.5));
-  const test::Folder folder("judged_missed_end");
-  const LoggedFlight flight = flown(scenario, folder.path(), Sleeper(3, 30));
-  EXPECT_EQ(flight.outcome.updates, 3);
-  EXPECT_EQ(flight.outcome.missed, 17);
-  EXPECT_NEAR(Json::parse(flight.summary).at("min_distance").get<double>(), 0.0, 1e-3);
-}
-
-TEST(JudgedFlight, AStartOutsideTheRoomFailsUnlessItIsMeant) {
-  const auto faults = [](const std::string& safety, const std::string& z) {
-    const Scenario scenario = flyable("[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0.0, 0.0, " + z +
-                                      "] }\nQ = [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]\nreference = { constant "
-                                      "= { p = [0.0, 0.0, 1.0] } }\n[safety]\n" +
-                                      safety + "[simulation]\nduration = 6.0\n");
-    const test::Folder folder("judged_start");
-    return flown(scenario, folder.path()).faults;
-  };
-  for (const auto& [wall, z] : {std::pair{"floor = 0.3\n", "-0.6"}, {"ceiling = 1.5\n", "2.4"}}) {
-    EXPECT_THAT(faults(wall, z),
-                Contains(testing::AllOf(HasSubstr(" at 0.00 s, the "), HasSubstr(", for "))));
-    EXPECT_THAT(faults(wall + std::string("start_outside = true\n"), z), IsEmpty());
+  for (const auto& [until, missed] : {std::pair{15, 12}, {30, 17}}) {
+    const test::Folder folder("judged_missed");
+    const LoggedFlight flight = flown(scenario, folder.path(), Sleeper(3, until));
+    EXPECT_EQ(flight.outcome.updates, 20 - missed);
+    EXPECT_EQ(flight.outcome.missed, missed);
+    EXPECT_THAT(flight.faults, Contains(HasSubstr("d_hard is 0.5 m")));
+    EXPECT_NEAR(Json::parse(flight.summary).at("min_distance").get<double>(), 0.0, 1e-3);
+    EXPECT_EQ(read_recording(folder.path()).time.size(), 20U - static_cast<std::size_t>(missed));
+    RecordedFlight recorded(folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
+    EXPECT_EQ(recorded.periods().size(), 20U - static_cast<std::size_t>(missed));
+    EXPECT_FALSE(recorded.lost_after());
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "sightline/campaign/table.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/small_campaign.hpp"
 
 namespace sightline {
@@ -47,13 +48,9 @@ std::vector<fs::path> shard_files(const fs::path& folder, int of) {
 }
 
 std::string merge_refusal(const std::vector<fs::path>& files, const fs::path& whole) {
-  try {
-    merge_shards(files, whole);
-  } catch (const std::invalid_argument& error) {
-    EXPECT_FALSE(fs::exists(whole)) << "nothing is written";
-    return error.what();
-  }
-  return "";
+  const std::string refusal = refusal_of([&] { merge_shards(files, whole); });
+  EXPECT_TRUE(refusal.empty() || !fs::exists(whole)) << "nothing is written";
+  return refusal;
 }
 
 TEST(MergeShards, HasTheBytesOfOneProcessInAnyOrderOfShards) {

@@ -1,6 +1,5 @@
 #include "sightline/campaign/runs.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,20 +44,6 @@ TEST(Runs, AQuantileIsOneOfTheValues) {
   EXPECT_EQ(runs.quantile("energy", 0.5), values[runs_flown / 2 - 1]);
   EXPECT_EQ(runs.quantile("energy", 1.0), values.back());
   EXPECT_TRUE(std::isnan(runs.quantile("NULL", 0.5)));
-}
-
-TEST(Runs, TellWhatTheTableSaysOfItsCampaign) {
-  const CampaignTable table = flown_runs();
-  Runs runs(table);
-  EXPECT_EQ(runs.word("seed"), Database::Value(std::int64_t{9}));
-  EXPECT_EQ(runs.word("scenario"), Database::Value(table.name));
-  EXPECT_EQ(runs.word(shard_key), Database::Value());
-  EXPECT_THAT(runs.energies(), testing::SizeIs(small_campaign().team.agents().size()));
-}
-
-TEST(Runs, AColumnThatIsNotThereIsRefused) {
-  Runs runs(flown_runs());
-  EXPECT_THROW(runs.values("wings"), std::runtime_error);
 }
 
 }  // namespace

@@ -52,18 +52,6 @@ TEST(SuccessMap, ThePictureTellsTheNumbersOfEachCellThatHasAny) {
   EXPECT_THAT(svg, testing::Not(testing::HasSubstr("nan")));
 }
 
-TEST(SuccessMap, ItsTitleAndTheWordBehindStandInTheMiddleOfTheirPlaces) {
-  SuccessMap map{.range_max = 6.0};
-  map.add(0.5, 0.1, {4, 3});
-  const std::string svg = to_svg(map, "a title");
-  for (const std::string words : {">a title</text>", ">behind</text>"}) {
-    const std::size_t end = svg.find(words);
-    ASSERT_NE(end, std::string::npos) << words;
-    const std::string tag = svg.substr(svg.rfind('<', end), end - svg.rfind('<', end));
-    EXPECT_THAT(tag, testing::HasSubstr("text-anchor=\"middle\"")) << words;
-  }
-}
-
 TEST(SuccessMap, AllNoneAndSomeRecoveredHaveColoursOfTheirOwn) {
   std::vector<std::string> pictures;
   for (const std::int64_t good : {0, 25, 50, 99, 100}) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sightline/analysis.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -153,29 +154,14 @@ TEST(Variant, OnlyWhatTheTeamIsMadeOfAsksForAnotherSolver) {
   EXPECT_THAT(variants.team_values(draw_run(plan, 1, 0)), testing::ElementsAre(0.5, 3.5));
 }
 
-TEST(Variant, ANumberThatAnotherScenarioDoesNotHaveIsNamed) {
+TEST(Variant, ANumberThatIsNotThereOrOutOfItsRangeIsRefusedAtItsLine) {
   CampaignPlan plan;
   plan.draws = {{"couple[1].weight", always(1.0)}};
-  try {
-    const Variants variants(parse_scenario(text, "some.toml"), plan);
-    FAIL() << "expected a refusal";
-  } catch (const ScenarioError& error) {
-    EXPECT_STREQ(error.what(),
-                 "some.toml:1: couple[1].weight is missing, expected the number that the campaign draws, or "
-                 "a place for it "
-                 "(expected a place in [0, 1))");
-  }
-}
-
-TEST(Variant, ANumberOutOfItsRangeIsRefusedAtItsLine) {
-  CampaignPlan plan;
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { Variants(parse_scenario(text, "some.toml"), plan); }),
+              testing::StartsWith("some.toml:1: couple[1].weight is missing, expected the number"));
   plan.draws = {{"couple[0].weight", always(-1.0)}};
-  try {
-    variant(plan);
-    FAIL() << "expected a refusal";
-  } catch (const ScenarioError& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith("some.toml:15: couple[0].weight = -1"));
-  }
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { variant(plan); }),
+              testing::StartsWith("some.toml:15: couple[0].weight = -1"));
 }
 
 TEST(Variant, NumbersOfATemplateAreDrawnForAllThatAreLikeIt) {
