@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <limits>
 
 #include "sightline/log.hpp"
 #include "sightline/server/page_server.hpp"
@@ -26,29 +27,40 @@ std::filesystem::path played_log(const Scenario& scenario) {
   return folder / "run.mcap";
 }
 
+/// Hears a topic, after the client subscribed to it.
+class Listener {
+ public:
+  Listener(std::uint16_t port, std::string_view topic) : client(port) {
+    EXPECT_TRUE(client.ask_for_topics().starts_with("HTTP/1.1 101"));
+    const auto channel = test::advertised(ears_.next_op(client, "advertise"), topic);
+    EXPECT_TRUE(channel);
+    client.say(test::subscribe_frame(0, channel.value_or(0)));
+  }
+  /// The time of the topic's next message; none comes: the greatest number.
+  std::uint64_t next() {
+    while (const auto received = ears_.next(client))
+      if (received->is_message()) return received->time();
+    return std::numeric_limits<std::uint64_t>::max();
+  }
+
+  PageClient client;
+
+ private:
+  test::FoxgloveEars ears_;
+};
+
 TEST(LogPlayback, PlaysAllMessagesAsFastAsTheyWereLoggedAndBeginsAnew) {
   const Scenario scenario = test::scenario_of(test::view_scenario);
   LogPlayback playback(played_log(scenario), scenario);
   const PageServer server({}, {}, &playback.feed());
-  PageClient client(server.port());
-  ASSERT_TRUE(client.ask_for_topics().starts_with("HTTP/1.1 101"));
-  test::FoxgloveEars ears;
-  const auto channel = test::advertised(ears.next_op(client, "advertise"), "/uav1/pose");
-  ASSERT_TRUE(channel);
-  client.say(test::subscribe_frame(0, *channel));
-  std::vector<std::uint64_t> times;
+  Listener listener(server.port(), "/uav1/pose");
+  // 100 periods, the states after the last command, and the first again.
   std::chrono::steady_clock::time_point first, last;
-  while (times.size() < 102) {
-    const auto received = ears.next(client);
-    ASSERT_TRUE(received);
-    if (!received->is_message()) continue;
-    times.push_back(received->time());
-    if (times.size() == 1) first = std::chrono::steady_clock::now();
-    if (times.size() == 100) last = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < 102; ++k) {
+    ASSERT_EQ(listener.next(), k == 101 ? 0 : 10'000'000 * k);
+    if (k == 0) first = std::chrono::steady_clock::now();
+    if (k == 99) last = std::chrono::steady_clock::now();
   }
-  // 100 periods, and the states after the last command.
-  for (std::size_t k = 0; k <= 100; ++k) EXPECT_EQ(times[k], 10'000'000 * k);
-  EXPECT_EQ(times[101], 0U);
   const double seconds = std::chrono::duration<double>(last - first).count();
   EXPECT_GT(seconds, 0.9);
   EXPECT_LT(seconds, 5.0);
@@ -59,25 +71,9 @@ TEST(LogPlayback, BeginsAtTheBeginForWhoComesWhenNobodyListened) {
   LogPlayback playback(played_log(scenario), scenario);
   const PageServer server({}, {}, &playback.feed());
   for (int visit = 0; visit < 2; ++visit) {
-    PageClient client(server.port());
-    ASSERT_TRUE(client.ask_for_topics().starts_with("HTTP/1.1 101"));
-    test::FoxgloveEars ears;
-    const auto channel = test::advertised(ears.next_op(client, "advertise"), "/uav0/state");
-    ASSERT_TRUE(channel);
-    client.say(test::subscribe_frame(0, *channel));
-    std::uint64_t time = 1;
-    for (int count = 0; count < 10;) {
-      const auto received = ears.next(client);
-      ASSERT_TRUE(received);
-      if (!received->is_message()) continue;
-      if (count == 0) {
-        EXPECT_EQ(received->time(), 0U);
-      }
-      ++count;
-      time = received->time();
-    }
-    EXPECT_EQ(time, 90'000'000U);
-    client.say(PageClient::masked(8, ""));
+    Listener listener(server.port(), "/uav0/state");
+    for (std::uint64_t k = 0; k < 10; ++k) ASSERT_EQ(listener.next(), 10'000'000 * k);
+    listener.client.say(PageClient::masked(8, ""));
     EXPECT_TRUE(test::soon([&] { return server.counts().watchers == 0; }));
     EXPECT_TRUE(test::soon([&] { return !playback.feed().is_requested(); }));
     ::usleep(300'000);

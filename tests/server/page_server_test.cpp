@@ -15,6 +15,7 @@
 #include "sightline/server/http.hpp"
 #include "tests/support/foxglove_ears.hpp"
 #include "tests/support/page_client.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -281,12 +282,8 @@ TEST(PageServer, AnotherServerTakesThePortOfOneThatEnded) {
 }
 
 TEST(PageServer, AnAddressThatIsNoneIsRefusedByItsName) {
-  try {
-    PageServer server({.address = "localhost"}, two_files());
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), HasSubstr("address = localhost, expected an IPv4 address"));
-  }
+  EXPECT_THAT(refusal_of([] { PageServer({.address = "localhost"}, two_files()); }),
+              HasSubstr("address = localhost, expected an IPv4 address"));
 }
 
 }  // namespace
