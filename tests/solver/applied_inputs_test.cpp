@@ -8,6 +8,7 @@
 #include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
+#include "tests/support/error.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/paper_team.hpp"
 
@@ -133,18 +134,13 @@ TEST(AppliedInputs, ALeanThatIsAddedIsPlannedAsOneOfTheModel) {
     }
     return all;
   };
-  const auto difference = [](const std::vector<double>& v, const std::vector<double>& w) {
-    double most = 0.0;
-    for (std::size_t i = 0; i < v.size(); ++i) most = std::max(most, std::abs(v[i] - w[i]));
-    return most;
-  };
   const auto whole = newton(plain), unreported = newton(plain), expected = newton(crooked);
   const auto u = flown(*whole, true);
-  EXPECT_LT(difference(u, flown(*expected, false)), 1e-5)
+  EXPECT_LT(largest_difference(u, flown(*expected, false)), 1e-5)
       << "where a step of robots that feel each other is left off";
-  EXPECT_GT(difference(u, flown(*unreported, false)), 0.01);
+  EXPECT_GT(largest_difference(u, flown(*unreported, false)), 0.01);
   PartitionedSolver parts(plain, alone, newton), parts_expected(crooked, alone, newton);
-  EXPECT_LT(difference(flown(parts, true), flown(parts_expected, false)), 1e-9);
+  EXPECT_LT(largest_difference(flown(parts, true), flown(parts_expected, false)), 1e-9);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // What is its own; the laws it shares with multiple shooting are in continuation_test.cpp.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "sightline/solvers.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/paper_team.hpp"
@@ -42,14 +40,6 @@ TEST(Cgmres, ThePredictionHoldsTheDynamicsExactlyHoweverTheStateJumps) {
     }
     advance(ocp.team(), x, s.u, 0.01);
   }
-}
-
-TEST(Cgmres, ItCarriesTheInputsAndTheirLimitsAlone) {
-  const Team team = paper::team(Variant::joint);
-  const Cgmres single(team, {.N = 20});
-  const Cmscgmres multiple(team, {.N = 20});
-  EXPECT_EQ(single.unknowns(), 20 * 3 * 8);
-  EXPECT_EQ(multiple.unknowns() - single.unknowns(), 20 * 2 * 14);
 }
 
 TEST(Cgmres, WhereBothHaveConvergedTheInputsAndTheOptimalityResidualAreThoseOfCmscgmres) {

@@ -40,10 +40,5 @@ TEST(Cmscgmres, AJumpOfTheStateBecomesADefectThatDecaysByOneMinusZetaDtAnUpdate)
   }
 }
 
-TEST(Cmscgmres, ItCarriesInputsLimitsStatesAndCostates) {
-  const Team team = paper::team(Variant::joint);
-  EXPECT_EQ(Cmscgmres(team, {.N = 20}).unknowns(), 20 * (3 * 8 + 2 * 14));
-}
-
 }  // namespace
 }  // namespace sightline

@@ -17,37 +17,16 @@ std::size_t count(const std::string& text, const std::string& word) {
   return n;
 }
 
-TEST(Generator, EachStructureIsPrintedOnce) {
+TEST(Generator, EachStructureIsPrintedOnceWhateverItsParameters) {
   Generator generator;
   generator.add(Multirotor{}, Seen::pose);
-  generator.add(Multirotor{.b_psi = 1.7}, Seen::pose);
+  generator.add(Multirotor{.b_z = 0.7, .b_psi = 1.7, .a_f = -0.3, .b_f = 1, .a_s = -2, .b_s = 3}, Seen::pose);
   generator.add(AngleMultirotor{}, Seen::pose);
   generator.add({0.4 * KeepOut{}});
   generator.add({0.3 * KeepOut{}});
   EXPECT_EQ(count(generator.text(), "struct Stage_"), 2u);
   EXPECT_EQ(count(generator.text(), "struct Formula_"), 4u)
       << "derivatives and value, between robots, and around what is not one";
-}
-
-TEST(Generator, ARobotIsPrintedOnceWhateverItsParameters) {
-  Generator generator;
-  generator.add(Multirotor{}, Seen::pose);
-  generator.add(Multirotor{.b_z = 0.7, .b_psi = 1.7, .a_f = -0.3, .b_f = 1, .a_s = -2, .b_s = 3}, Seen::pose);
-  EXPECT_EQ(count(generator.text(), "struct Stage_"), 1u);
-}
-
-TEST(Generator, AUsersFileRegistersAndThePartsOfTheLibraryAreAskedFor) {
-  EXPECT_EQ(count(Generator().text(), "register_kernels(table)"), 1u);
-  const std::vector parts = {Generator("one"), Generator("other")};
-  EXPECT_EQ(count(parts[0].text(), "register_kernels(table)"), 0u);
-  const std::string index = Generator::index(parts);
-  EXPECT_EQ(count(index, "built_in_kernels()"), 1u);
-  for (const Generator& g : parts) {
-    const std::string declared = "const KernelTable& " + g.part() + "_kernels(const KernelTable* next)";
-    EXPECT_EQ(count(index, declared + ";"), 1u);
-    EXPECT_EQ(count(g.text(), declared + " {"), 1u);
-    EXPECT_EQ(count(index, "first = &" + g.part() + "_kernels(first);"), 1u);
-  }
 }
 
 TEST(Generator, AFileThatHoldsTheTextIsLeftAsItIs) {

@@ -3,30 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <set>
 #include <tuple>
 
+#include "sightline/robots.hpp"
 #include "tests/support/felt_team.hpp"
-#include "tests/support/random_team.hpp"
 
 namespace sightline {
 namespace {
-
-TEST(Groups, EveryAgentHasALaneAndEqualModelsShareGroups) {
-  Random random(1);
-  for (int trial = 0; trial < 20; ++trial) {
-    const Ocp ocp(random_team(random, 1 + static_cast<int>(random() % 9), Feeling::anyone), {.N = 5});
-    const auto potentials = trace_potentials(ocp);
-    const Groups groups(ocp, potentials, KernelChoice::interpreted);
-    std::set<std::pair<int, int>> places;
-    for (std::size_t a = 0; a < ocp.agent_bodies().size(); ++a) {
-      const Layout::Place& place = groups.layout().place(static_cast<int>(a));
-      EXPECT_TRUE(places.emplace(place.group, place.lane).second);
-      EXPECT_LT(place.lane, groups.layout().width);
-      EXPECT_EQ(groups.group_of(static_cast<int>(a)).sizes().nx, ocp.team().agents()[a].model.nx());
-    }
-  }
-}
 
 TEST(Groups, TheNarrowestPacksThatHoldAllOfAKindAtOnceAreTaken) {
   for (const auto& [multirotors, rovers, width] : {std::tuple{1, 0, 2},
@@ -42,34 +25,6 @@ TEST(Groups, TheNarrowestPacksThatHoldAllOfAKindAtOnceAreTaken) {
     EXPECT_EQ(Groups(Ocp(team, {.N = 5}), {}, KernelChoice::compiled_if_there).layout().width, width)
         << multirotors << " and " << rovers;
   }
-}
-
-TEST(Groups, NeighboursOfAChainStandInNeighbouringGroupsAtOneLane) {
-  Team team;
-  for (int i = 0; i < 3 * native_width; ++i) team.add(Multirotor{});
-  const Ocp ocp(team, {.N = 5});
-  const Groups groups(ocp, {}, KernelChoice::compiled_if_there);
-  EXPECT_EQ(groups.layout().groups.size(), native_width > 1 ? 3u : groups.layout().groups.size());
-  for (int a = 0; a + 1 < 3 * native_width; ++a) {
-    const Layout::Place &here = groups.layout().place(a), &next = groups.layout().place(a + 1);
-    if (here.group + 1 == next.group) {
-      EXPECT_EQ(here.lane, next.lane);
-    }
-  }
-}
-
-TEST(Groups, AnAgentsTrackingCostIsItsOwnSum) {
-  Team team;
-  team.add(Multirotor{}, {.Q = {1, 2, 3, 0, 0, 0.5, 0.5}, .u_ref = {0.1, 0, 0, 0}});
-  team.add(Multirotor{}, {.name = "other"});
-  const Ocp ocp(team, {.T = 0.5, .N = 10});
-  Groups groups(ocp, {}, KernelChoice::compiled_if_there);
-  Rows u(1, groups.layout().u_length), s(1, groups.layout().s_length);
-  groups.roll_out(u[0], s[0]);
-  Rows own(1, groups.layout().width);
-  groups.own_costs(0, u[0], own[0]);
-  EXPECT_NEAR(own[0][0], 0.5 * 0.01, 1e-15);
-  EXPECT_EQ(own[0][1], 0.0);
 }
 
 TEST(Groups, DampingThatGoesOnLeadsToTheStepOfOneThatBeginsAtNone) {

@@ -187,28 +187,6 @@ TEST_P(RandomTeams, FIsTheSlopeOfTheRolledOutCostThatEachAgentFeels) {
   }
 }
 
-TEST_P(RandomTeams, FeltByEveryoneFIsTheSlopeOfTheTeamsCost) {
-  Case c(GetParam(), 2 + static_cast<int>(GetParam() % 4), 7, Feeling::everyone);
-  const std::vector<double> none(c.X.size());
-  c.sweep(none, none);
-  const auto J = [&] {
-    return horizon_cost(
-        c,
-        [&](double tau, const double* x, const double* u) {
-          return stage_cost(c.team(), tau, {x, at(c.nx, 1)}, {u, at(c.nu, 1)});
-        },
-        [&](double tau, const double* x) {
-          double phi = 0.0;
-          for (const BodyId body : c.ocp.agent_bodies())
-            phi += terminal_cost(c.team(), AgentId{body}, tau, x);
-          return phi;
-        });
-  };
-  for (std::size_t k = 0; k < c.u.size(); ++k) {
-    EXPECT_LE(relative_error(c.F[k], slope(J, c.u[k]) / c.h), 2e-8) << "u " << k;
-  }
-}
-
 TEST_P(RandomTeams, TheTangentIsTheDirectionalDerivativeOfTheSweepsWithDefectsHeld) {
   for (const double defects : {0.0, 0.05}) {
     Case c(GetParam(), 2 + static_cast<int>(GetParam() % 4), 6, Feeling::anyone);

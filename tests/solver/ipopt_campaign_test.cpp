@@ -2,13 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <string>
 
 #include "bench/ipopt.hpp"
 #include "sightline/solvers.hpp"
+#include "tests/support/campaign.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/error.hpp"
 #include "tests/support/random_team.hpp"
@@ -68,8 +66,7 @@ void compare(Random& random, Tally& tally) {
 }
 
 TEST(IpoptCampaign, BothFindTheSameInputsWhereTheyFindTheSameOptimum) {
-  const char* campaign = std::getenv("SIGHTLINE_CAMPAIGN");
-  const int problems = campaign != nullptr && std::string(campaign) == "whole" ? 200 : 10;
+  const int problems = runs(200, 20);
   Random random(5);
   Tally tally;
   for (int i = 0; i < problems; ++i) compare(random, tally);

@@ -11,7 +11,6 @@
 #include "cli/allocations.hpp"
 #include "examples/own_potential.hpp"
 #include "sightline/kernels.hpp"
-#include "sightline/solver/newton/update.hpp"
 #include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -324,43 +323,6 @@ TEST(NewtonRiccati, TheUnitOfAnInputChangesNothing) {
   EXPECT_GT(watched, 0);
 }
 
-TEST(NewtonRiccati, AStageOrALengthThatIsNotTheProblemsChangesNothing) {
-  const Team team = paper::team(paper::Variant::masked);
-  NewtonRiccati solver(team, default_horizon), other(team, {.T = 1.0, .N = 7, .dt = 0.01});
-  fly(solver, paper::start(), 20);
-  (void)other.solve(0.0, paper::start());
-  const auto plan = [&] {
-    std::vector<double> all(8 * 20);
-    for (int k = 0; k < 20; ++k) solver.plan(k, std::span(all).subspan(8 * static_cast<std::size_t>(k), 8));
-    return all;
-  };
-  const std::vector<double> before = plan();
-  for (const int k : {-1, 20, 1 << 30}) {
-    std::vector<double> u(8, 7.0);
-    solver.plan(k, u);
-    EXPECT_EQ(u, std::vector<double>(8, 7.0));
-    solver.set_plan(k, u);
-  }
-  solver.set_plan(0, std::vector<double>(7, 0.3));
-  solver.take_over(team, other.whole_plan());
-  solver.set_prediction({.who = BodyId{0}});
-  solver.set_prediction({.who = BodyId{9}});
-  EXPECT_EQ(plan(), before);
-}
-
-TEST(NewtonRiccati, AnotherPlanIsWhereTheNextUpdateBegins) {
-  const Team team = paper::team(paper::Variant::joint);
-  NewtonRiccati from(team, default_horizon), to(team, default_horizon);
-  const std::vector<double> x = paper::start();
-  from.solve(0.0, x);
-  std::vector<double> u(8);
-  for (int k = 0; k < default_horizon.N; ++k) {
-    from.plan(k, u);
-    to.set_plan(k, u);
-  }
-  EXPECT_LE(to.kkt(0.0, x), 1e-6);
-}
-
 /// Flies a chain for 5 s, then goes on with another team. @return KKT after each of three updates there
 std::array<double, 3> kkt_after_change(
     NewtonRiccati& before, NewtonRiccati& after,
@@ -416,18 +378,6 @@ TEST(NewtonRiccati, AnOptionOutOfItsRangeIsNamed) {
   EXPECT_THROW(NewtonRiccati(team, default_horizon, {.tolerance = 0.0}), std::invalid_argument);
   EXPECT_THROW(NewtonRiccati(team, default_horizon, {.step_cap = -1.0}), std::invalid_argument);
   EXPECT_THROW(NewtonRiccati(team, default_horizon, {.deadline = std::nan("")}), std::invalid_argument);
-}
-
-TEST(NewtonRiccati, IsTheUpdateAndNothingElse) {
-  const Team team = chain(3, paper::Variant::masked);
-  newton::Workspace workspace(Ocp(team, default_horizon), {});
-  NewtonRiccati solver(team, default_horizon);
-  fly(solver, chain_start(3), 50, [&](double t, const std::vector<double>& x, const Solution& s) {
-    const Solution own = newton::update(workspace, t, x);
-    ASSERT_TRUE(std::equal(s.u.begin(), s.u.end(), own.u.begin()));
-    ASSERT_EQ(s.residual, own.residual);
-    ASSERT_EQ(s.status, own.status);
-  });
 }
 
 TEST(NewtonRiccati, ABodyMovesOnInThePlanAsMeasuredOrPredictedAndARestartEndsItsPrediction) {

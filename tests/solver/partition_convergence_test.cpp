@@ -2,13 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "tests/support/chain_team.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
-#include "tests/support/even_parts.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 
 namespace sightline {

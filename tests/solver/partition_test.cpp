@@ -9,7 +9,6 @@
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/default_horizon.hpp"
 #include "tests/support/error.hpp"
-#include "tests/support/even_parts.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/random_team.hpp"
 #include "tests/support/refusal.hpp"

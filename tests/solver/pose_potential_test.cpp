@@ -40,27 +40,6 @@ TEST(PosePotential, ValueIsTheWeightedSumTimesH) {
   }
 }
 
-TEST(PosePotential, OnlyVariablesThatOccurAreListed) {
-  const PosePotential band = trace({1.0 * AltitudeBand{}}, {true, false, true, false});
-  EXPECT_EQ(band.variables, std::vector<int>{2});
-  EXPECT_EQ(band.gradient.size(), 1u);
-  EXPECT_EQ(band.own.size(), 1u);
-  EXPECT_TRUE(band.cross.empty());
-  const PosePotential pace = trace({1.0 * ChangingPace{}});
-  EXPECT_EQ(pace.sees(false), Seen::pose_and_motion);
-  EXPECT_EQ(pace.sees(true), Seen::pose_and_motion);
-  EXPECT_EQ(band.sees(false), Seen::pose);
-  const PosePotential leans = trace({1.0 * Bearing{.mount = {.frame = MountFrame::body}}});
-  EXPECT_FALSE(leans.relative);
-  EXPECT_EQ(leans.variables,
-            (std::vector<int>{0, 1, 2, 3, 4, 8, 9, sight_size, sight_size + 1, sight_size + 2}));
-  EXPECT_EQ(leans.sees(false), Seen::leaning);
-  const PosePotential both = trace({1.0 * Region("observer.v_x * observer.lean_f < 1")});
-  EXPECT_EQ(both.sees(false), Seen::all);
-  EXPECT_EQ(leans.sees(true), Seen::pose);
-  EXPECT_EQ(pace.variables.back(), PosePotential::time_variable);
-}
-
 TEST(PosePotential, WithParametersItGivesTheSameNumbers) {
   Random random(2);
   for (const std::vector<Weighted>& terms :
@@ -75,17 +54,6 @@ TEST(PosePotential, WithParametersItGivesTheSameNumbers) {
       for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-13 * (1 + std::fabs(a[i])));
     }
   }
-}
-
-TEST(PosePotential, WithParametersTheProgramIsThatOfEveryNumberAndOrder) {
-  const auto instructions = [](const std::vector<Weighted>& terms) {
-    const PosePotential p = trace(terms, {}, Numbers::parameters);
-    return std::vector(p.derivatives.instructions().begin(), p.derivatives.instructions().end());
-  };
-  const auto expected = instructions({0.4 * KeepOut{}, 0.3 * Cohesion{}});
-  EXPECT_EQ(instructions({1.0 * Cohesion{.d_max = 1, .kappa_G = 1, .kappa_A = 1}, 1.0 * KeepOut{}}),
-            expected);
-  EXPECT_EQ(instructions({1.0 * KeepOut{.kappa_G = 0}, 0.0 * Cohesion{.kappa_G = 0}}), expected);
 }
 
 TEST(PosePotential, TermsFallIntoThoseThatWereCompiledAndARest) {

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "sightline/solver.hpp"
 #include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
@@ -70,7 +68,11 @@ TYPED_TEST(AnyTeamPlanner, ThePlanThatWasSetIsThePlanAndWhatFitsNowhereChangesNo
   planner.set_plan(default_horizon.N, u);
   planner.set_plan(0, wrong);
   planner.take_over(planner.ocp().team(), std::span(whole).first(whole.size() - 12));
+  planner.set_prediction({.who = BodyId{0}});
+  planner.set_prediction({.who = BodyId{9}});
   EXPECT_EQ(planner.whole_plan(), whole);
+  for (const int k : {-1, default_horizon.N, 1 << 30}) planner.plan(k, u);
+  EXPECT_EQ(u[1], 0.01 * (default_horizon.N - 1) - 0.05);
   planner.plan(0, wrong);
   EXPECT_EQ(wrong, std::vector<double>(11, 0.9));
 }

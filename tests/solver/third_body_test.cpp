@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "sightline/formula.hpp"
 #include "sightline/potentials.hpp"
 #include "sightline/solvers.hpp"
 #include "tests/support/default_horizon.hpp"
@@ -121,36 +120,6 @@ TEST(ThirdBody, OfAnotherPartIsOneThatIsNotSteeredThere) {
   ASSERT_EQ(part.couplings().size(), 1U);
   EXPECT_EQ(part.name(part.couplings()[0].third), "uav2");
   EXPECT_FALSE(part.is_agent(part.couplings()[0].third));
-}
-
-TEST(ThirdBody, IsInTheFormulasOfThePair) {
-  const Team team = with_robot();
-  const Ocp ocp(team, default_horizon);
-  const PairFormula& pair = ocp.formulas().pairs.at(0);
-  std::vector<double> in = with_robot_at_start();
-  const auto sight = [&](int body, std::size_t at) {
-    return team.model(BodyId{body}).sight(&in[at], &in[at + 7]);
-  };
-  in.insert(in.begin() + 7, {0.1, 0.2, 0.3, 0.4});
-  in.insert(in.begin() + 18, {0.0, 0.0, 0.0, 0.0, 0.7});  // u of uav1, t
-  in.insert(in.end(), {0.0, 0.0, 0.0, 0.0});
-  const auto l = [&] {
-    Sight<double> a = sight(0, 0);
-    a.third = sight(2, 23).p;
-    return 6.0 * past_third(a, sight(1, 11), 0.7);
-  };
-  const std::vector<double> slopes = evaluate(*pair.first, in);
-  ASSERT_FALSE(pair.gradient.empty());
-  for (const Entry& e : pair.gradient) {
-    constexpr double step = 1e-6;
-    double& z = in.at(static_cast<std::size_t>(e.row));
-    z += step;
-    const double above = l();
-    z -= 2 * step;
-    const double below = l();
-    z += step;
-    EXPECT_NEAR(slopes.at(static_cast<std::size_t>(e.output)), (above - below) / (2 * step), 1e-6) << e.row;
-  }
 }
 
 TEST(ThirdBody, CostsWhatItsPotentialSays) {

@@ -1,6 +1,7 @@
 /// A chain of robots: the leader, uav0, flies the circle; every other observes the one before it.
 #pragma once
 
+#include "sightline/solvers.hpp"
 #include "tests/support/paper_team.hpp"
 
 namespace sightline {
@@ -43,6 +44,15 @@ inline std::vector<double> chain_start(int n) {
     x.insert(x.end(), next.begin(), next.end());
   }
   return x;
+}
+
+/// Neighbours of the chain together, as many parts as are asked for.
+inline Partition even_parts(const Team& team, int parts) {
+  Partition partition(static_cast<std::size_t>(parts));
+  const int robots = static_cast<int>(team.agents().size());
+  for (int i = 0; i < robots; ++i)
+    partition[static_cast<std::size_t>(i * parts / robots)].push_back(AgentId{{i}});
+  return partition;
 }
 
 }  // namespace sightline
