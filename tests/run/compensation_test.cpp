@@ -11,6 +11,7 @@
 #include "tests/support/error.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/sample_sink.hpp"
 #include "tests/support/valid.hpp"
 
 namespace sightline {
@@ -116,18 +117,6 @@ TEST(Compensation, finds_the_wind_that_the_commands_do_not_explain) {
   }
 }
 
-// Takes samples and forgets them.
-class Nowhere final : public Sink<Sample> {
- public:
-  explicit Nowhere(Sample sample) : sample_(std::move(sample)) {}
-  Sample* claim() noexcept override { return &sample_; }
-  void publish() noexcept override {}
-  void close() noexcept override {}
-
- private:
-  Sample sample_;
-};
-
 // How far a robot stands from where it is asked to be, after 20 s in a wind of which it knows nothing.
 template <RobotModel M>
 double offset(const M& robot, const Vec3<double>& wind, double gain,
@@ -141,7 +130,7 @@ double offset(const M& robot, const Vec3<double>& wind, double gain,
   ModelWorld world(team, alone.start,
                    {.disturbances = {.wind = wind, .input_delay = 0.1, .input_gain = gain}});
   SimulatedClock clock;
-  Nowhere nowhere(sized_sample(team, {solver}));
+  test::SampleSink nowhere(sized_sample(team, {solver}));
   std::optional<Compensation> compensation;
   if (!how.empty()) compensation.emplace(team, how, control_period);
   Loop loop(world, {solver}, clock, nowhere,
@@ -211,7 +200,7 @@ double beside_its_circle(FeedForwardFrom feed_forward, double gain, std::string_
   ModelWorld world(team, alone.start,
                    {.disturbances = {.wind = {0.4, -0.3, 0}, .input_delay = 0.1, .input_gain = gain}});
   SimulatedClock clock;
-  Nowhere nowhere(sized_sample(team, {*solver}));
+  test::SampleSink nowhere(sized_sample(team, {*solver}));
   Compensation compensation(team, {{BodyId{0}, 0.1, 0.5, feed_forward}}, control_period);
   Loop(world, {*solver}, clock, nowhere, {.duration = 20.0, .compensation = &compensation}).run();
   const auto x = world.x();
@@ -239,17 +228,11 @@ TEST(Compensation, takes_no_more_of_an_input_than_its_part) {
 }
 
 // Keeps the applied inputs of a flight, and what the solver asked for.
-class Inputs final : public Sink<Sample> {
- public:
-  explicit Inputs(Sample sample) : sample_(std::move(sample)) {}
-  Sample* claim() noexcept override { return &sample_; }
+struct Inputs final : test::SampleSink {
+  using SampleSink::SampleSink;
   void publish() noexcept override { applied.push_back(sample_.u), requested.push_back(sample_.raw_u); }
-  void close() noexcept override {}
 
   std::vector<Numbers> applied, requested;
-
- private:
-  Sample sample_;
 };
 
 // A robot sent 3 m away in a wind, by a solver that knows what is added.

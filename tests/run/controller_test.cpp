@@ -1,36 +1,12 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/events.hpp"
 #include "sightline/loop.hpp"
-#include "sightline/solvers.hpp"
 #include "sightline/worlds.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/valid.hpp"
 
 namespace sightline {
 namespace {
-
-TEST(Controller, ARobotThatItsTeamSeesAsAnObstacleIsGivenAsPlaceAndVelocity) {
-  const Team world = event_team(3);
-  ActiveTeam active_team(world);
-  ASSERT_EQ(active_team.apply(RemoveBody{BodyId{1}, Afterwards::hold}, 0.0, 0.0), "");
-  NewtonRiccati solver(active_team.team(0.0), Horizon{});
-  Controller controller(world, solver, 0);
-  const std::vector<double> x = event_start(world), u(static_cast<std::size_t>(world.nu()), 0.5);
-  controller.gather(world, test::valid(world, x), u);
-  const Team& team = solver.ocp().team();
-  ASSERT_EQ(controller.states.size(), static_cast<std::size_t>(team.nx()));
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i}, real = world.find(team.name(body));
-    const Sight<double> seen = team.model(body).sight(
-        &controller.states[static_cast<std::size_t>(team.state_offset(body))], u.data());
-    const Sight<double> is = world.model(real).sight(&x[static_cast<std::size_t>(world.state_offset(real))],
-                                                     &u[static_cast<std::size_t>(world.input_offset(real))]);
-    EXPECT_EQ(norm(seen.p - is.p), 0.0);
-    EXPECT_LT(norm(seen.v - is.v), 1e-12);
-  }
-}
 
 TEST(UncontrolledRobot, HoldsOrSinksToTheGroundAndStaysThere) {
   for (const bool lands : {false, true}) {

@@ -7,6 +7,7 @@
 #include "sightline/loop.hpp"
 #include "sightline/worlds.hpp"
 #include "tests/support/period.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -53,21 +54,12 @@ Team one_robot() {
 }
 const Numbers start_of_one = {0, 0, 1, 1, 0, 0, 0};
 
-struct Kept final : Sink<Sample> {
-  explicit Kept(Sample prototype) : sample(std::move(prototype)) {}
-  Sample* claim() noexcept override { return &sample; }
-  void publish() noexcept override { all.push_back(sample); }
-  void close() noexcept override {}
-  Sample sample;
-  std::vector<Sample> all;
-};
-
 std::vector<Sample> flown_by(ScriptedSolver& solver, LoopOptions options, const SensorOptions& sensing = {}) {
   const Team team = one_robot();
   ModelWorld world(team, start_of_one, {}, sensing);
   const Controllers controllers = {solver};
   SimulatedClock clock;
-  Kept kept(sized_sample(team, controllers));
+  test::AllSamples kept(sized_sample(team, controllers));
   Loop loop(world, controllers, clock, kept, options);
   EXPECT_TRUE(loop.run().finite);
   return kept.all;

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <set>
 #include <string>
 
 #include "sightline/loop.hpp"
@@ -9,15 +8,6 @@
 
 namespace sightline {
 namespace {
-
-TEST(Sample, EveryKindOfEventHasANameOfItsOwn) {
-  std::set<std::string_view> names;
-  for (int i = 0; i < event_kinds; ++i) {
-    const auto kind = static_cast<EventKind>(i);
-    EXPECT_FALSE(to_string(kind).empty());
-    EXPECT_TRUE(names.insert(to_string(kind)).second) << to_string(kind);
-  }
-}
 
 TEST(Sample, KindsOfEventsFollowTheLevelsAndTheFaultsInTheirOrder) {
   for (int i = 0; i < fallback_level_count; ++i) {

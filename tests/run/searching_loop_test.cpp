@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sightline/loop.hpp"
+#include "tests/support/sample_sink.hpp"
 #include "tests/support/searching_flight.hpp"
 
 namespace sightline {
@@ -12,10 +13,8 @@ namespace {
 
 using test::SearchingFlight;
 
-class SearchSamples final : public Sink<Sample> {
- public:
-  explicit SearchSamples(Sample prototype) : sample_(std::move(prototype)) {}
-  Sample* claim() noexcept override { return &sample_; }
+struct SearchSamples final : test::SampleSink {
+  using SampleSink::SampleSink;
   void publish() noexcept override {
     for (int i = 0; i < sample_.event_count; ++i)
       events.push_back(sample_.events[static_cast<std::size_t>(i)]);
@@ -23,14 +22,10 @@ class SearchSamples final : public Sink<Sample> {
     if (!known.back()) highest = std::max({highest, sample_.levels[0], sample_.levels[1]});
     last = sample_.levels[0];
   }
-  void close() noexcept override {}
 
   std::vector<Event> events;
   std::vector<bool> known;
   FallbackLevel highest{}, last{};
-
- private:
-  Sample sample_;
 };
 
 TEST(SearchingLoop, ARobotWithoutAPositionTurnsUntilItSeesAndMeanwhileAllHold) {

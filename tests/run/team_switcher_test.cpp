@@ -129,19 +129,6 @@ TEST(TeamSwitcher, ARobotThatIsAbsentRestsAndOneThatComesIsSteered) {
   EXPECT_LE(largest_jump(flight, 101, 300, 0, 12), 0.3);
 }
 
-TEST(TeamSwitcher, SameScriptSameFlightBitForBit) {
-  const Team all = event_team(5, 2);
-  const Script script{{at(0.5, Observe{AgentId{BodyId{2}}, BodyId{0}}, 1.0),
-                       at(0.8, RemoveBody{BodyId{4}}, 0.5), at(1.2, AddBody{BodyId{4}}, 0.3)}};
-  const TeamFlight a = fly_script(all, event_start(all, 2), script, 2.5);
-  const TeamFlight b = fly_script(all, event_start(all, 2), script, 2.5);
-  ASSERT_EQ(a.flown.size(), b.flown.size());
-  for (std::size_t k = 0; k < a.flown.size(); ++k) {
-    ASSERT_EQ(a.flown[k].x, b.flown[k].x);
-    ASSERT_EQ(a.flown[k].u, b.flown[k].u);
-  }
-}
-
 TEST(TeamSwitcher, OnASteadyClockTheLoopNeverWaits) {
   const Team all = event_team(3);
   TeamSwitcher team_switcher(ActiveTeam(all), {{at(0.05, RetuneTerm{.name = "sees1", .weight = 0.5}, 0.1)}},
@@ -268,15 +255,22 @@ int couplings_called(const Team& team, std::string_view name) {
                                         [&](const Coupling& c) { return c.name == name; }));
 }
 
+/// A coupling of uav2, and a solver of any team without it.
+Coupling bad_coupling() {
+  const AgentId uav2{BodyId{2}};
+  return {.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
+}
+MakeSolver fails_with_bad() {
+  return fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; });
+}
+
 TEST(TeamSwitcher, ATeamThatCannotBeMadeLeavesNoTrace) {
   const Team all = event_team(3);
-  const AgentId uav2{BodyId{2}};
-  const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
   const Reported reported =
       fly_failing(all,
-                  {{at(0.1, AddCoupling{bad}), at(0.2, RetuneTerm{.name = "sees1", .weight = 0.7}),
+                  {{at(0.1, AddCoupling{bad_coupling()}), at(0.2, RetuneTerm{.name = "sees1", .weight = 0.7}),
                     at(0.3, RemoveTerm{"off2"})}},
-                  fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
+                  fails_with_bad());
   EXPECT_EQ(reported.ignored, std::vector<std::size_t>{0});
   EXPECT_EQ(reported.in_force, (std::vector<std::size_t>{1, 2}));
   EXPECT_EQ(couplings_called(reported.team, "bad"), 0);
@@ -297,13 +291,10 @@ TEST(TeamSwitcher, WhereMemoryFailedOnceALaterEventGoesOnFromTheTeamThereWas) {
 
 TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
   const Team all = event_team(4);
-  const AgentId uav2{BodyId{2}};
-  const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
-  const Reported reported =
-      fly_failing(all,
-                  {{at(0.1, RemoveBody{BodyId{3}, Afterwards::land}), at(0.1, AddCoupling{bad}),
-                    at(0.1, RemoveTerm{"off2"})}},
-                  fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
+  const Reported reported = fly_failing(all,
+                                        {{at(0.1, RemoveBody{BodyId{3}, Afterwards::land}),
+                                          at(0.1, AddCoupling{bad_coupling()}), at(0.1, RemoveTerm{"off2"})}},
+                                        fails_with_bad());
   EXPECT_EQ(reported.ignored, std::vector<std::size_t>{1});
   EXPECT_EQ(reported.in_force, (std::vector<std::size_t>{0, 2}));
   EXPECT_EQ(reported.team.agents().size(), 3U);
@@ -312,12 +303,10 @@ TEST(TeamSwitcher, OfSeveralEventsAtOnceOnlyThoseThatCannotBeAreIgnored) {
 
 TEST(TeamSwitcher, ARampEndsAlsoWhenAnIgnoredEventOccursAtItsEnd) {
   const Team all = event_team(3);
-  const AgentId uav2{BodyId{2}};
-  const Coupling bad{.term = 1.0 * KeepOut{}, .between = {uav2, BodyId{0}}, .felt_by = {uav2}, .name = "bad"};
   for (int k = 18; k < 26; ++k) {
     const Reported reported =
-        fly_failing(all, {{at(0.1, RemoveTerm{"off1"}, 0.1), at(0.01 * k, AddCoupling{bad})}},
-                    fails_where([](const Team& team) { return couplings_called(team, "bad") > 0; }));
+        fly_failing(all, {{at(0.1, RemoveTerm{"off1"}, 0.1), at(0.01 * k, AddCoupling{bad_coupling()})}},
+                    fails_with_bad());
     EXPECT_EQ(reported.ignored, std::vector<std::size_t>{1}) << k;
     EXPECT_EQ(reported.team.couplings().size(), all.couplings().size() - 1) << k;
   }
