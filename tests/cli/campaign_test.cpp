@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,6 +35,17 @@ std::string one(const fs::path& file, const std::string& sql) {
   Database database(file, Database::Open::as_it_is);
   Database::Statement request(database, sql);
   return request.step() ? request.text(0) : "nothing";
+}
+
+/// Flies so many shards, each into a folder of its number. @return the folders, each after a blank
+std::string flown_shards(const std::string& campaign, int count, const fs::path& folder) {
+  std::string folders;
+  for (int shard = 1; shard <= count; ++shard) {
+    const fs::path out = folder / std::to_string(shard);
+    (void)sightline(fmt::format("{} --shard {}/{} -o {}", campaign, shard, count, out.string()), folder);
+    folders += " " + out.string();
+  }
+  return folders;
 }
 
 TEST(Campaign, TheShippedOneFindsItsTargetFromEveryStart) {
@@ -207,12 +219,7 @@ TEST(Campaign, ShardsThatAreMergedAreTheCampaignOfOneProcess) {
   const fs::path folder = fresh_folder();
   const std::string campaign = "campaign " + with_runs_of("0.5", folder) + " --seed 5 --runs 10";
   const auto whole = sightline(campaign + " -o " + (folder / "whole").string(), folder);
-  std::string folders;
-  for (const char* shard : {"1", "2", "3"}) {
-    const fs::path out = folder / shard;
-    (void)sightline(campaign + " --shard " + shard + "/3 -o " + out.string(), folder);
-    folders += " " + out.string();
-  }
+  const std::string folders = flown_shards(campaign, 3, folder);
   const auto merged = sightline("campaign --merge" + folders + " -o " + (folder / "merged").string(), folder);
   EXPECT_EQ(merged.code, whole.code) << merged.err;
   EXPECT_TRUE(read_file(folder / "merged" / "campaign.sqlite") ==
@@ -236,12 +243,7 @@ TEST(Campaign, ShardsBringTheFilesThatTheirScenarioNames) {
       << "\n[campaign]\nduration = 0.5\n[[campaign.draw]]\nkey = "
          "\"agent.uav0.start.heading\"\nuniform = [2.8, 3.4]\n";
   const std::string campaign = "campaign " + (from / "pillar.toml").string() + " --runs 3";
-  std::string folders;
-  for (const char* shard : {"1", "2"}) {
-    (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
-    folders += " " + (folder / shard).string();
-  }
-  const std::string merge = "campaign --merge" + folders + " -o ";
+  const std::string merge = "campaign --merge" + flown_shards(campaign, 2, folder) + " -o ";
   fs::rename(from, folder / "away");  // they were flown by another machine
   const auto merged = sightline(merge + out.string(), folder);
   EXPECT_EQ(merged.err, "");
@@ -271,12 +273,9 @@ TEST(Campaign, ShardsOfAScenarioBesideAloneHaveThePageOfTheOneThatDraws) {
   std::ofstream(folder / "plain.toml") << paper.substr(0, paper.find("[campaign]"));
   const std::string campaign = "campaign " + with_runs_of("0.5", folder) + " --runs 4 --compare-with " +
                                (folder / "plain.toml").string();
-  std::string folders;
-  for (const char* shard : {"1", "2"}) {
-    (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
-    folders += " " + (folder / shard / "plain").string();
-  }
-  const auto merged = sightline("campaign --merge" + folders + " -o " + (folder / "merged").string(), folder);
+  (void)flown_shards(campaign, 2, folder);
+  const auto merged = sightline(
+      fmt::format("campaign --merge {0}/1/plain {0}/2/plain -o {0}/merged", folder.string()), folder);
   EXPECT_EQ(merged.err, "");
   EXPECT_GT(read_file(folder / "merged/campaign.html").size(), 1000U);
 }
@@ -286,11 +285,7 @@ TEST(Campaign, ShardsWithAScenarioBesideArePairedAsOneProcessPairsThem) {
   const std::string campaign =
       "campaign " + with_runs_of("1.0", folder) + " --runs 12 --compare-with scenarios/paper_7_1.toml";
   const auto whole = sightline(campaign + " -o " + (folder / "whole").string(), folder);
-  std::string folders;
-  for (const char* shard : {"1", "2"}) {
-    (void)sightline(campaign + " --shard " + shard + "/2 -o " + (folder / shard).string(), folder);
-    folders += " " + (folder / shard).string();
-  }
+  const std::string folders = flown_shards(campaign, 2, folder);
   const auto merge = [&] {
     return sightline("campaign --merge" + folders + " -o " + (folder / "merged").string(), folder);
   };

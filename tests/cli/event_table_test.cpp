@@ -14,6 +14,7 @@
 #include "sightline/judge/summary.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/read_event.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -253,19 +254,17 @@ Scenario cell(const Row& row, const Column& column) {
 }
 
 /// Judges each sample as it comes, from what the samples say alone and beside what the loop knows.
-class RunEvaluator final : public Sink<Sample> {
+class RunEvaluator final : public test::SampleSink {
  public:
   RunEvaluator(const Scenario& scenario, const Controllers& controllers, const Row& row,
                TeamSwitcher* team_switcher)
-      : scenario_(scenario),
+      : SampleSink(sized_sample(scenario.team, controllers, team_switcher)),
+        scenario_(scenario),
         row_(row),
         team_switcher_(team_switcher),
-        sample_(sized_sample(scenario.team, controllers, team_switcher)),
         log_team_(scenario),
         summary_(scenario, controllers.size()) {}
 
-  Sample* claim() noexcept override { return &sample_; }
-  void close() noexcept override {}
   void publish() noexcept override {
     summary_.add(sample_);
     (void)log_team_.follow(sample_);
@@ -351,7 +350,6 @@ class RunEvaluator final : public Sink<Sample> {
   const Scenario& scenario_;
   const Row& row_;
   TeamSwitcher* team_switcher_;
-  Sample sample_;
   PresentTeam log_team_;
   Summary summary_;
 };

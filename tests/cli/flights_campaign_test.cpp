@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sightline/log.hpp"
+#include "tests/support/campaign.hpp"
 #include "tests/support/command.hpp"
 
 namespace sightline {
@@ -20,9 +21,7 @@ Recording flown(const std::string& scenario, const std::string& options = "") {
 
 // 7.2: both nearer their limits than in 7.1, but within them.
 TEST(Flights, Paper72KeepsDistanceAndViewOnEverySeed) {
-  const char* campaign = std::getenv("SIGHTLINE_CAMPAIGN");
-  const int seeds = campaign != nullptr && std::string(campaign) == "whole" ? 20 : 5;
-  for (int seed = 1; seed <= seeds; ++seed) {
+  for (int seed = 1; seed <= runs(20, 4); ++seed) {
     const Recording r = flown("paper_7_2", "--seed " + std::to_string(seed));
     const Recording::Pair& pair = r.pairs.at(0);
     const Recording::Body &observer = r.bodies[pair.observer], &target = r.bodies[pair.target];

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -54,11 +53,7 @@ TEST(IdentifyCommand, RefusesInOneSentence) {
   const fs::path folder = fresh_folder();
   const std::string rotors = scenario(folder, "3.0").string();
   const auto refused = [&](const std::string& command) {
-    const auto done = sightline("identify " + command, folder);
-    EXPECT_EQ(done.code, 2) << command;
-    EXPECT_EQ(done.out, "") << command;
-    EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
-    return done.err;
+    return test::refused("identify " + command, folder);
   };
   EXPECT_THAT(refused(rotors), HasSubstr("rotors.toml: --agent is missing, expected one of uav0, uav1"));
   EXPECT_THAT(refused(rotors + " --agent uav7"), HasSubstr("--agent = uav7, expected one of uav0, uav1"));

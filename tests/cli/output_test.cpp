@@ -9,7 +9,6 @@
 #include "sightline/log.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/command.hpp"
-#include "tests/support/short_scenario.hpp"
 
 namespace sightline::cli {
 namespace {

@@ -99,11 +99,7 @@ TEST(RunInParts, LogsTheSameBytesWhateverTheNumberOfThreads) {
 TEST(RunInParts, WordsThatDoNotFitEndWithTwoAndASentence) {
   const fs::path folder = fresh_folder();
   const std::string run = "run scenarios/chain8.toml -o " + (folder / "out").string() + " ";
-  const auto refusal = [&](const std::string& words) {
-    const auto result = sightline(run + words, folder);
-    EXPECT_EQ(result.code, 2) << words;
-    return result.err;
-  };
+  const auto refusal = [&](const std::string& words) { return test::refused(run + words, folder); };
   EXPECT_EQ(refusal("--partition 'uav0,uav1'"),
             "the partition leaves out \"uav2\", expected every robot in one part\n");
   EXPECT_EQ(

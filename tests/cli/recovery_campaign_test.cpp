@@ -16,8 +16,6 @@
 namespace sightline {
 namespace {
 
-/// Flights of the observer of a scenario from anywhere: does it find its target?
-
 enum class TargetMotion { at_rest, circling };
 
 /// The scenario with its target at rest, or on its circle of 0.5 m at 0.3 m/s.

@@ -11,8 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::fresh_folder;
-using test::lines;
-using test::sightline;
 
 // Whatever command a log, a calibration or a table is given to.
 TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
@@ -31,16 +29,12 @@ TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
       {write("path.csv", "t,x,y,z\n0,0,0,1\n"), "a table of values (CSV)"}};
   for (const auto& [file, what] : files) {
     for (const char* command : {"check", "run", "view", "identify", "explain", "campaign", "potential"}) {
-      const auto refused = sightline(std::string(command) + " " + file, folder);
-      EXPECT_EQ(refused.code, 2) << command << " " << what;
-      EXPECT_THAT(refused.err,
-                  testing::StartsWith(file + ":1: this is " + what + ", expected a scenario file"))
-          << command;
+      EXPECT_THAT(test::refused(std::string(command) + " " + file, folder),
+                  testing::StartsWith(file + ":1: this is " + what + ", expected a scenario file"));
     }
     for (const char* command : {"replay", "report"}) {
-      const auto refused = sightline(std::string(command) + " " + file, folder);
-      EXPECT_EQ(refused.code, 2) << command << " " << what;
-      EXPECT_EQ(refused.err, file + ": this is " + what + ", expected the folder of a run\n");
+      EXPECT_EQ(test::refused(std::string(command) + " " + file, folder),
+                file + ": this is " + what + ", expected the folder of a run\n");
     }
   }
 }
@@ -52,11 +46,9 @@ TEST(RefusedFiles, ALoopOfLinksIsRefusedByASentence) {
   const std::string loop = (folder / "a").string(),
                     scenario = SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml";
   const auto refused = [&](const std::string& arguments) {
-    const auto result = sightline(arguments, folder);
-    EXPECT_EQ(result.code, 2) << arguments;
-    EXPECT_EQ(lines(result.err), 1) << result.err;
-    EXPECT_THAT(result.err, testing::AllOf(testing::HasSubstr(loop), testing::HasSubstr("expected"),
-                                           testing::Not(testing::HasSubstr("filesystem error"))))
+    EXPECT_THAT(test::refused(arguments, folder),
+                testing::AllOf(testing::HasSubstr(loop), testing::HasSubstr("expected"),
+                               testing::Not(testing::HasSubstr("filesystem error"))))
         << arguments;
   };
   for (const char* command :

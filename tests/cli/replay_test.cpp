@@ -118,13 +118,7 @@ TEST(Replay, AKilledFlightIsReplayedToItsEnd) {
 TEST(Replay, WhatCannotBeReplayedIsRefusedInOneSentence) {
   const fs::path folder = fresh_folder();
   fly("handover", "3.0", folder);
-  const auto refused = [&](const std::string& command) {
-    const auto done = sightline(command, folder);
-    EXPECT_EQ(done.code, 2) << command;
-    EXPECT_EQ(done.out, "") << command;
-    EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
-    return done.err;
-  };
+  const auto refused = [&](const std::string& command) { return test::refused(command, folder); };
   EXPECT_THAT(refused("replay /nowhere"), HasSubstr("no run.mcap, expected the folder of a run"));
   EXPECT_THAT(refused(replay(folder, " --solver newton")), HasSubstr("newton"));
   EXPECT_THAT(refused(replay(folder, " --solver cgmres")), HasSubstr("the team changes in flight"));

@@ -49,12 +49,9 @@ TEST(Set, TheChangedFileIsPrintedAndFliesToTheSameLog) {
 TEST(Set, EachCommandThatTakesAScenarioKnowsItAndNamesItWhereItIsWrong) {
   const fs::path folder = fresh_folder();
   for (const char* command : {"run", "check", "campaign", "identify", "potential", "explain"}) {
-    const auto refused = sightline(std::string(command) + " " + pair + " --set world.kid=rotors", folder);
-    EXPECT_EQ(refused.code, 2) << command;
     EXPECT_EQ(
-        refused.err,
-        "--set world.kid=rotors: world.kid = \"rotors\", expected a known key, the nearest is \"kind\"\n")
-        << command;
+        test::refused(std::string(command) + " " + pair + " --set world.kid=rotors", folder),
+        "--set world.kid=rotors: world.kid = \"rotors\", expected a known key, the nearest is \"kind\"\n");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "tests/support/campaign.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -51,14 +52,12 @@ struct Flight {
   LoopOutcome outcome;
 };
 
-class Watch final : public Sink<Sample> {
+class Watch final : public test::SampleSink {
  public:
   Watch(const Scenario& scenario, Sample prototype)
-      : scenario_(scenario),
-        seen_(observations(scenario.team.couplings()).at(0)),
-        sample_(std::move(prototype)) {}
-  Sample* claim() noexcept override { return &sample_; }
-  void close() noexcept override {}
+      : SampleSink(std::move(prototype)),
+        scenario_(scenario),
+        seen_(observations(scenario.team.couplings()).at(0)) {}
   void publish() noexcept override {
     const Team& team = scenario_.team;
     const auto sight = [&](BodyId body) {
@@ -85,7 +84,6 @@ class Watch final : public Sink<Sample> {
  private:
   const Scenario& scenario_;
   Observation seen_;
-  Sample sample_;
 };
 
 Flight fly(Scenario flown, double duration) {

@@ -27,16 +27,6 @@ fs::path scenario(const fs::path& folder) {
   return file;
 }
 
-TEST(Vehicles, AReplayOfAFlightGivesTheSameCommands) {
-  const fs::path folder = fresh_folder();
-  const std::string out = (folder / "out").string();
-  const CommandResult flown = sightline("run " + scenario(folder).string() + " -o " + out, folder);
-  ASSERT_NE(flown.code, 2) << flown.err;
-  const CommandResult again = sightline("replay " + out, folder);
-  EXPECT_EQ(again.code, 0) << again.err;
-  EXPECT_THAT(again.out, HasSubstr("400 updates, 800 commands, 0 differ"));
-}
-
 TEST(Vehicles, AReplayWithDownwashImuAndOdometryGivesTheSameCommandsAndASecondRunTheSameBytes) {
   const fs::path folder = fresh_folder(), file = scenario(folder);
   std::string text = read_file(file);

@@ -39,10 +39,7 @@ TEST(View, BadInputIsRefusedBeforeAnythingIsServed) {
   const fs::path folder = fresh_folder();
   const std::string file = view_file(folder);
   const auto refused = [&](const std::string& arguments, const std::string& sentence) {
-    const CommandResult reported = sightline("view " + arguments + " --seconds 1", folder);
-    EXPECT_EQ(reported.code, 2) << arguments;
-    EXPECT_EQ(reported.out, "") << arguments;
-    EXPECT_THAT(reported.err, HasSubstr(sentence)) << arguments;
+    EXPECT_THAT(test::refused("view " + arguments + " --seconds 1", folder), HasSubstr(sentence));
   };
   refused("/nowhere.toml", "nowhere.toml");
   refused(folder.string(), "no run.mcap");
@@ -79,9 +76,7 @@ TEST(View, ALogIsServedWithAllItsMoments) {
   const fs::path folder = fresh_folder();
   const std::string out = (folder / "out").string();
   ASSERT_NE(sightline("run " + view_file(folder) + " -o " + out, folder).code, 2);
-  const CommandResult set = sightline("view " + out + " --set simulation.seed=2", folder);
-  EXPECT_EQ(set.code, 2);
-  EXPECT_THAT(set.err, HasSubstr("it is flown already"));
+  EXPECT_THAT(refused("view " + out + " --set simulation.seed=2", folder), HasSubstr("it is flown already"));
   Served served("view " + out + " --port 0 --seconds 1");
   EXPECT_THAT(PageClient(served.port()).request("GET /moments.json"), HasSubstr("{\"t\":0.990,"));
   EXPECT_THAT(served.end(), HasSubstr("1 connections, 0 refused"));
@@ -187,9 +182,7 @@ TEST(View, TuningIsRefusedWhereItCannotBe) {
   const fs::path folder = fresh_folder();
   const std::string file = view_file(folder);
   const auto refused = [&](const std::string& arguments, const std::string& sentence) {
-    const CommandResult reported = sightline(arguments, folder);
-    EXPECT_EQ(reported.code, 2) << arguments;
-    EXPECT_THAT(reported.err, HasSubstr(sentence)) << arguments;
+    EXPECT_THAT(test::refused(arguments, folder), HasSubstr(sentence));
   };
   refused("run " + file + " --view --tune --port 0", "expected beside --realtime");
   refused("view " + file + " --seconds 1 -o x", "expected beside --tune");

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -38,6 +39,25 @@ inline CommandResult shell(const std::string& command, const std::filesystem::pa
 
 inline CommandResult sightline(const std::string& arguments, const std::filesystem::path& folder) {
   return shell("'" SIGHTLINE_BINARY "' " + arguments, folder);
+}
+
+/// What a refused command says on stderr beside exit code 2: one line, and a hint after a wrong option.
+inline std::string refused(const std::string& arguments, const std::filesystem::path& folder) {
+  const CommandResult done = sightline(arguments, folder);
+  EXPECT_EQ(done.code, 2) << arguments;
+  EXPECT_EQ(done.out, "") << arguments;
+  const bool hints = done.err.ends_with("\nRun with --help or --help-all for more information.\n");
+  EXPECT_EQ(lines(done.err), hints ? 2 : 1) << arguments << ": " << done.err;
+  return done.err;
+}
+
+/// A shipped scenario of 60 s with another duration [s], in a file of its name in `folder`.
+inline std::filesystem::path short_scenario(const std::filesystem::path& folder, const std::string& name,
+                                            const std::string& duration) {
+  std::filesystem::path file = folder / (name + ".toml");
+  std::ofstream(file) << std::regex_replace(read_file(SIGHTLINE_SOURCE_DIR "/scenarios/" + name + ".toml"),
+                                            std::regex("duration = 60.0"), "duration = " + duration);
+  return file;
 }
 
 }  // namespace sightline::test
