@@ -146,6 +146,11 @@ struct RobotCompensation {
   FeedForwardFrom feed_forward = FeedForwardFrom::none;  ///< source of u*
 };
 
+/// @throws std::invalid_argument for a body that is no robot of the team, for a robot that is named
+///         twice, for numbers out of their range, and for an estimate of a disturbance that the
+///         robot's commands cannot cancel
+void validate(const Team& team, const std::vector<RobotCompensation>& robots);
+
 class Compensation {
  public:
   static constexpr double longest_delay = 1.0;                     ///< of a command [s]
@@ -154,8 +159,7 @@ class Compensation {
   static constexpr double most_part = 0.8;
 
   /// @param period  shortest time between two commands [s]; sizes the input history
-  /// @throws std::invalid_argument for a body that is no robot of the team, for a robot that is
-  ///         named twice, and for numbers out of their range
+  /// @throws std::invalid_argument as validate()
   Compensation(const Team& team, const std::vector<RobotCompensation>& robots, double period);
 
   // The loop calls these functions once each period, in this order. None throws, allocates, locks or
@@ -237,6 +241,12 @@ struct LocalizerOptions {
   void check() const;
 };
 
+/// The graph of the localized robots.
+/// @throws std::invalid_argument for options out of range, for a robot whose model has no position
+///         or no heading, for a graph that LocalizationGraph refuses, and for a filter of attitudes
+///         that observes a localized robot
+LocalizationGraph localization_graph(const Team& team, const LocalizerOptions& options);
+
 /// The outcome of one detection in the filter.
 struct DetectionFit {
   BodyId observer{}, target{};
@@ -260,9 +270,7 @@ struct DetectionFit {
 class Localizer {
  public:
   /// @param start  states of all bodies (nx)
-  /// @throws std::invalid_argument for options out of range, for a robot whose model has no
-  ///         position or no heading, for a graph that LocalizationGraph refuses, and for a filter
-  ///         of attitudes that observes a localized robot
+  /// @throws std::invalid_argument as localization_graph(), and for a start of another length
   Localizer(const Team& team, std::span<const double> start, const LocalizerOptions& options);
 
   /// Sets the presence of each body, as for a World.

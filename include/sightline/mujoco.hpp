@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,17 @@ class MujocoWorld final : public VehicleWorld {
  public:
   /// @param x0            states of all bodies, in the order of the team (nx)
   /// @param surroundings  an MJCF with the surroundings
-  /// @throws std::invalid_argument as VehicleWorld and Fleet; "model = ..." with MuJoCo's message
-  ///   for a rejected MJCF; for a vehicle that starts within the ground or the surroundings
+  /// @throws std::invalid_argument as VehicleWorld, Fleet and validate()
   MujocoWorld(const Team& team, std::vector<double> x0, const std::vector<RobotVehicle>& vehicles,
               const PlantOptions& plant = {}, const SensorOptions& sensor = {},
               const std::optional<ModelFile>& surroundings = {});
+
+  /// Compiles the model of the team, and checks its contacts at the start, without a world.
+  /// @throws std::invalid_argument "model = ..." with MuJoCo's message for a rejected MJCF; for a
+  ///   vehicle that starts within the ground or the surroundings
+  static void validate(const Team& team, std::span<const double> x0,
+                       const std::vector<RobotVehicle>& vehicles,
+                       const std::optional<ModelFile>& surroundings);
 
   bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override;

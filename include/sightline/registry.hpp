@@ -139,6 +139,10 @@ using MakeRenderer = std::function<std::unique_ptr<DetectionSource>(const Scenar
 /// @throws std::invalid_argument for a scenario that the world does not support
 using MakeWorld = std::function<std::unique_ptr<World>(const Scenario&)>;
 
+/// Checks a scenario for a world, without making the world.
+/// @throws std::invalid_argument for a scenario that the world does not support
+using CheckWorld = std::function<void(const Scenario&)>;
+
 /// What moves the robots of a world: their models, or the vehicles of `[agent.NAME.vehicle]`.
 enum class MovedBy { models, vehicles };
 
@@ -157,6 +161,7 @@ struct WorldPart {
   /// name; empty: it reads none.
   VehicleOfModel of_model{};
   MakeRenderer renderer{};  ///< of pictures for cameras with `render = true`; empty: it has none
+  CheckWorld check{};       ///< of a scenario while it is read, beyond that of its vehicles; empty: none
 
   bool has_vehicles() const { return robots == MovedBy::vehicles; }
   bool renders() const { return static_cast<bool>(renderer); }
@@ -168,7 +173,7 @@ class WorldList {
   /// @throws std::invalid_argument for a name that is not a word or that another world has, and for
   /// an empty function
   WorldList& add(std::string_view name, MakeWorld make, MovedBy robots = MovedBy::models,
-                 VehicleOfModel of_model = {}, MakeRenderer renderer = {});
+                 VehicleOfModel of_model = {}, MakeRenderer renderer = {}, CheckWorld check = {});
   /// Those with an ability, or all; in the order of adding. The first of all is the default of a scenario.
   std::vector<std::string_view> names(bool (WorldPart::*can)() const = nullptr) const;
   /// The world of that name, or null.

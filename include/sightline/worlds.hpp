@@ -369,6 +369,13 @@ class ModelWorld final : public World {
 class Fleet;
 class Rotorcraft;
 
+/// Checks the vehicles of a team in a world of that kind.
+/// @param x0  states of all bodies, in team order (nx)
+/// @throws std::invalid_argument for a vehicle that starts below the ground, or without drag under
+///         wind; for a period that is not a whole number of milliseconds
+void validate(std::string_view kind, const Team& team, std::span<const double> x0,
+              const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant);
+
 /// A ModelWorld whose vehicles a Fleet moves. Targets, obstacles and robots that are not vehicles
 /// move as in a ModelWorld. Delays, noise, faults and presence are also as there. Wind, gusts and
 /// wakes act as moving air. An acceleration a becomes air at the velocity Vehicle::air(a), whose
@@ -406,8 +413,7 @@ class VehicleWorld : public World {
   /// @param kind   of the world, for error messages
   /// @param x0     states of all bodies, in team order (nx)
   /// @param fleet  built for this team and these vehicles
-  /// @throws std::invalid_argument as ModelWorld; for a vehicle that starts below the ground, or
-  /// without drag under wind; for a period that is not a whole number of milliseconds
+  /// @throws std::invalid_argument as ModelWorld and validate()
   VehicleWorld(std::string_view kind, const Team& team, std::vector<double> x0,
                const std::vector<RobotVehicle>& vehicles, std::unique_ptr<Fleet> fleet, PlantOptions plant,
                const SensorOptions& sensor);

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include "sightline/base.hpp"
 #include "sightline/mujoco.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/read_camera.hpp"
 #include "worlds/mujoco/bodies.hpp"
 #include "worlds/mujoco/renderer.hpp"
 #include "worlds/mujoco/shape.hpp"
@@ -15,6 +17,24 @@ MujocoWorld::MujocoWorld(const Team& team, std::vector<double> x0, const std::ve
                    std::make_unique<Bodies>(team, vehicles, plant, surroundings), plant, sensor) {
   before(0.0);
   bodies().check_start(team);
+}
+
+void MujocoWorld::validate(const Team& team, std::span<const double> x0,
+                           const std::vector<RobotVehicle>& vehicles,
+                           const std::optional<ModelFile>& surroundings) {
+  Bodies bodies(team, vehicles, {}, surroundings);
+  const std::vector<double> u(size(team.nu()));
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    const double* const x = &x0[size(team.state_offset(body))];
+    if (bodies.moves(body)) {
+      bodies.begin(body, 0.0, x);
+    } else {
+      const Sight<double> seen = team.model(body).sight(x, u.data());
+      bodies.place(body, seen.p, seen.v);
+    }
+  }
+  bodies.check_start(team);
 }
 
 MujocoWorld::Bodies& MujocoWorld::bodies() const noexcept { return static_cast<Bodies&>(fleet()); }
@@ -63,7 +83,12 @@ void add_mujoco(Registry& registry) {
     return std::make_unique<MujocoWorld>(scenario.team, scenario.x0, scenario.vehicles,
                                          plant_options(scenario), sensor_options(scenario), scenario.model);
   };
-  registry.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf, mujoco::make_renderer);
+  const auto check = [](const Scenario& scenario) {
+    MujocoWorld::validate(scenario.team, scenario.x0, scenario.vehicles, scenario.model);
+    // Only the machine can tell whether it renders.
+    if (renders_pictures(scenario.vision)) (void)mujoco::make_renderer(scenario);
+  };
+  registry.worlds.add("mujoco", make, MovedBy::vehicles, vehicle_of_mjcf, mujoco::make_renderer, check);
 }
 
 }  // namespace sightline

@@ -25,7 +25,62 @@ std::array<Vec3<double>, 3> inverse(const std::array<Vec3<double>, 3>& m) {
   return {over * cross(m[1], m[2]), over * cross(m[2], m[0]), over * cross(m[0], m[1])};
 }
 
+/// Effect of one input at rest, from a quarter of its range below u* to a quarter above it.
+struct InputEffect {
+  double half, by;  // half the range of the input, and the change of it
+  SteadyState more, less;
+  Vec3<double> b;  // acceleration by half the range [m/s^2]
+};
+
+/// Effects of the inputs by which a robot cancels a disturbance that is estimated over `time` [s].
+std::vector<InputEffect> input_effects(const Agent& agent, double time) {
+  std::vector<InputEffect> effects;
+  double trace = 0.0;
+  for (std::size_t k = 0; k < agent.u_ref.size(); ++k) {
+    const double half = 0.5 * (agent.limits.u_max().front()[k] - agent.limits.u_min().front()[k]),
+                 by = 0.5 * half;
+    std::vector<double> up = agent.u_ref, down = agent.u_ref;
+    up[k] += by, down[k] -= by;
+    const SteadyState more = settle(agent.model, state_at_rest(agent.model), up),
+                      less = settle(agent.model, state_at_rest(agent.model), down);
+    const Vec3<double> b = (half / (2 * by)) * (more.acceleration - less.acceleration);
+    trace += dot(b, b);
+    effects.push_back({half, by, more, less, b});
+  }
+  constexpr double none = 1e-9;
+  if (!(trace > none)) {
+    throw_invalid(
+        "disturbance_time of {} = {}, but its commands accelerate it in no direction, expected a robot whose "
+        "velocity is a state",
+        agent.name, time);
+  }
+  return effects;
+}
+
+void check_robots(const Team& team, const std::vector<RobotCompensation>& robots) {
+  std::vector<BodyId> before;
+  for (const auto& [robot, delay, time, feed_forward] : robots) {
+    if (robot.index < 0 || robot.index >= team.bodies() || !team.is_agent(robot))
+      throw_invalid("body {} is compensated, expected a robot of the team", robot.index);
+    const std::string_view name = team.name(robot);
+    if (std::find(before.begin(), before.end(), robot) != before.end())
+      throw_invalid("{} is compensated twice, expected once", name);
+    before.push_back(robot);
+    if (!(delay >= 0 && delay <= Compensation::longest_delay))
+      throw_invalid("command_delay of {} = {}, expected 0 to {} s", name, delay, Compensation::longest_delay);
+    if (!(time == 0 || (time >= Compensation::least_time && time <= Compensation::longest_time)))
+      throw_invalid("disturbance_time of {} = {}, expected {} to {} s", name, time, Compensation::least_time,
+                    Compensation::longest_time);
+  }
+}
+
 }  // namespace
+
+void validate(const Team& team, const std::vector<RobotCompensation>& robots) {
+  check_robots(team, robots);
+  for (const RobotCompensation& of : robots)
+    if (of.disturbance_time > 0) (void)input_effects(team.agent(of.robot), of.disturbance_time);
+}
 
 Compensation::Compensation(const Team& team, const std::vector<RobotCompensation>& robots, double period)
     : member_of_(size(team.bodies()), -1),
@@ -36,6 +91,7 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
       added_(size(team.nu())),
       held_(x_.size()),
       lean_(size(team.bodies())) {
+  check_robots(team, robots);
   const auto add = [&](BodyId body, double delay, double time) {
     member_of_[at(body.index)] = static_cast<int>(members_.size());
     const Model& model = team.model(body);
@@ -58,14 +114,6 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
     scratch_.resize(std::max(scratch_.size(), RungeKuttaScratch::rows_needed * size(model.nx())));
   };
   for (const auto& [robot, delay, time, feed_forward] : robots) {
-    if (robot.index < 0 || robot.index >= team.bodies() || !team.is_agent(robot))
-      throw_invalid("body {} is compensated, expected a robot of the team", robot.index);
-    const std::string_view name = team.name(robot);
-    if (member_of_[at(robot.index)] >= 0) throw_invalid("{} is compensated twice, expected once", name);
-    if (!(delay >= 0 && delay <= longest_delay))
-      throw_invalid("command_delay of {} = {}, expected 0 to {} s", name, delay, longest_delay);
-    if (!(time == 0 || (time >= least_time && time <= longest_time)))
-      throw_invalid("disturbance_time of {} = {}, expected {} to {} s", name, time, least_time, longest_time);
     add(robot, delay, time);
     if (time > 0) find_counter(members_.back(), team.agent(robot));
     if (feed_forward == FeedForwardFrom::reference) members_.back().feed_forward.emplace(team.agent(robot));
@@ -77,39 +125,26 @@ Compensation::Compensation(const Team& team, const std::vector<RobotCompensation
 }
 
 void Compensation::find_counter(Member& member, const Agent& agent) {
-  const std::vector<double>&u_min = agent.limits.u_min().front(), &u_max = agent.limits.u_max().front();
   member.shown = shown_states(member.model);
   member.counter.resize(3 * member.nu);
   member.held.resize(member.nu * member.nx);
-  std::vector<Vec3<double>> columns;
   std::array<Vec3<double>, 3> gram{};
+  const std::vector<InputEffect> effects = input_effects(agent, member.time);
   for (std::size_t k = 0; k < member.nu; ++k) {
-    const double half = 0.5 * (u_max[k] - u_min[k]), by = 0.5 * half;
-    std::vector<double> up = agent.u_ref, down = agent.u_ref;
-    up[k] += by, down[k] -= by;
-    const SteadyState more = settle(member.model, state_at_rest(member.model), up),
-                      less = settle(member.model, state_at_rest(member.model), down);
+    const auto& [half, by, more, less, b] = effects[k];
     for (std::size_t i = 0; i < member.nx; ++i)
       member.held[k * member.nx + i] = (more.x[i] - less.x[i]) / (2 * by);
     member.leans.push_back({(more.lean.x - less.lean.x) / (2 * by), (more.lean.y - less.lean.y) / (2 * by)});
-    const Vec3<double> b = (half / (2 * by)) * (more.acceleration - less.acceleration);
     gram[0] = gram[0] + b.x * b, gram[1] = gram[1] + b.y * b, gram[2] = gram[2] + b.z * b;
-    columns.push_back(b);
     member.reach.push_back(half);
   }
-  constexpr double none = 1e-9, damping = 1e-9;
+  constexpr double damping = 1e-9;
   const double trace = gram[0].x + gram[1].y + gram[2].z;
-  if (!(trace > none)) {
-    throw_invalid(
-        "disturbance_time of {} = {}, but its commands accelerate it in no direction, expected a robot whose "
-        "velocity is a state",
-        agent.name, member.time);
-  }
   gram[0].x += damping * trace, gram[1].y += damping * trace, gram[2].z += damping * trace;
   const std::array<Vec3<double>, 3> solved = inverse(gram);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < member.nu; ++k)
-      member.counter[axis * member.nu + k] = -dot(columns[k], solved[axis]);
+      member.counter[axis * member.nu + k] = -dot(effects[k].b, solved[axis]);
   }
 }
 

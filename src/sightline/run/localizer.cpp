@@ -14,12 +14,7 @@ namespace {
 constexpr double draw_time = 0.08;  // time constant with which velocities follow the filter [s]
 constexpr std::size_t fits_most = 64;
 
-const LocalizerOptions& checked_localizer(const LocalizerOptions& options) {
-  options.check();
-  return options;
-}
-
-LocalizationGraph graph_of(const Team& team, const LocalizerOptions& options) {
+LocalizationGraph unchecked_graph(const Team& team, const LocalizerOptions& options) {
   std::vector<Localized> robots;
   for (int i = 0; i < team.bodies(); ++i) robots.push_back({std::string(team.name(BodyId{i})), true, {}});
   for (const LocalizedRobot& robot : options.robots) {
@@ -79,10 +74,24 @@ void LocalizerOptions::check() const {
       throw_invalid("estimate.camera_rate = {}, expected > 0 Hz", robot.camera_rate);
 }
 
+LocalizationGraph localization_graph(const Team& team, const LocalizerOptions& options) {
+  options.check();
+  LocalizationGraph graph = unchecked_graph(team, options);
+  for (const LocalizedRobot& robot : options.robots) {
+    const Model& model = team.model(robot.robot);
+    const StateRoles roles = roles_of(model);
+    if (!roles.has_position() || !roles.has_heading())
+      throw_invalid("\"{}\" cannot be localized by vision: its model \"{}\" has no {} among its states",
+                    team.name(robot.robot), model.name(), roles.has_position() ? "heading" : "position");
+    filter_of(robot, graph).check();
+  }
+  return graph;
+}
+
 Localizer::Localizer(const Team& team, std::span<const double> start, const LocalizerOptions& options)
     : team_(team),
-      options_(checked_localizer(options)),
-      graph_(graph_of(team, options)),
+      options_(options),
+      graph_(localization_graph(team, options)),
       robot_of_(size(team.bodies()), -1),
       presence_(robot_of_.size(), Presence::steered),
       start_(start.begin(), start.end()),
@@ -109,10 +118,6 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
 
 Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
   const Model& model = team_.model(what.robot);
-  const StateRoles roles = roles_of(model);
-  if (!roles.has_position() || !roles.has_heading())
-    throw_invalid("\"{}\" cannot be localized by vision: its model \"{}\" has no {} among its states",
-                  team_.name(what.robot), model.name(), roles.has_position() ? "heading" : "position");
   Robot robot{.what = what,
               .body = at(what.robot),
               .x = size(team_.state_offset(what.robot)),
@@ -124,7 +129,7 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
   std::vector<double> x(robot.nx), u(size(model.nu()));
   model.at_rest({{}, {1.0, 0.0}}, x.data());
   const Vec3<double> still = model.sight(x.data(), u.data()).v;
-  for (const int v : roles.velocities) {
+  for (const int v : roles_of(model).velocities) {
     std::vector<double> moving = x;
     moving[size(v)] += 1.0;
     robot.velocities.push_back(size(v));

@@ -172,9 +172,8 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
   std::unique_ptr<World> world = kind->make(scenario);
   const CameraOptions options = camera_options(scenario);
   if (options.cameras.empty() || options.tags.empty()) return reporting(std::move(world));
-  const auto renders = [](const RobotCamera& one) { return one.render; };
   std::unique_ptr<DetectionSource> source = std::make_unique<SyntheticDetections>(scenario.team, options);
-  if (std::any_of(options.cameras.begin(), options.cameras.end(), renders)) {
+  if (renders_pictures(options)) {
     if (!kind->renders())
       throw_invalid("camera.render = true, expected false in the world \"{}\"", scenario.world);
     source = kind->renderer(scenario);

@@ -117,6 +117,11 @@ CameraOptions camera_options(const Scenario& scenario) {
   return options;
 }
 
+bool renders_pictures(const CameraOptions& options) {
+  const auto renders = [](const RobotCamera& one) { return one.render; };
+  return !options.tags.empty() && std::any_of(options.cameras.begin(), options.cameras.end(), renders);
+}
+
 std::vector<TagReading> tag_readings(const Scenario& scenario) {
   constexpr double half_found = SyntheticDetections::half_found;
   std::vector<TagReading> all;

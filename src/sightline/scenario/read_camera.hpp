@@ -22,6 +22,9 @@ void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMoun
 /// Cameras, tags and hulls, including the hulls of vehicles.
 CameraOptions camera_options(const Scenario& scenario);
 
+/// Whether pictures are rendered for a camera, to find tags in them.
+bool renders_pictures(const CameraOptions& options);
+
 /// Size of a target's tags in the image of an observer, at a distance that a coupling states.
 struct TagReading {
   BodyId observer{}, target{};

@@ -146,7 +146,7 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
     if (!first) first = agent;
   }
   if (!first) return;
-  first->checked([&] { return Localizer(scenario.team, scenario.x0, options); });
+  first->checked([&] { (void)localization_graph(scenario.team, options); });
   refuse_unknown_headings(*first, scenario);
   // Searching requires a robot that can turn.
   first->checked([&] { validate(scenario.team, *guard_options(scenario)); });
@@ -171,20 +171,20 @@ TelemetryOptions telemetry_options(const Scenario& scenario) {
 std::string localization_words(const Scenario& scenario) {
   const LocalizerOptions& options = scenario.localization;
   if (options.robots.empty()) return {};
-  const Localizer localizer(scenario.team, scenario.x0, options);
+  const LocalizationGraph graph = localization_graph(scenario.team, options);
   std::string text;
   for (const LocalizedRobot& robot : options.robots) {
     std::vector<std::string_view> names;
     bool chain = false;
     for (const BodyId body : robot.observes) {
       names.push_back(scenario.team.name(body));
-      chain = chain || localizer.graph().tier(body.index) > 0;
+      chain = chain || graph.tier(body.index) > 0;
     }
     const FilterKind kind = chain ? FilterKind::chain : robot.filter.filter;
     fmt::format_to(std::back_inserter(text),
                    "localized   {}: no position enters, by view of {}, filter \"{}\", hop {}\n",
                    scenario.team.name(robot.robot), fmt::join(names, ", "),
-                   filter_kinds[static_cast<std::size_t>(kind)], localizer.graph().tier(robot.robot.index));
+                   filter_kinds[static_cast<std::size_t>(kind)], graph.tier(robot.robot.index));
     if (robot.mount.sigmas > 0)
       fmt::format_to(std::back_inserter(text),
                      "view        {}: regions of view shrink by {} standard deviations of what it sees\n",

@@ -54,11 +54,12 @@ Registry::Registry() {
 }
 
 WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots, VehicleOfModel of_model,
-                          MakeRenderer renderer) {
+                          MakeRenderer renderer, CheckWorld check) {
   check_part_name("world", name, {}, names());
   if (!make)
     throw_invalid("the world \"{}\" has no function, expected one that makes it of a scenario", name);
-  worlds_.push_back({std::string(name), std::move(make), robots, std::move(of_model), std::move(renderer)});
+  worlds_.push_back({std::string(name), std::move(make), robots, std::move(of_model), std::move(renderer),
+                     std::move(check)});
   return *this;
 }
 

@@ -81,9 +81,7 @@ class Reader {
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     read_partition(root_, scenario_);
     // A log is replayed without the world.
-    const bool has_cameras = !scenario_.vision.cameras.empty();
-    if ((!scenario_.vehicles.empty() || scenario_.model || has_cameras) && root_.from_disk())
-      root_.table_or_empty("world").checked([&] { return make_world(scenario_); });
+    if (root_.from_disk()) root_.table_or_empty("world").checked([&] { check_world(); });
   }
 
  private:
@@ -123,6 +121,13 @@ class Reader {
     refuse_without_models(at, std::span(beside).last(1), scenario_.world);
     scenario_.downwash = read_downwash(at, scenario_.world, std::span(beside).first(reads_models ? 2 : 1));
     if (at.has("model")) scenario_.model = read_model_file(at);
+  }
+
+  void check_world() const {
+    const WorldPart& world = *root_.registry().worlds.find(scenario_.world);
+    if (world.has_vehicles())
+      validate(world.name, scenario_.team, scenario_.x0, scenario_.vehicles, plant_options(scenario_));
+    if (world.check) world.check(scenario_);
   }
 
   void read_simulation() {
@@ -219,7 +224,7 @@ class Reader {
     if (at.has("disturbance_time")) of.disturbance_time = at.number("disturbance_time", time);
     if (at.has("feed_forward") && at.word("feed_forward", feed_forwards) == feed_forwards[1])
       of.feed_forward = FeedForwardFrom::reference;
-    at.checked([&] { Compensation(scenario_.team, {of}, scenario_.horizon.dt); });
+    at.checked([&] { validate(scenario_.team, std::vector{of}); });
     scenario_.compensations.push_back(of);
   }
 

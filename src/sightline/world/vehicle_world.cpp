@@ -36,22 +36,29 @@ void check_wind(const Vehicle& vehicle, std::string_view name, const PlantOption
 
 }  // namespace
 
+void validate(std::string_view kind, const Team& team, std::span<const double> x0,
+              const std::vector<RobotVehicle>& vehicles, const PlantOptions& plant) {
+  check_period(kind, plant.period);
+  const std::vector<double> u(size(team.nu()));
+  for (const RobotVehicle& one : vehicles) {
+    check_wind(one.vehicle, team.name(one.robot), plant);
+    const double* const x = &x0[size(team.state_offset(one.robot))];
+    if (const double z = team.model(one.robot).sight(x, u.data()).p.z; z < 0)
+      throw_invalid("{} starts at a height of {} m, expected one above the ground, at least 0 m",
+                    team.name(one.robot), z);
+  }
+}
+
 VehicleWorld::VehicleWorld(std::string_view kind, const Team& team, std::vector<double> x0,
                            const std::vector<RobotVehicle>& vehicles, std::unique_ptr<Fleet> fleet,
                            PlantOptions plant, const SensorOptions& sensor)
     : fleet_(std::move(fleet)) {
-  check_period(kind, plant.period);
   plant.dynamics = fleet_.get();
   world_ = std::make_unique<ModelWorld>(team, std::move(x0), plant, sensor);
   presence_.resize(size(team.bodies()), Presence::steered);
   rest_.resize(size(team.nu()));
   attitudes_.resize(presence_.size(), no_attitude);
-  for (const RobotVehicle& one : vehicles) {
-    check_wind(one.vehicle, team.name(one.robot), plant);
-    if (const double z = sight(one.robot).p.z; z < 0)
-      throw_invalid("{} starts at a height of {} m, expected one above the ground, at least 0 m",
-                    team.name(one.robot), z);
-  }
+  validate(kind, team, world_->x(), vehicles, plant);
 }
 
 VehicleWorld::~VehicleWorld() = default;
