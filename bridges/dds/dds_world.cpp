@@ -116,8 +116,10 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
-    if (!link.goals.track) continue;
-    robots.back().track = link.goals.track;
+    const auto goals = std::find_if(scenario_.goals.begin(), scenario_.goals.end(),
+                                    [&](const RobotGoals& of) { return of.robot == link.robot; });
+    if (goals == scenario_.goals.end()) continue;
+    robots.back().track = goals->track;
     robots.back().goals =
         std::make_unique<GoalSubscriber>(domain_->participant(), link.goals, goal_space(scenario_, model));
   }

@@ -125,6 +125,7 @@ void PartList<Made>::check_name(std::string_view name) const {
 }
 
 struct Scenario;
+struct ScenarioSpec;
 class World;
 class DetectionSource;
 class Bridge;
@@ -141,7 +142,7 @@ using MakeWorld = std::function<std::unique_ptr<World>(const Scenario&)>;
 
 /// Checks a scenario for a world, without making the world.
 /// @throws std::invalid_argument for a scenario that the world does not support
-using CheckWorld = std::function<void(const Scenario&)>;
+using CheckWorld = std::function<void(const ScenarioSpec&)>;
 
 /// What moves the robots of a world: their models, or the vehicles of `[agent.NAME.vehicle]`.
 enum class MovedBy { models, vehicles };

@@ -205,6 +205,13 @@ class GoalTrack {
   Messages messages_;
 };
 
+/// A robot that accepts goals in flight.
+struct GoalOptions {
+  BodyId robot{};
+  Reference own{};     ///< until the first goal
+  double speed = 0.5;  ///< towards goals [m/s], > 0
+};
+
 /// A robot and its track.
 struct RobotGoals {
   BodyId robot{};
@@ -215,12 +222,11 @@ struct RobotGoals {
 // Only a bridge knows what they hold.
 
 struct Agent;
-struct Scenario;
-class GoalTrack;
+struct ScenarioSpec;
 class Team;
 class TomlTable;
 
-/// The links of a scenario.
+/// The links of a scenario: data, which never change.
 class Links {
  public:
   virtual ~Links() = default;
@@ -228,17 +234,19 @@ class Links {
   virtual std::string in_words(const Team& team) const = 0;
   /// The links of the part of the team that is planned here.
   /// @param part  its scenario, with the links of `whole`
-  virtual std::shared_ptr<const Links> of_part(const Scenario& whole, const Scenario& part) const = 0;
+  virtual std::shared_ptr<const Links> of_part(const ScenarioSpec& whole, const ScenarioSpec& part) const = 0;
 };
 
 /// Reads links; a program adds it to its Registry by with_links(). Throws ScenarioError.
 class LinkReader {
  public:
   virtual ~LinkReader() = default;
-  /// The goals that a robot accepts in flight, by the link in [agent.NAME]; null: none.
-  virtual std::shared_ptr<GoalTrack> read_goals(const TomlTable& agent, const Agent& robot) const = 0;
-  /// All links of a document with [fleet], whose bodies and goals the scenario has already.
-  virtual std::shared_ptr<const Links> read_links(const TomlTable& root, const Scenario& scenario) const = 0;
+  /// The speed towards goals that a robot accepts in flight [m/s], by the link in [agent.NAME];
+  /// none: it accepts none.
+  virtual std::optional<double> read_goal_speed(const TomlTable& agent, const Agent& robot) const = 0;
+  /// All links of a document with [fleet], whose bodies the scenario has already.
+  virtual std::shared_ptr<const Links> read_links(const TomlTable& root,
+                                                  const ScenarioSpec& scenario) const = 0;
 };
 
 // Reads and checks the text of a scenario before it is parsed, and defines ScenarioError.
@@ -288,7 +296,8 @@ using FileTexts = std::map<std::string, std::string>;
 /// too many parts
 void check_text(std::string_view text, std::string_view file);
 
-// A scenario: everything that a run needs, from one TOML file.
+// A scenario: everything that a run needs, from one TOML file. Reading gives a ScenarioSpec, which
+// is data. build() makes the objects of a flight from it.
 //
 // The keys have the names of the C++ interface. Every number that the file omits has the default
 // of the struct that it sets.
@@ -385,12 +394,12 @@ inline constexpr std::size_t agents_max = 1024;   // robots; same limit for targ
 inline constexpr double updates_max = 1e9;        // duration / period
 inline constexpr std::size_t name_size_max = 64;  // of a body [bytes]; names become topics of the log
 
-struct Scenario {
+/// What a file states. Copies are independent.
+struct ScenarioSpec {
   std::string name;   ///< of the file, without folder and extension
   std::string text;   ///< as read; with several files or set values, the equivalent single text
   FileTexts files{};  ///< texts of the files that the scenario names, as read
   std::filesystem::path file;
-  std::shared_ptr<const Registry> registry{};  ///< the registry used for reading, also for reading again
   Horizon horizon{};
   SolverChoice solver{};
   Team team{};  ///< robots, then targets, then obstacles, each in the order of the file
@@ -400,10 +409,7 @@ struct Scenario {
   std::vector<UncooperativeBody> uncooperative;  ///< targets, then obstacles
   std::vector<double> x0;                        ///< states of all bodies at the start (team.nx())
   std::vector<Presence> presence;                ///< of the bodies at the start; missing entries: present
-  Script script{};  ///< changes of the team in flight; `team` has every body of the flight
-  /// Events added in flight, after those of the script; shared by all threads that use it. Null: no
-  /// tuning.
-  std::shared_ptr<TunedScript> tuned{};
+  Script script{};                   ///< changes of the team in flight; `team` has every body of the flight
   std::string world = "model";       ///< kind of the world, one of the registry's worlds
   DownwashOptions downwash{};        ///< of its vehicles
   std::optional<ModelFile> model{};  ///< of the rest of the world, for worlds that read model files
@@ -416,18 +422,35 @@ struct Scenario {
   std::optional<Safety> safety{};
   LogOptions log{};
   std::shared_ptr<const Links> links{};      ///< to its robots, if they are not simulated; null: none
-  std::vector<RobotGoals> goals{};           ///< of the robots that accept goals in flight
+  std::vector<GoalOptions> goal_options{};   ///< of the robots that accept goals in flight
   std::optional<PartitionPlan> partition{};  ///< of the whole team; if one part is planned here, `team` is
                                              ///< that part
   std::optional<CampaignPlan> campaign{};
   /// The error in [campaign], which stops no other flight; none if [campaign] is valid or missing.
   std::optional<ScenarioError> campaign_refusal{};
+
+  /// Whether text and files are equal, and what programs change after reading: name, horizon, name
+  /// of the solver, world, start, duration, seed and comparisons. The other members follow from
+  /// text and files; the formulas of a team cannot be compared. Places in the file do not count.
+  bool operator==(const ScenarioSpec& other) const;
+};
+
+/// A specification with the objects of its flights.
+struct Scenario : ScenarioSpec {
+  std::shared_ptr<const Registry> registry{};  ///< the registry used for reading, also for reading again
+  /// Events added in flight, after those of the script; shared by all threads that use it. Null: no
+  /// tuning.
+  std::shared_ptr<TunedScript> tuned{};
+  std::vector<RobotGoals> goals{};  ///< of `goal_options`: the references that goals change
   /// Threads that share the barriers and the simulated world of a large team; no file sets them,
   /// since the result is the same. Null: one thread.
   std::shared_ptr<ThreadPool> pool{};
 };
 
-/// Reads a scenario from a file.
+/// Makes the objects of a specification that was read with this registry.
+Scenario build(ScenarioSpec spec, const Registry& registry = built_in_registry());
+
+/// Reads a scenario from a file, and builds it.
 /// @param registry  parts that the scenario may name
 /// @param set       as in ScenarioChanges
 /// @throws ScenarioError
@@ -440,22 +463,35 @@ struct ScenarioChanges {
   std::vector<std::string> set{};    ///< "KEY=VALUE": keys as in error messages, values as in TOML
 };
 
-/// The same from a text that is already read; error messages name `file`.
+/// Reads a text; error messages name `file`. Makes no solver, guard or world.
+/// @throws ScenarioError
+ScenarioSpec parse_spec(std::string text, const std::filesystem::path& file,
+                        const Registry& registry = built_in_registry(), const ScenarioChanges& changes = {});
+
+/// The text that parse_spec() reads back as an equal specification, unless a program has changed its
+/// numbers since.
+inline const std::string& toml_text(const ScenarioSpec& spec) { return spec.text; }
+
+/// Reads a text, and builds its scenario.
 /// @throws ScenarioError
 Scenario parse_scenario(std::string text, const std::filesystem::path& file,
                         const Registry& registry = built_in_registry(), const ScenarioChanges& changes = {});
 
 /// The vehicle of a body; null if it has none.
-const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body);
+const RobotVehicle* vehicle_of(const ScenarioSpec& scenario, BodyId body);
 
-/// Options of the simulated world of a scenario; below, of the controllers' sensors.
+/// Options of the simulated world of a scenario; below, with its threads, and of the controllers'
+/// sensors.
+PlantOptions plant_options(const ScenarioSpec& spec);
 PlantOptions plant_options(const Scenario& scenario);
-SensorOptions sensor_options(const Scenario& scenario);
+SensorOptions sensor_options(const ScenarioSpec& scenario);
 
 /// Whether this computer plans one part of the team only.
-bool plans_apart(const Scenario& scenario);
+bool plans_apart(const ScenarioSpec& scenario);
 
-/// Whether robots join, leave or change couplings in flight; then a TeamSwitcher is necessary.
+/// Whether robots join, leave or change couplings in flight, by the file or by tuning; then a
+/// TeamSwitcher is necessary.
+bool changes_in_flight(const ScenarioSpec& spec);
 bool changes_in_flight(const Scenario& scenario);
 
 /// The names of all solvers.
@@ -469,7 +505,7 @@ SolverChoice solver_named(std::string_view name);
 std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon);
 
 /// A summary for the user: a few words for each robot, coupling and setting.
-std::string summary(const Scenario& scenario);
+std::string summary(const ScenarioSpec& scenario);
 
 // The numbers in a scenario's text by their keys, and their replacement in place.
 
@@ -495,6 +531,7 @@ std::string with_numbers(std::string_view text, std::span<const std::pair<Number
 
 /// @throws std::invalid_argument if the solver, or one of simulation.compare, lacks an ability that
 /// the scenario needs (SolverAbilities)
+void check_solvers(const ScenarioSpec& spec);
 void check_solvers(const Scenario& scenario);
 
 /// The world that the scenario names. Adds cameras if there are cameras and tags, and telemetry if

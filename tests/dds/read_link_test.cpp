@@ -100,14 +100,14 @@ TEST(ReadLink, ARobotThatTakesGoalsHasAReferenceThatTheyChange) {
   EXPECT_EQ(goals.frame, "map");
   EXPECT_EQ(goals.speed, 1.5);
   ASSERT_EQ(a.goals.size(), 1u);
-  EXPECT_EQ(a.goals[0].track, goals.track);
+  EXPECT_EQ(a.goals[0].robot, fleet_of(a).links[0].robot);
   std::vector<double> x(7);
   const auto height = [&](double t) {
     a.team.agents()[0].x_ref(t, a.team.agents()[0].model, x);
     return x[2];
   };
   EXPECT_EQ(height(1.0), 2.0);
-  EXPECT_EQ(goals.track->add(1.0, std::vector{Waypoint{.p = {0, 0, 3}}}), GoalAnswer::taken);
+  EXPECT_EQ(a.goals[0].track->add(1.0, std::vector{Waypoint{.p = {0, 0, 3}}}), GoalAnswer::taken);
   EXPECT_EQ(height(9.0), 3.0);
   EXPECT_THAT(summary(a), HasSubstr("origin [1, 2, 3] m, goals on /uav0/goal\n"));
 }

@@ -83,7 +83,7 @@ void add_mujoco(Registry& registry) {
     return std::make_unique<MujocoWorld>(scenario.team, scenario.x0, scenario.vehicles,
                                          plant_options(scenario), sensor_options(scenario), scenario.model);
   };
-  const auto check = [](const Scenario& scenario) {
+  const auto check = [](const ScenarioSpec& scenario) {
     MujocoWorld::validate(scenario.team, scenario.x0, scenario.vehicles, scenario.model);
     // Only the machine can tell whether it renders.
     if (renders_pictures(scenario.vision)) (void)mujoco::make_renderer(scenario);

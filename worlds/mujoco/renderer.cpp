@@ -10,11 +10,11 @@
 namespace sightline::mujoco {
 
 #ifdef SIGHTLINE_PICTURES
-std::unique_ptr<DetectionSource> make_renderer(const Scenario& scenario) {
+std::unique_ptr<DetectionSource> make_renderer(const ScenarioSpec& scenario) {
   return std::make_unique<RenderedDetections>(scenario.team, camera_options(scenario), scenario.model);
 }
 #else
-std::unique_ptr<DetectionSource> make_renderer(const Scenario&) {
+std::unique_ptr<DetectionSource> make_renderer(const ScenarioSpec&) {
   throw_invalid("a camera has render = true, expected false: this program was built without EGL or AprilTag");
 }
 #endif

@@ -9,6 +9,6 @@
 namespace sightline::mujoco {
 
 /// @throws std::invalid_argument as RenderedDetections, and if the build had no EGL or AprilTag
-std::unique_ptr<DetectionSource> make_renderer(const Scenario& scenario);
+std::unique_ptr<DetectionSource> make_renderer(const ScenarioSpec& scenario);
 
 }  // namespace sightline::mujoco

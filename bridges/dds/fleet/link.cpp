@@ -81,7 +81,7 @@ std::string FleetPlan::in_words(const Team& team) const {
   return all;
 }
 
-std::shared_ptr<const Links> FleetPlan::of_part(const Scenario& whole, const Scenario& part) const {
+std::shared_ptr<const Links> FleetPlan::of_part(const ScenarioSpec& whole, const ScenarioSpec& part) const {
   const auto here = [&](BodyId body) { return part.team.find(whole.team.name(body)); };
   const auto elsewhere = [&](const auto& one) { return !part.team.is_agent(one.robot); };
   auto own = std::make_shared<FleetPlan>(*this);
@@ -98,14 +98,14 @@ std::shared_ptr<const Links> FleetPlan::of_part(const Scenario& whole, const Sce
   return own;
 }
 
-const FleetPlan& fleet_of(const Scenario& scenario) {
+const FleetPlan& fleet_of(const ScenarioSpec& scenario) {
   const auto* const fleet = dynamic_cast<const FleetPlan*>(scenario.links.get());
   if (fleet == nullptr)
     throw std::invalid_argument("fleet is missing, expected a [fleet] with the links of the robots");
   return *fleet;
 }
 
-FleetPlan& own_fleet(Scenario& scenario) {
+FleetPlan& own_fleet(ScenarioSpec& scenario) {
   auto own = std::make_shared<FleetPlan>(fleet_of(scenario));
   scenario.links = own;
   return *own;

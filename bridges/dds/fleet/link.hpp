@@ -174,11 +174,10 @@ struct LinkOrigin {
 
 /// Goals for the robot in flight.
 struct GoalsFrom {
-  std::string goal_topic{};            ///< of PoseStamped; empty: none
-  std::string path_topic{};            ///< of Path, whose poses have stamps; empty: none
-  std::string frame = "world";         ///< name of G
-  double speed = 0.5;                  ///< towards goals [m/s]
-  std::shared_ptr<GoalTrack> track{};  ///< the robot's reference, which goals change; null: no goals
+  std::string goal_topic{};     ///< of PoseStamped; empty: none
+  std::string path_topic{};     ///< of Path, whose poses have stamps; empty: none
+  std::string frame = "world";  ///< name of G
+  double speed = 0.5;           ///< towards goals [m/s]
 };
 
 /// The kinds of links, by their words in files.
@@ -239,14 +238,14 @@ struct FleetPlan final : Links {
   std::vector<LinkFault> faults{};  ///< of the vehicle simulators
 
   std::string in_words(const Team& team) const override;
-  std::shared_ptr<const Links> of_part(const Scenario& whole, const Scenario& part) const override;
+  std::shared_ptr<const Links> of_part(const ScenarioSpec& whole, const ScenarioSpec& part) const override;
 };
 
 /// The links of a scenario.
 /// @throws std::invalid_argument without [fleet]
-const FleetPlan& fleet_of(const Scenario& scenario);
+const FleetPlan& fleet_of(const ScenarioSpec& scenario);
 /// The same for changes: a copy that no other scenario shares.
-FleetPlan& own_fleet(Scenario& scenario);
+FleetPlan& own_fleet(ScenarioSpec& scenario);
 
 /// Whether the robot behind a link can have a fault of that kind.
 bool can_have(const Link& link, LinkFaultKind kind);

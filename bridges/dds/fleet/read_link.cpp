@@ -202,7 +202,7 @@ auto commanded_by(const Link& link) {
   return std::visit([](const auto& kind) { return kind.commanded_by(); }, link.kind);
 }
 
-/// Goals in the table of a link, without their track.
+/// Goals in the table of a link.
 GoalsFrom read_goals_from(const TomlTable& at, const Agent& robot) {
   GoalsFrom goals;
   const bool any = at.has("goal_topic") || at.has("path_topic");
@@ -226,13 +226,11 @@ GoalsFrom read_goals_from(const TomlTable& at, const Agent& robot) {
   return goals;
 }
 
-void read_link(const TomlTable& agent, const Agent& robot, const Scenario& scenario, FleetPlan& fleet) {
+void read_link(const TomlTable& agent, const Agent& robot, BodyId body, FleetPlan& fleet) {
   const TomlTable at = agent.table("link", "a table with the link of the robot, as for each of a [fleet]");
   Link& link = fleet.links.emplace_back();
-  link.robot = scenario.team.find(robot.name);
+  link.robot = body;
   link.goals = read_goals_from(at, robot);
-  for (const RobotGoals& goals : scenario.goals)
-    if (goals.robot == link.robot) link.goals.track = goals.track;
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, robot.name);
   for (const Link& other : std::span(fleet.links).first(fleet.links.size() - 1))
     if (other.kind_name() == link.kind_name() && commanded_by(other) == commanded_by(link))
@@ -308,17 +306,20 @@ void read_link_faults(const TomlTable& at, const Team& team, FleetPlan& fleet) {
 
 class FleetReader final : public LinkReader {
  public:
-  std::shared_ptr<GoalTrack> read_goals(const TomlTable& agent, const Agent& robot) const override {
+  std::optional<double> read_goal_speed(const TomlTable& agent, const Agent& robot) const override {
     const GoalsFrom goals = read_goals_from(agent.table("link"), robot);
-    if (goals.goal_topic.empty() && goals.path_topic.empty()) return nullptr;
-    return std::make_shared<GoalTrack>(robot.model, robot.x_ref, goals.speed);
+    if (goals.goal_topic.empty() && goals.path_topic.empty()) return std::nullopt;
+    return goals.speed;
   }
-  std::shared_ptr<const Links> read_links(const TomlTable& root, const Scenario& scenario) const override {
+  std::shared_ptr<const Links> read_links(const TomlTable& root,
+                                          const ScenarioSpec& scenario) const override {
     const TomlTable at = root.table("fleet");
     auto fleet = std::make_shared<FleetPlan>();
     fleet->network = read_network(at);
-    for (const auto& [name, agent] : root.named_tables("agent"))
-      read_link(agent, scenario.team.agent(scenario.team.find(name)), scenario, *fleet);
+    for (const auto& [name, agent] : root.named_tables("agent")) {
+      const BodyId robot = scenario.team.find(name);
+      read_link(agent, scenario.team.agent(robot), robot, *fleet);
+    }
     for (const std::string_view section : {"target", "obstacle"})
       for (const auto& [name, body] : root.named_tables(section))
         if (body.has("link")) read_body_link(body.table("link"), scenario.team.find(name), *fleet);

@@ -21,8 +21,9 @@ namespace sightline {
 namespace {
 
 std::optional<Guard> guard_of(const Scenario& scenario) {
-  const std::optional<GuardOptions> options = guard_options(scenario);
+  std::optional<GuardOptions> options = guard_options(scenario);
   if (!options) return std::nullopt;
+  options->pool = scenario.pool;
   return std::optional<Guard>(std::in_place, scenario.team, *options);
 }
 
@@ -49,16 +50,15 @@ std::vector<double> hard_distances(const Scenario& scenario) {
 }
 
 /// Whether the pose uncertainty of some robot shrinks its view.
-bool has_uncertain_views(const Scenario& scenario) {
+bool has_uncertain_views(const ScenarioSpec& scenario) {
   const auto& robots = scenario.localization.robots;
   return std::any_of(robots.begin(), robots.end(),
                      [](const LocalizedRobot& robot) { return robot.mount.sigmas > 0; });
 }
 
-}  // namespace
-
-void check_solvers(const Scenario& scenario) {
-  const bool changes = changes_in_flight(scenario), swarms = !scenario.team.swarms().empty();
+/// @param changes  whether the team changes in flight
+void check_abilities(const ScenarioSpec& scenario, bool changes) {
+  const bool swarms = !scenario.team.swarms().empty();
   const auto& agents = scenario.team.agents();
   const auto rated =
       std::find_if(agents.begin(), agents.end(), [](const Agent& agent) { return !agent.R_rate.empty(); });
@@ -81,6 +81,12 @@ void check_solvers(const Scenario& scenario) {
   }
 }
 
+}  // namespace
+
+void check_solvers(const ScenarioSpec& spec) { check_abilities(spec, changes_in_flight(spec)); }
+
+void check_solvers(const Scenario& scenario) { check_abilities(scenario, changes_in_flight(scenario)); }
+
 void make_tunable(Scenario& scenario) {
   if (scenario.partition) throw_invalid("--tune of a team that plans in parts, expected one solver for all");
   TomlDocument document = parse_toml(scenario.text, scenario.file.native());
@@ -98,7 +104,7 @@ void lift_deadline(SolverChoice& choice) {
   std::visit(lift, choice.options);
 }
 
-SensorOptions sensor_options(const Scenario& scenario) {
+SensorOptions sensor_options(const ScenarioSpec& scenario) {
   SensorOptions options{.seed = scenario.simulation.seed,
                         .noise = scenario.simulation.disturbances.noise,
                         .odometry = scenario.simulation.disturbances.odometry,

@@ -83,7 +83,7 @@ std::optional<SensorMount> read_mount(const TomlTable& agent) {
 }
 
 void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
-                Scenario& scenario) {
+                ScenarioSpec& scenario) {
   CameraOptions& vision = scenario.vision;
   if (at.has("camera")) {
     const TomlTable camera = at.table("camera");
@@ -106,7 +106,7 @@ void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMoun
   if (at.has("hull")) vision.hulls.push_back({body, read_part<Hull>(TableSource(at.table("hull")))});
 }
 
-CameraOptions camera_options(const Scenario& scenario) {
+CameraOptions camera_options(const ScenarioSpec& scenario) {
   CameraOptions options = scenario.vision;
   options.seed = scenario.simulation.seed;
   for (const RobotVehicle& one : scenario.vehicles) {
@@ -122,7 +122,7 @@ bool renders_pictures(const CameraOptions& options) {
   return !options.tags.empty() && std::any_of(options.cameras.begin(), options.cameras.end(), renders);
 }
 
-std::vector<TagReading> tag_readings(const Scenario& scenario) {
+std::vector<TagReading> tag_readings(const ScenarioSpec& scenario) {
   constexpr double half_found = SyntheticDetections::half_found;
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
@@ -147,7 +147,7 @@ std::vector<TagReading> tag_readings(const Scenario& scenario) {
   return all;
 }
 
-std::string camera_words(const Scenario& scenario) {
+std::string camera_words(const ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   std::string text;
   for (const RobotCamera& one : scenario.vision.cameras) {

@@ -17,10 +17,10 @@ std::optional<SensorMount> read_mount(const TomlTable& agent);
 /// Reads the camera of a robot, and the tags and the hull of any body, into scenario.vision.
 /// @param mount  of the body's sensor, if it has one
 void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
-                Scenario& scenario);
+                ScenarioSpec& scenario);
 
 /// Cameras, tags and hulls, including the hulls of vehicles.
-CameraOptions camera_options(const Scenario& scenario);
+CameraOptions camera_options(const ScenarioSpec& scenario);
 
 /// Whether pictures are rendered for a camera, to find tags in them.
 bool renders_pictures(const CameraOptions& options);
@@ -35,9 +35,9 @@ struct TagReading {
                                                  ///< [px]
 };
 /// In the order of the couplings; d_min before d_max.
-std::vector<TagReading> tag_readings(const Scenario& scenario);
+std::vector<TagReading> tag_readings(const ScenarioSpec& scenario);
 
 /// "camera      uav0: 320 x 240 px, ...", a line for each camera, body with tags and distance.
-std::string camera_words(const Scenario& scenario);
+std::string camera_words(const ScenarioSpec& scenario);
 
 }  // namespace sightline

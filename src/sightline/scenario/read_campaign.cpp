@@ -243,14 +243,14 @@ CampaignPlan read_plan(const TomlDocument& document, ScenarioNumbers numbers, co
 }  // namespace
 
 void read_campaign(const TomlDocument& document, const std::string& text, const ScenarioChanges& changes,
-                   Scenario& scenario) {
+                   ScenarioSpec& scenario) {
   if (!document.root.contains("campaign")) return;
   const std::filesystem::path file = document.file;
   // Tests drawn keys that the file lacks in the scenario without [campaign].
   const auto try_set = [&](const std::vector<std::string>& set) {
     TomlDocument flight = parse_toml(text, document.file);
     flight.root.erase("campaign");
-    parse_scenario(printed(flight), file, *scenario.registry, {.files = changes.files, .set = set});
+    parse_spec(printed(flight), file, *document.registry, {.files = changes.files, .set = set});
   };
   try {
     scenario.campaign =

@@ -9,14 +9,14 @@
 
 namespace sightline {
 
-struct Scenario;
+struct ScenarioSpec;
 struct ScenarioChanges;
 
 /// Reads [campaign] into the scenario that was read from the document. An invalid [campaign] only
 /// sets campaign_refusal, since other flights do not need it.
 /// @param text  as written in the file; a campaign draws its numbers
 void read_campaign(const TomlDocument& document, const std::string& text, const ScenarioChanges& changes,
-                   Scenario& scenario);
+                   ScenarioSpec& scenario);
 
 /// [campaign.evasion].
 /// @throws ScenarioError

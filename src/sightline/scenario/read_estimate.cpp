@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 2> localization_kinds = {"global", "visio
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
 
 /// The bodies with tags that a robot's sensor observes at some time of a run.
-std::vector<BodyId> observed_by(BodyId robot, const Scenario& scenario) {
+std::vector<BodyId> observed_by(BodyId robot, const ScenarioSpec& scenario) {
   std::vector<BodyId> all;
   const auto add = [&](BodyId body) {
     if (scenario.vision.tags_of(body) != nullptr && std::find(all.begin(), all.end(), body) == all.end())
@@ -44,7 +44,7 @@ std::vector<BodyId> observed_by(BodyId robot, const Scenario& scenario) {
   return all;
 }
 
-std::vector<BodyId> read_observed(const TomlTable& agent, BodyId robot, const Scenario& scenario) {
+std::vector<BodyId> read_observed(const TomlTable& agent, BodyId robot, const ScenarioSpec& scenario) {
   constexpr std::string_view key = "observes";
   std::vector<BodyId> read = bodies_named(agent, key, TomlTable::any_length, scenario.team);
   for (std::size_t i = 0; i < read.size(); ++i) {
@@ -60,7 +60,7 @@ std::vector<BodyId> read_observed(const TomlTable& agent, BodyId robot, const Sc
 
 /// Reads a robot that is localized by its camera.
 LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const FilterOptions& filter,
-                              const Scenario& scenario) {
+                              const ScenarioSpec& scenario) {
   constexpr std::string_view key = "localization";
   const RobotCamera* const camera = scenario.vision.camera_of(robot);
   if (camera == nullptr)
@@ -80,7 +80,7 @@ LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const Filter
 }
 
 /// Rejects a vision-localized robot whose sensors do not measure its heading.
-void refuse_unknown_headings(const TomlTable& at, const Scenario& scenario) {
+void refuse_unknown_headings(const TomlTable& at, const ScenarioSpec& scenario) {
   const SensedTeam team = sensed_team(scenario);
   for (const Unobservable& what : unobservable_states(team.robots, team.places, team.sightings))
     if (what.heading) at.checked([&] { throw_invalid("{}", to_string(what, team.robots)); });
@@ -88,12 +88,12 @@ void refuse_unknown_headings(const TomlTable& at, const Scenario& scenario) {
 
 }  // namespace
 
-bool sees_headings(const Scenario& scenario, BodyId observer) {
+bool sees_headings(const ScenarioSpec& scenario, BodyId observer) {
   const RobotCamera* const camera = scenario.vision.camera_of(observer);
   return camera == nullptr || camera->camera.output == CameraOutput::pose;
 }
 
-SensedTeam sensed_team(const Scenario& scenario) {
+SensedTeam sensed_team(const ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   SensedTeam sensed;
   const std::vector<double> none(size(team.nu()) + 1, 0.0);
@@ -115,7 +115,7 @@ SensedTeam sensed_team(const Scenario& scenario) {
   return sensed;
 }
 
-void read_estimates(const TomlTable& root, Scenario& scenario) {
+void read_estimates(const TomlTable& root, ScenarioSpec& scenario) {
   LocalizerOptions& options = scenario.localization;
   const TomlTable all = root.table_or_empty("estimate");
   const FilterOptions team_filter =
@@ -152,7 +152,7 @@ void read_estimates(const TomlTable& root, Scenario& scenario) {
   first->checked([&] { validate(scenario.team, *guard_options(scenario)); });
 }
 
-TelemetryOptions telemetry_options(const Scenario& scenario) {
+TelemetryOptions telemetry_options(const ScenarioSpec& scenario) {
   TelemetryOptions options{.seed = scenario.simulation.seed, .radio = scenario.radio};
   const auto& robots = scenario.localization.robots;
   for (const LocalizedRobot& robot : robots) {
@@ -168,7 +168,7 @@ TelemetryOptions telemetry_options(const Scenario& scenario) {
   return options;
 }
 
-std::string localization_words(const Scenario& scenario) {
+std::string localization_words(const ScenarioSpec& scenario) {
   const LocalizerOptions& options = scenario.localization;
   if (options.robots.empty()) return {};
   const LocalizationGraph graph = localization_graph(scenario.team, options);

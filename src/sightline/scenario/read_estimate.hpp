@@ -12,7 +12,7 @@
 namespace sightline {
 
 /// Fills scenario.localization and scenario.radio. Requires all bodies, couplings and events.
-void read_estimates(const TomlTable& root, Scenario& scenario);
+void read_estimates(const TomlTable& root, ScenarioSpec& scenario);
 
 /// What the sensors of a team measure, for unobservable_states().
 struct SensedTeam {
@@ -21,14 +21,14 @@ struct SensedTeam {
   std::vector<PlacedRobot> places{};  ///< at the start
   std::vector<Sees> sightings{};      ///< of vision-localized robots
 };
-SensedTeam sensed_team(const Scenario& scenario);
+SensedTeam sensed_team(const ScenarioSpec& scenario);
 /// Whether the camera of an observer measures the headings of bodies with tags.
-bool sees_headings(const Scenario& scenario, BodyId observer);
+bool sees_headings(const ScenarioSpec& scenario, BodyId observer);
 
 /// Poses that robots and bodies report in simulation.
-TelemetryOptions telemetry_options(const Scenario& scenario);
+TelemetryOptions telemetry_options(const ScenarioSpec& scenario);
 
 /// "localized   uav0: by view of uav1, ...", a line for each vision-localized robot.
-std::string localization_words(const Scenario& scenario);
+std::string localization_words(const ScenarioSpec& scenario);
 
 }  // namespace sightline

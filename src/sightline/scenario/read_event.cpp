@@ -67,7 +67,8 @@ std::vector<BodyId> bodies_of(const Measure& measure) {
 }
 
 /// Rejects events about bodies that are never present. `tables` belong to the script's last events.
-void check_presence(const std::vector<TomlTable>& tables, const Script& script, const Scenario& scenario) {
+void check_presence(const std::vector<TomlTable>& tables, const Script& script,
+                    const ScenarioSpec& scenario) {
   std::vector<Presence> presence = scenario.presence;
   for (const TeamEvent& event : script.events) {
     for (const Action& action : event.actions) {
@@ -108,7 +109,7 @@ std::vector<TimedSignal> read_signals(const TomlTable& simulation) {
   return signals;
 }
 
-Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers) {
+Script read_events(const TomlTable& root, const ScenarioSpec& scenario, const Observers& observers) {
   const auto& presence = scenario.presence;
   if (std::find(presence.begin(), presence.end(), Presence::steered) == presence.end()) {
     root.throw_invalid("agent", "at least one robot that is present at the start");

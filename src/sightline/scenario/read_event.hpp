@@ -18,7 +18,7 @@ std::vector<TimedSignal> read_signals(const TomlTable& simulation);
 
 /// Reads all of [[event]], for the team and its presence at the start. Rejects every fault that is
 /// known without a flight.
-Script read_events(const TomlTable& root, const Scenario& scenario, const Observers& observers);
+Script read_events(const TomlTable& root, const ScenarioSpec& scenario, const Observers& observers);
 
 /// The kinds of faults by their words, in the order of Surroundings::FaultKind.
 inline constexpr std::array<std::string_view, 3> fault_words = {"dropout", "freeze", "jump"};

@@ -87,7 +87,7 @@ bool follows_a_robot(const Motion& motion) {
       motion);
 }
 
-void check_flown_in_parts(const Scenario& whole) {
+void check_flown_in_parts(const ScenarioSpec& whole) {
   const std::string& part = whole.partition->part;
   if (!whole.localization.robots.empty())
     throw_invalid(
@@ -103,7 +103,7 @@ void check_flown_in_parts(const Scenario& whole) {
 
 }  // namespace
 
-void read_partition(const TomlTable& root, Scenario& scenario) {
+void read_partition(const TomlTable& root, ScenarioSpec& scenario) {
   if (!root.has("partition")) return;
   const TomlTable at = root.table("partition");
   PartitionPlan& plan = scenario.partition.emplace();
@@ -131,7 +131,7 @@ void read_partition(const TomlTable& root, Scenario& scenario) {
   });
 }
 
-void check_plans_in_parts(const Scenario& scenario) {
+void check_plans_in_parts(const ScenarioSpec& scenario) {
   if (!abilities_of(scenario.solver.name).changing_teams)
     throw_invalid("the solver {} cannot plan a part, expected {}", scenario.solver.name,
                   solvers_that(&SolverAbilities::changing_teams));
@@ -148,13 +148,13 @@ Partition partition_of(const PartitionPlan& plan, const Team& team) {
   return partition;
 }
 
-Scenario part_of(const Scenario& whole) {
+ScenarioSpec part_of(const ScenarioSpec& whole) {
   check_flown_in_parts(whole);
   const auto& parts = whole.partition->parts;
   const auto own = std::find_if(parts.begin(), parts.end(),
                                 [&](const PlannedPart& part) { return part.name == whole.partition->part; });
   const auto place = static_cast<std::size_t>(own - parts.begin());
-  Scenario part = whole;
+  ScenarioSpec part = whole;
   part.team = subteam_of(whole.team, partition_of(*whole.partition, whole.team)[place], Others::all);
   const Team& team = part.team;
   const Renumbered here(whole.team, team);
@@ -193,7 +193,7 @@ Scenario part_of(const Scenario& whole) {
   std::erase_if(part.simulation.faults, [&](const Fault& fault) {
     return fault.body.index >= 0 && fault.number >= team.model(fault.body).nx();
   });
-  here.keep_own(part.goals, &RobotGoals::robot);
+  here.keep_own(part.goal_options, &GoalOptions::robot);
   if (part.links) part.links = part.links->of_part(whole, part);
   return part;
 }

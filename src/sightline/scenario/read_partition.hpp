@@ -11,10 +11,10 @@ namespace sightline {
 
 /// Reads [partition], if there is one. If it selects a part, the scenario becomes that of the part.
 /// @throws ScenarioError
-void read_partition(const TomlTable& root, Scenario& scenario);
+void read_partition(const TomlTable& root, ScenarioSpec& scenario);
 
 /// @throws std::invalid_argument if parts of the scenario's team cannot plan separately
-void check_plans_in_parts(const Scenario& scenario);
+void check_plans_in_parts(const ScenarioSpec& scenario);
 
 /// The parts as agent ids of that team, for a solver.
 Partition partition_of(const PartitionPlan& plan, const Team& team);
@@ -22,7 +22,7 @@ Partition partition_of(const PartitionPlan& plan, const Team& team);
 /// The scenario of the part that is planned on this computer. Its robots form the team; all other
 /// bodies, robots of other parts included, are seen only. Omits what concerns other parts alone.
 /// @throws std::invalid_argument for a feature that a part does not support
-Scenario part_of(const Scenario& whole);
+ScenarioSpec part_of(const ScenarioSpec& whole);
 
 /// Lines for the summary of a scenario.
 std::string in_words(const PartitionPlan& plan);

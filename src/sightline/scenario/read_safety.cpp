@@ -150,7 +150,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
   return safety;
 }
 
-void check_start_outside(const TomlTable& root, const Scenario& scenario) {
+void check_start_outside(const TomlTable& root, const ScenarioSpec& scenario) {
   if (!scenario.safety || !scenario.safety->start_outside || root.has("campaign"))
     return;  // a campaign draws starts
   const Team& team = scenario.team;
@@ -207,7 +207,7 @@ std::optional<Authority> ability(const Agent& agent) {
 
 }  // namespace
 
-std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
+std::vector<RobotSpeed> uncooperative_robots(const ScenarioSpec& scenario) {
   std::vector<RobotSpeed> robots;
   if (!scenario.safety || scenario.safety->barrier == BarrierMode::off) return robots;
   const Team& team = scenario.team;
@@ -274,7 +274,7 @@ std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario) {
   return robots;
 }
 
-std::optional<GuardOptions> guard_options(const Scenario& scenario) {
+std::optional<GuardOptions> guard_options(const ScenarioSpec& scenario) {
   const Safety safety = scenario.safety.value_or(Safety{});
   const bool searches = !scenario.localization.robots.empty();
   if (safety.barrier == BarrierMode::off && !safety.supervisor && !searches) return std::nullopt;
@@ -283,8 +283,7 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
                        .barrier_options = safety.barrier_options,
                        .position_sigma = safety.position_sigma,
                        .period = scenario.horizon.dt,
-                       .search = safety.search,
-                       .pool = scenario.pool};
+                       .search = safety.search};
   // If a period exceeds the time in which the reserve may be used up, one period uses all of it,
   // not more.
   double& rate = options.barrier_options.rate;
@@ -317,7 +316,7 @@ std::optional<GuardOptions> guard_options(const Scenario& scenario) {
   return options;
 }
 
-std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b) {
+std::optional<double> hard_distance(const ScenarioSpec& scenario, BodyId a, BodyId b) {
   const auto agents = static_cast<int>(scenario.team.agents().size());  // agents come first
   if (a.index >= agents && b.index >= agents) return std::nullopt;
   const int other = std::max(a.index, b.index);
@@ -331,7 +330,7 @@ std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b
   return scenario.safety->d_hard;
 }
 
-double hold_after(const Scenario& scenario) {
+double hold_after(const ScenarioSpec& scenario) {
   const bool supervised = scenario.safety && scenario.safety->supervisor;
   return supervised ? scenario.safety->supervisor->times.hold_after : LadderTimes{}.hold_after;
 }

@@ -14,7 +14,7 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
 
 /// Rejects `start_outside` if no start violates a judged limit, unless a campaign draws starts.
 /// @param scenario  its bodies and starts are read
-void check_start_outside(const TomlTable& root, const Scenario& scenario);
+void check_start_outside(const TomlTable& root, const ScenarioSpec& scenario);
 
 /// Reads [[simulation.fault]] into the simulation.
 void read_faults(const TomlTable& simulation, const Team& team, Simulation& to);
@@ -27,17 +27,17 @@ struct RobotSpeed {
 };
 /// The robots of a team under a barrier, if they do not cooperate: their motions differ, or they
 /// climb late. If all climb late with the same motion, the speeds do not count.
-std::vector<RobotSpeed> uncooperative_robots(const Scenario& scenario);
+std::vector<RobotSpeed> uncooperative_robots(const ScenarioSpec& scenario);
 
 /// Options of the guard of the scenario's loop; none without a barrier, a supervisor or a
 /// vision-localized robot.
-std::optional<GuardOptions> guard_options(const Scenario& scenario);
+std::optional<GuardOptions> guard_options(const ScenarioSpec& scenario);
 
 /// Hard minimum distance between two bodies [m]; none if neither the bodies nor [safety] state one.
-std::optional<double> hard_distance(const Scenario& scenario, BodyId a, BodyId b);
+std::optional<double> hard_distance(const ScenarioSpec& scenario, BodyId a, BodyId b);
 
 /// Time without a new plan after which a robot holds [s]; without a supervisor the default.
-double hold_after(const Scenario& scenario);
+double hold_after(const ScenarioSpec& scenario);
 
 /// A line for each active or injected item, for the user.
 std::string in_words(const Safety& safety);

@@ -142,7 +142,7 @@ std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOpt
 
 /// `best = { target, observers, observers_max, margin, dwell, ramp }`, and `name`: each observer
 /// views the target that gives its position the least variance.
-void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenario) {
+void read_best(const TomlTable& shape, const TermsOf& terms_of, ScenarioSpec& scenario) {
   constexpr std::string_view target_key = "target", observers_key = "observers", max_key = "observers_max";
   const Team& team = scenario.team;
   const TomlTable at = shape.table("best", "a table with target and observers");
@@ -202,7 +202,7 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, Scenario& scenar
 
 }  // namespace
 
-void read_shape(const TomlTable& at, const Observers& observers, Scenario& scenario) {
+void read_shape(const TomlTable& at, const Observers& observers, ScenarioSpec& scenario) {
   constexpr std::string_view nearest_word = "nearest", best_word = "best";
   Team& team = scenario.team;
   const bool is_best = at.has(best_word), is_relay = at.has(nearest_word);

@@ -10,6 +10,6 @@ namespace sightline {
 inline constexpr std::size_t shape_couplings_max = 100'000;
 
 /// Expands one [[shape]] to couplings of the team; `nearest` and `best` also add events.
-void read_shape(const TomlTable& at, const Observers& observers, Scenario& scenario);
+void read_shape(const TomlTable& at, const Observers& observers, ScenarioSpec& scenario);
 
 }  // namespace sightline

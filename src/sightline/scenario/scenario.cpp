@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -41,10 +42,10 @@ constexpr std::array<std::string_view, 26> agent_keys = {
     "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localization",
     "observes",     "estimate"};
 
-/// Fills a Scenario from a document, section by section; sections that others refer to come first.
+/// Fills a ScenarioSpec from a document, section by section; sections that others refer to come first.
 class Reader {
  public:
-  Reader(const TomlDocument& document, Scenario& scenario) : root_(document), scenario_(scenario) {}
+  Reader(const TomlDocument& document, ScenarioSpec& scenario) : root_(document), scenario_(scenario) {}
 
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
@@ -200,9 +201,8 @@ class Reader {
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").throw_invalid(place_key(at), "a place at or above the ground, whose height is 0 m");
-      std::shared_ptr<GoalTrack> goals;
-      if (at.has("link")) goals = link_reader(at).read_goals(at, agent);
-      if (goals) agent.x_ref = GoalTrack::reference(goals);
+      std::optional<double> goal_speed;
+      if (at.has("link")) goal_speed = link_reader(at).read_goal_speed(at, agent);
       enter(name, at, [&] { return scenario_.team.add(std::move(agent)); });
       if (vehicle) {
         vehicle->robot = bodies_.at(name);
@@ -210,7 +210,10 @@ class Reader {
       }
       read_sight(at, bodies_.at(name), observers_.back().mount, scenario_);
       read_compensation(at, bodies_.at(name));
-      if (goals) scenario_.goals.push_back({bodies_.at(name), std::move(goals)});
+      if (goal_speed) {
+        const BodyId robot = bodies_.at(name);
+        scenario_.goal_options.push_back({robot, scenario_.team.agent(robot).x_ref, *goal_speed});
+      }
       scenario_.presence.push_back(is_present(at) ? Presence::steered : Presence::absent);
     }
   }
@@ -394,21 +397,49 @@ class Reader {
   }
 
   TomlTable root_;
-  Scenario& scenario_;
+  ScenarioSpec& scenario_;
   Observers observers_;
   std::unordered_map<std::string, BodyId> bodies_;
   std::vector<std::pair<std::string, Vec3<double>>> places_;  // starts of the robots that are present at
                                                               // first
 };
 
+/// The team whose robots with goals follow these.
+Team guided(const Team& team, const std::vector<RobotGoals>& goals) {
+  Team next;
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    if (!team.is_agent(body)) {
+      next.add(Obstacle{std::string(team.name(body))});
+      continue;
+    }
+    Agent agent = team.agent(body);
+    for (const RobotGoals& of : goals)
+      if (of.robot == body) agent.x_ref = GoalTrack::reference(of.track);
+    next.add(std::move(agent));
+  }
+  for (const Coupling& coupling : team.couplings()) next.couple(coupling);
+  for (const Swarm& s : team.swarms()) next.keep_apart(s.term, s.agents, s.radius, s.capacity);
+  for (const Constraint& constraint : team.constraints()) next.constrain(constraint);
+  for (const BarrierTerm& term : team.barriers()) next.constrain(term.barrier, term.agent);
+  return next;
+}
+
 }  // namespace
 
-Scenario parse_scenario(std::string text, const std::filesystem::path& file, const Registry& registry,
+bool ScenarioSpec::operator==(const ScenarioSpec& other) const {
+  const auto values = [](const ScenarioSpec& s) {
+    return std::tie(s.name, s.text, s.files, s.horizon.T, s.horizon.N, s.horizon.dt, s.solver.name, s.world,
+                    s.x0, s.presence, s.simulation.duration, s.simulation.seed, s.simulation.compare);
+  };
+  return values(*this) == values(other);
+}
+
+ScenarioSpec parse_spec(std::string text, const std::filesystem::path& file, const Registry& registry,
                         const ScenarioChanges& changes) {
-  Scenario scenario;
-  scenario.registry = std::make_shared<const Registry>(registry);
+  ScenarioSpec scenario;
   TomlDocument document = layered(text, file.native(), changes.set);
-  document.registry = scenario.registry.get();
+  document.registry = &registry;
   document.from_disk = !changes.files;
   if (changes.files) document.files = *changes.files;
   const bool in_layers = !document.layers.empty();
@@ -419,7 +450,7 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   if (in_layers) {  // a valid layered scenario is read again from its single text, as a log is
     auto places = std::move(scenario.coupling_places);
     auto campaign_refusal = std::move(scenario.campaign_refusal);
-    scenario = parse_scenario(std::move(text), file, registry, {.files = changes.files});
+    scenario = parse_spec(std::move(text), file, registry, {.files = changes.files});
     scenario.coupling_places = std::move(places);
     if (campaign_refusal) scenario.campaign_refusal = std::move(campaign_refusal);
     return scenario;
@@ -432,25 +463,40 @@ Scenario parse_scenario(std::string text, const std::filesystem::path& file, con
   return scenario;
 }
 
+Scenario build(ScenarioSpec spec, const Registry& registry) {
+  Scenario scenario{std::move(spec)};
+  scenario.registry = std::make_shared<const Registry>(registry);
+  for (const GoalOptions& of : scenario.goal_options) {
+    const auto track = std::make_shared<GoalTrack>(scenario.team.model(of.robot), of.own, of.speed);
+    scenario.goals.push_back({of.robot, track});
+  }
+  if (!scenario.goals.empty()) scenario.team = guided(scenario.team, scenario.goals);
+  return scenario;
+}
+
+Scenario parse_scenario(std::string text, const std::filesystem::path& file, const Registry& registry,
+                        const ScenarioChanges& changes) {
+  return build(parse_spec(std::move(text), file, registry, changes), registry);
+}
+
 Scenario read_scenario(const std::filesystem::path& file, const Registry& registry,
                        const std::vector<std::string>& set) {
   return parse_scenario(read_text(file), file, registry, {.files = {}, .set = set});
 }
 
-const RobotVehicle* vehicle_of(const Scenario& scenario, BodyId body) {
+const RobotVehicle* vehicle_of(const ScenarioSpec& scenario, BodyId body) {
   const auto& vehicles = scenario.vehicles;
   const auto found = std::find_if(vehicles.begin(), vehicles.end(),
                                   [&](const RobotVehicle& vehicle) { return vehicle.robot == body; });
   return found != vehicles.end() ? &*found : nullptr;
 }
 
-PlantOptions plant_options(const Scenario& scenario) {
+PlantOptions plant_options(const ScenarioSpec& scenario) {
   PlantOptions options{.seed = scenario.simulation.seed,
                        .disturbances = scenario.simulation.disturbances,
                        .period = scenario.horizon.dt,
                        .motions = {},
-                       .downwash = scenario.downwash,
-                       .pool = scenario.pool};
+                       .downwash = scenario.downwash};
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     if (uncooperative.motion) options.motions.push_back({uncooperative.body, *uncooperative.motion});
     options.speed_max.push_back(uncooperative.speed_max);
@@ -458,15 +504,25 @@ PlantOptions plant_options(const Scenario& scenario) {
   return options;
 }
 
-bool plans_apart(const Scenario& scenario) { return scenario.partition && scenario.partition->apart(); }
+PlantOptions plant_options(const Scenario& scenario) {
+  PlantOptions options = plant_options(static_cast<const ScenarioSpec&>(scenario));
+  options.pool = scenario.pool;
+  return options;
+}
+
+bool plans_apart(const ScenarioSpec& scenario) { return scenario.partition && scenario.partition->apart(); }
 
 bool changes_in_flight(const Scenario& scenario) {
-  const auto& presence = scenario.presence;
-  return !scenario.script.empty() || scenario.tuned != nullptr ||
+  return scenario.tuned != nullptr || changes_in_flight(static_cast<const ScenarioSpec&>(scenario));
+}
+
+bool changes_in_flight(const ScenarioSpec& spec) {
+  const auto& presence = spec.presence;
+  return !spec.script.empty() ||
          std::find(presence.begin(), presence.end(), Presence::absent) != presence.end();
 }
 
-std::string summary(const Scenario& scenario) {
+std::string summary(const ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   const Horizon& horizon = scenario.horizon;
   const Simulation& simulation = scenario.simulation;

@@ -242,7 +242,7 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
   text += fmt::format("\n[[event]]\nat = {}\n{}", at + scenario_.horizon.dt, keys);
   TeamEvent event;
   try {
-    event = parse_scenario(std::move(text), scenario_.file, *scenario_.registry, {.files = scenario_.files})
+    event = parse_spec(std::move(text), scenario_.file, *scenario_.registry, {.files = scenario_.files})
                 .script.events.back();
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(error.what());
@@ -313,8 +313,8 @@ std::string Tuner::final_text() const {
   std::vector<std::string> set;
   for (const auto& [place, value] : now_.last) set.push_back(fmt::format("{}={}", place, value));
   try {
-    return parse_scenario(printed(expanded(scenario_)), scenario_.file, *scenario_.registry,
-                          {.files = scenario_.files, .set = set})
+    return parse_spec(printed(expanded(scenario_)), scenario_.file, *scenario_.registry,
+                      {.files = scenario_.files, .set = set})
         .text;
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(error.what());
