@@ -25,46 +25,47 @@ flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapp
 # name | file | what stands there (a regular expression without |) | what the mutant has in its place
 barrier() {
   folder=safety
-  sources=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver})
+  sources=(safety/{authority,escape,projection,barrier,barrier_law,barrier_threats,joint_plan,barrier_rows,row_projection,surrounded}
+    safety/{barrier_check,evasive_maneuver})
   tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver})
   filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:EvasiveManeuvers.*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline_core.a")
   mutants=(
-    'sign of the normal flipped|barrier_threats.hpp|return least - value(next);|return least + value(next);'
-    'sign of the velocity flipped|barrier_threats.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
+    'sign of the normal flipped|barrier_period.hpp|return least - value(next);|return least + value(next);'
+    'sign of the velocity flipped|barrier_period.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
     'sign of the thrust flipped|escape.cpp|const S side = where_negative(g.x \* x\[k\] + g.y \* y\[k\], S(-1.0), S(1.0));|const S side = where_negative(g.x * x[k] + g.y * y[k], S(1.0), S(-1.0));'
-    'drag dropped|barrier.cpp|plans_(can_.drag, dt)|plans_(0.0, dt)'
+    'drag dropped|barrier_law.cpp|plans(can.drag, dt)|plans(0.0, dt)'
     'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
-    'deceleration of members doubled|barrier_threats.cpp|tube.beta = both \* 2 \* b_;|tube.beta = both * 4 * b_;'
-    'margin zero|barrier_threats.cpp|n.d_hard + options_.margin + 3 \* n.sigma|n.d_hard'
+    'deceleration of members doubled|barrier_threats.cpp|tube.beta = both \* 2 \* law.b;|tube.beta = both * 4 * law.b;'
+    'margin zero|barrier_threats.cpp|n.d_hard + law.options.margin + 3 \* n.sigma|n.d_hard'
     'margin of age zero|barrier_threats.cpp|tube.rho0 += n.speed_max \* age;|;'
     'speed of a stranger halved|barrier_threats.cpp|tube.speed = n.speed_max;|tube.speed = 0.5 * n.speed_max;'
-    'share of a member doubled|barrier.cpp|options_.share \* spare|2 * options_.share * spare'
-    'step not looked ahead|barrier.cpp|const EscapeShape left = plans_.left(touch);|const EscapeShape left = touch.shape;'
-    'cuts left out|barrier.cpp|    add_cuts(self, there, rows);||'
-    'floor traded for a distance|barrier.cpp|h.hard = row.wall != Wall::none;|h.hard = false;'
+    'share of a member doubled|barrier_rows.cpp|law.options.share \* spare|2 * law.options.share * spare'
+    'step not looked ahead|barrier_rows.cpp|const EscapeShape left = law.plans.left(touch);|const EscapeShape left = touch.shape;'
+    'cuts left out|row_projection.cpp|    add_cuts(law, there, now);||'
+    'floor traded for a distance|row_projection.cpp|h.hard = row.wall != Wall::none;|h.hard = false;'
     'hard rows missed as others are|projection.cpp|missable(row) ? slack_part : 0.0|slack_part'
-    'several each for itself|barrier_several.cpp|if (uncooperative.size() < 2) return infinity;|return infinity;'
+    'several each for itself|joint_plan.cpp|if (uncooperative.size() < 2) return infinity;|return infinity;'
     'other corners not looked at|escape.cpp|if (a.x == plan.a.x \&\& a.y == plan.a.y) continue;|continue;'
-    'nothing looked at below a ceiling|barrier_several.cpp|if (speed != 0 \&\& room == 0) continue;|if (speed != 0 \&\& room == 0) break;'
+    'nothing looked at below a ceiling|joint_plan.cpp|if (speed != 0 \&\& room == 0) continue;|if (speed != 0 \&\& room == 0) break;'
     'plan for several climbs twice as fast|escape.cpp|clamp(tube.climb \* t, -tube.room, tube.room)|clamp(S(2.0) * tube.climb * t, -tube.room, tube.room)'
-    'height lags behind the plan|barrier_several.cpp|side \* self.p.z + step - lag|side * self.p.z + step - 1.0'
-    'lag of the climb ignored|barrier.cpp|self.p.z += can_.climb_lag \* self.v.z;|self.p.z += 0.0 * self.v.z;'
+    'height lags behind the plan|joint_plan.cpp|side \* now.self.p.z + step - lag|side * now.self.p.z + step - 1.0'
+    'lag of the climb ignored|barrier_law.cpp|self.p.z += can.climb_lag \* self.v.z;|self.p.z += 0.0 * self.v.z;'
     'limits that are left ignored|authority.cpp|return std::max(least, (left - (1.0 - free)) / free);|return 1.0;'
-    'part of a member ignored|barrier_threats.cpp|std::min(part, n.part)|part'
-    'margin of the floor zero|barrier.cpp|options_.floor += options_.wall_margin;|;'
+    'part of a member ignored|barrier_threats.cpp|std::min(now.part, n.part)|now.part'
+    'margin of the floor zero|barrier_law.cpp|options.floor += options.wall_margin;|;'
     'ring not noticed|barrier.cpp|  if (lost) {|  if (lost \&\& joint > 1.0) {'
     'chasers stand still|evasive_maneuver.cpp|Pack(chaser.speed \* step.h)|Pack(0.0 * step.h)'
-    'way out flown the other way|barrier_several.cpp|step.e \* self.v.x + step.E \* a.x|step.e * self.v.x - step.E * a.x'
-    'long periods not checked|barrier.cpp|if (parts_ > 1) {|if (parts_ > 1000) {'
+    'way out flown the other way|surrounded.cpp|step.e \* now.self.v.x + step.E \* a.x|step.e * now.self.v.x - step.E * a.x'
+    'long periods not checked|barrier.cpp|if (law.parts > 1) {|if (law.parts > 1000) {'
     'motion within a period not checked|barrier_check.cpp|least = std::min(least, norm(q) - rho - wanted);|;'
     'rest of a plan not checked|barrier_check.cpp|least = std::min(least, plans\[k - first\].reserve() - required(\*of\[k\]));|;'
     'dip of a plan within a period left out|escape.cpp|return least - tube.rho0;|return norm(tube.r) - tube.rho0;'
-    'share of a member checked doubled|barrier_check.cpp|options_.share \* (gap - wanted)|2 * options_.share * (gap - wanted)'
-    'yaw beside a plan|barrier_several.cpp|if (can_.reach\[k\] == 0) continue;|;'
+    'share of a member checked doubled|barrier_check.cpp|law.options.share \* (gap - wanted)|2 * law.options.share * (gap - wanted)'
+    'yaw beside a plan|barrier_law.cpp|if (can.reach\[k\] == 0) continue;|;'
     'bounds of the world not checked|barrier_check.cpp|return least + touched;|return infinity;'
-    'floor turned into a ceiling|barrier.cpp|of_wall({0, 0, 1}, 0.0, least, Wall::floor)|of_wall({0, 0, -1}, 0.0, least, Wall::floor)'
+    'floor turned into a ceiling|barrier_rows.cpp|of_wall({0, 0, 1}, 0.0, least, Wall::floor)|of_wall({0, 0, -1}, 0.0, least, Wall::floor)'
   )
 }
 

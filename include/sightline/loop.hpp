@@ -496,6 +496,8 @@ struct GuardOptions {
 /// @throws std::invalid_argument as it does
 void validate(const Team& team, const GuardOptions& options);
 
+class TeamBarrier;
+
 class Guard {
  public:
   /// Greatest standard deviation of an estimated position that the barrier uses [m].
@@ -504,7 +506,8 @@ class Guard {
   /// @throws std::invalid_argument for options out of their range, and for a robot whose model the
   ///         barrier does not support
   Guard(const Team& team, const GuardOptions& options);
-  Guard(const Guard&) = delete;  // its robots point into its team
+  ~Guard();
+  Guard(const Guard&) = delete;  // its barriers refer to its team
   Guard& operator=(const Guard&) = delete;
 
   /// Updates the state estimate of all bodies at t [s].
@@ -551,7 +554,7 @@ class Guard {
   /// Events of this period.
   std::span<const Event> events() const noexcept { return events_; }
   /// One record for each robot; empty without a barrier.
-  std::span<const BarrierRecord> barriers() const noexcept { return records_; }
+  std::span<const BarrierRecord> barriers() const noexcept;
   /// One level for each body; `valid` for all without a supervisor, and for bodies that are no
   /// robots.
   std::span<const FallbackLevel> levels() const noexcept { return levels_; }
@@ -560,39 +563,7 @@ class Guard {
   const std::optional<Supervisor>& supervisor() const noexcept { return supervisor_; }
 
  private:
-  struct Robot {
-    BodyId body;
-    std::size_t x, u, nx, nu;                    // offsets and lengths
-    Barrier barrier, landing;                    // with and without the floor
-    std::vector<double> u_min, u_max, reported;  // limits now; for BarrierMode::report
-    double part = 1.0;                           // of the acceleration, within these limits
-    const InputLimits* limits;                   // in force
-    EvasiveManeuver maneuver{};
-    bool was_in_conflict = false;  // in the previous period
-  };
-  /// Work space of a thread that runs barriers.
-  struct Requester {
-    ThreatSelection::Requester threats;
-    std::vector<Neighbour> neighbours;  // of one robot
-  };
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
-
-  double sigma_of(BodyId body) const noexcept;
-  double delay_of(BodyId body) const noexcept {
-    return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
-  }
-  const Robot& robot_of(BodyId robot) const noexcept {
-    return robots_[static_cast<std::size_t>(&team_.agent(robot) - team_.agents().data())];
-  }
-  bool is_grounded(BodyId body) const noexcept {
-    return supervisor_ && team_.is_agent(body) && supervisor_->level(body) == FallbackLevel::grounded;
-  }
-  void see_all(std::span<const double> x) noexcept;
-  bool gives_way(const Robot& robot, BodyId other) const noexcept;
-  Neighbour neighbour_of(const Robot& robot, BodyId other) const noexcept;
-  std::span<const Neighbour> neighbours_of(const Robot& robot, Requester& requester) const noexcept;
-  void keep_distance(std::size_t robot, std::span<const double> x, std::span<double> u,
-                     Requester& requester) noexcept;
   void tell(const Event& event) noexcept;
   void emit_stale(double t) noexcept;
 
@@ -603,20 +574,13 @@ class Guard {
   std::optional<Supervisor> supervisor_;
   Search search_;
   std::vector<char> searches_;  // whether each searcher searches, as last reported
-  std::vector<Robot> robots_;   // empty without a barrier
   ValidStates estimated_;
-  std::vector<double> ages_, stamps_, before_;
+  std::vector<double> ages_, stamps_;
   std::vector<double> sigmas_;    // of each body, last received [m]
   bool awaits_position_ = false;  // a robot that is present has never had a position
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
-  double oldest_;                      // greatest age that the barrier uses [s]
-  std::vector<int> kinds_;             // of each body; equal: robots with like motion; -1: no such robot
-  std::vector<Sight<double>> sights_;  // of each body, in this period
-  ThreatSelection threats_{0};         // bodies that are present
-  std::shared_ptr<ThreadPool> pool_;
-  std::vector<Requester> requesters_;  // one for each thread
-  std::vector<BarrierRecord> records_;
+  std::unique_ptr<TeamBarrier> barrier_;  // null: none
   std::vector<Event> events_;
 };
 

@@ -1,6 +1,9 @@
 /// Fault handling: state estimates of bodies, fallback levels by age of data, and the search for a lost target.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -9,12 +12,91 @@
 #include <variant>
 #include <vector>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "sightline/events.hpp"
 #include "sightline/model.hpp"
 
 namespace sightline {
+
+// The inputs of the last seconds, for predictions from old measurements.
+
+/// A ring buffer of inputs, each in force until the next. Its size is fixed.
+class InputHistory {
+ public:
+  /// @param entries  capacity, >= 1
+  /// @param initial  input in force before the first record (nu)
+  InputHistory(std::size_t entries, std::span<const double> initial)
+      : nu_(initial.size()), times_(entries), rows_(entries * initial.size()) {
+    assert(entries > 0 && "a history holds something");
+    times_[0] = -std::numeric_limits<double>::infinity();
+    std::copy(initial.begin(), initial.end(), rows_.begin());
+  }
+
+  /// Records that u (nu) is in force from t [s] on; t must rise.
+  void record(double t, std::span<const double> u) noexcept {
+    newest_ = (newest_ + 1) % times_.size();
+    count_ = std::min(count_ + 1, times_.size());
+    times_[newest_] = t;
+    std::copy(u.begin(), u.end(), rows_.begin() + static_cast<std::ptrdiff_t>(newest_ * nu_));
+  }
+
+  /// Calls piece(from, to, u) for each interval of [from, to) [s] with constant input. Before the
+  /// oldest stored entry, the oldest entry counts.
+  template <class Piece>
+  void visit(double from, double to, Piece&& piece) const {
+    std::size_t back = 0;
+    while (back + 1 < count_ && time(back) > from) ++back;
+    for (double t = from; t < to;) {
+      const double until = back > 0 ? std::min(time(back - 1), to) : to;
+      if (until > t) piece(t, until, row(back));
+      t = std::max(t, until);
+      if (back > 0) --back;
+    }
+  }
+
+ private:
+  std::size_t at(std::size_t back) const noexcept { return (newest_ + times_.size() - back) % times_.size(); }
+  double time(std::size_t back) const noexcept { return times_[at(back)]; }
+  std::span<const double> row(std::size_t back) const noexcept {
+    return std::span(rows_).subspan(at(back) * nu_, nu_);
+  }
+
+  std::size_t nu_, newest_ = 0, count_ = 1;
+  std::vector<double> times_, rows_;
+};
+
+// The input that gives a robot of any model a wanted velocity, to hold position or to land.
+//
+// The velocity after a time tau under a held input u is linearised in u at u*,
+//
+//   q(u) = (v(x + tau f(x, u), u), turn rate),   q(u) ~ q(u*) + J (u - u*),
+//
+// and u = argmin |q(u) - q_wanted|^2 + 1e-9 |u - u*|^2, clamped to the limits. Least squares
+// leaves out what a model cannot do: a ground robot that is to land stands. For the multirotor q
+// is affine in u, and v decays approximately as e^{-t/tau}.
+
+/// Allocates only during construction.
+class Brake {
+ public:
+  /// @param u_ref  u*, the input at rest (nu <= 16)
+  /// @param tau    [s], > 0
+  Brake(const Model& model, std::span<const double> u_ref, double tau);
+
+  /// Writes the input (nu) that leads from the state x (nx) to this velocity [m/s] in G.
+  /// @param turn_rate  to the left [rad/s]
+  void operator()(std::span<const double> x, const Vec3<double>& velocity, std::span<const double> u_min,
+                  std::span<const double> u_max, std::span<double> u, double turn_rate = 0.0) noexcept;
+
+  static constexpr std::size_t inputs_max = 16;
+
+ private:
+  static constexpr std::size_t rows = 4;  // v and the turn rate
+  std::array<double, rows> outcome(std::span<const double> x, std::span<const double> u) noexcept;
+
+  Model model_;
+  std::vector<double> u_ref_, trial_, rate_, soon_;
+  double tau_;
+};
 
 // Fallback levels of a robot, chosen by the age and the uncertainty of its data. The worst reason
 // decides.

@@ -1,10 +1,11 @@
+#include "sightline/safety/authority.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 
-#include "sightline/barrier.hpp"
 #include "sightline/model.hpp"
 #include "sightline/robots.hpp"
 #include "tests/support/adversary.hpp"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "sightline/model.hpp"
+#include "sightline/supervisor.hpp"
 #include "sightline/world.hpp"
 #include "tests/support/adversary.hpp"
 

@@ -1,3 +1,5 @@
+#include "sightline/safety/escape.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/barrier.hpp"
 #include "tests/support/period.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,6 +1,7 @@
+#include "sightline/safety/evasive_maneuver.hpp"
+
 #include <gtest/gtest.h>
 
-#include "sightline/barrier.hpp"
 #include "tests/support/encirclement.hpp"
 
 namespace sightline {

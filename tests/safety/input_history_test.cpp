@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "sightline/barrier.hpp"
+#include "sightline/supervisor.hpp"
 #include "sightline/world.hpp"
 
 namespace sightline {

@@ -1,11 +1,12 @@
 // Who of many presses on a robot, and who does not count in a period.
+#include "sightline/safety/threat_selection.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "cli/allocations.hpp"
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/period.hpp"

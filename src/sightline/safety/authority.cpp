@@ -1,3 +1,5 @@
+#include "sightline/safety/authority.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "sightline/safety/projection.hpp"
 

@@ -1,12 +1,10 @@
-// Selection of the neighbours that threaten a robot, and the best plan to evade each.
 #include "sightline/safety/barrier_threats.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "sightline/barrier.hpp"
-#include "sightline/base.hpp"
+#include "sightline/safety/threat_selection.hpp"
 
 namespace sightline {
 namespace {
@@ -21,55 +19,53 @@ bool is_far(const Vec3<double>& r) {
   return !(std::max({std::abs(r.x), std::abs(r.y), std::abs(r.z)}) < far_away);
 }
 
-}  // namespace
-
 /// Fills a zero tube with a neighbour; for an uncooperative one without its measured motion.
-void Barrier::fill(Tube& tube, const Sight<double>& self, const Neighbour& n, double part,
-                   double beside) const noexcept {
-  tube.r = self.p - n.p;
-  tube.w = {self.v.x, self.v.y};
-  tube.beta = part * b_;
-  tube.rho0 = n.d_hard + options_.margin + 3 * n.sigma + beside;
-  tube.spread = 3 * options_.velocity_sigma;
+void fill_tube(Tube& tube, const BarrierLaw& law, const BarrierPeriod& now, const Neighbour& n) {
+  tube.r = now.self.p - n.p;
+  tube.w = {now.self.v.x, now.self.v.y};
+  tube.beta = now.part * law.b;
+  tube.rho0 = n.d_hard + law.options.margin + 3 * n.sigma + now.beside;
+  tube.spread = 3 * law.options.velocity_sigma;
   tube.tie.x = n.tie;
   if (n.behavior != Behavior::cooperative) return;
   // The measured motion, and the bounded acceleration since the measurement.
-  const double age = std::max(n.age, 0.0), both = std::min(part, n.part),
-               a = std::min(n.acceleration_max, 3 * b_);
+  const double age = std::max(n.age, 0.0), both = std::min(now.part, n.part),
+               a = std::min(n.acceleration_max, 3 * law.b);
   tube.r = tube.r - age * n.v;
   tube.w = {tube.w.x - n.v.x, tube.w.y - n.v.y};
-  tube.beta = both * 2 * b_;
+  tube.beta = both * 2 * law.b;
   tube.rho0 += 0.5 * a * age * age;
   tube.spread += a * age;
 }
 
 /// Bounds of a cooperative neighbour's reserve: from below by the plan straight away, from above by
 /// the present distance.
-struct Barrier::Within {
+struct PairBounds {
   double least, most;  // [m]
   bool quiet;          // the next reserve suffices under any commands of both robots
 };
 
-Barrier::Within Barrier::within(const Tube& tube) const noexcept {
+PairBounds bounds_of_pair(const BarrierLaw& law, const Tube& tube) {
   const double D = norm(tube.r.x, tube.r.y), z = std::abs(tube.r.z);
   const double closing =
       D > 1e-9 ? -(tube.r.x * tube.w.x + tube.r.y * tube.w.y) / D : norm(tube.w.x, tube.w.y);
-  const double held = tube.rho0 + tube.spread * plans_.E_longest();
+  const double held = tube.rho0 + tube.spread * law.plans.E_longest();
   // Straight away, the closing speed v vanishes after at most v^2 / (2 beta); drag shortens this
   // distance.
   const auto left = [&](double level, double height, double v) {
     const double after = std::max(0.0, level - 0.5 * square(std::max(v, 0.0)) / tube.beta);
     return std::sqrt(after * after + height * height) - held;
   };
-  const double jolt = 2 * can_.push * dt_;
-  const double then = left(std::max(0.0, D - dt_ * (std::max(closing, 0.0) + jolt)),
-                           std::max(0.0, z - 2 * can_.rise * dt_), closing + jolt);
+  const double jolt = 2 * law.can.push * law.dt;
+  const double then = left(std::max(0.0, D - law.dt * (std::max(closing, 0.0) + jolt)),
+                           std::max(0.0, z - 2 * law.can.rise * law.dt), closing + jolt);
   const double most = norm(tube.r) - tube.rho0;
-  return {std::min(left(D, z, closing), most), most, most > 0 && then >= (1.0 - options_.rate * dt_) * most};
+  return {std::min(left(D, z, closing), most), most,
+          most > 0 && then >= (1.0 - law.options.rate * law.dt) * most};
 }
 
-void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
-                          std::span<const int> chosen, Rows& rows) const noexcept {
+/// Adds the chosen neighbours with their plans.
+void add_threats(const BarrierLaw& law, std::span<const int> chosen, BarrierPeriod& now) {
   struct Requested {
     Bounded<const Tube*, 2 * most_neighbours> tubes;
     Bounded<Escape*, 2 * most_neighbours> plans;
@@ -80,9 +76,9 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
     requested.plans.push_back(&plan);
   };
   decltype(Tube::thrusts) thrusts{};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(can_.thrust_count); ++k) {
-    const Vec2<double> g = can_.turns ? rotate(self.d, can_.thrusts[k]) : can_.thrusts[k];
-    thrusts[k] = {rows.part * options_.authority * g.x, rows.part * options_.authority * g.y};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(law.can.thrust_count); ++k) {
+    const Vec2<double> g = law.can.turns ? rotate(now.self.d, law.can.thrusts[k]) : law.can.thrusts[k];
+    thrusts[k] = {now.part * law.options.authority * g.x, now.part * law.options.authority * g.y};
   }
   // Tubes from a neighbour's measured motion, as an alternative to those from its speed limit
   // alone.
@@ -90,17 +86,17 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
   Bounded<Threat*, most_neighbours> measured_of;
   std::array<Escape, most_neighbours> measured_plans;
   for (const int i : chosen) {
-    const Neighbour& n = neighbours[size(i)];
-    Threat& threat = rows.threats.emplace_back();
+    const Neighbour& n = now.neighbours[size(i)];
+    Threat& threat = now.threats.emplace_back();
     threat.behavior = n.behavior;
     threat.neighbour = i;
     Tube& tube = threat.tube;
-    fill(tube, self, n, rows.part, rows.beside);
+    fill_tube(tube, law, now, n);
     if (n.behavior == Behavior::cooperative) {
       request(of_members, tube, threat.plan);
       continue;
     }
-    tube.thrust_count = can_.thrust_count;
+    tube.thrust_count = law.can.thrust_count;
     tube.thrusts = thrusts;
     const double age = std::max(n.age, 0.0);
     if (n.acceleration_max < infinity) {
@@ -118,23 +114,25 @@ void Barrier::add_threats(const Sight<double>& self, std::span<const Neighbour> 
     request(of_others, tube, threat.plan);
   }
   for (Requested* requested : {&of_members, &of_others})
-    plans_.best(requested->tubes.items(), requested->plans.items());
+    law.plans.best(requested->tubes.items(), requested->plans.items());
   for (std::size_t k = 0; k < measured.size(); ++k) {
     Threat& threat = *measured_of[k];
     if (measured_plans[k].reserve() <= threat.plan.reserve()) continue;
     threat.tube = measured[k];
     threat.plan = measured_plans[k];
   }
-  for (Threat& threat : rows.threats) threat.reserve = threat.plan.reserve();
+  for (Threat& threat : now.threats) threat.reserve = threat.plan.reserve();
 }
 
-bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour> neighbours,
-                           Rows& rows) const noexcept {
+}  // namespace
+
+bool find_threats(const BarrierLaw& law, BarrierPeriod& now) noexcept {
+  const std::span<const Neighbour> neighbours = now.neighbours;
   // The most threatening neighbours, by the distance that remains after 1 s of closing in.
   Bounded<int, most_neighbours> chosen;
   std::array<double, most_neighbours> key;
   // A height with a lag needs two rows for each neighbour.
-  const std::size_t most = can_.climb_lag > 0 ? most_neighbours / 2 : most_neighbours;
+  const std::size_t most = law.can.climb_lag > 0 ? most_neighbours / 2 : most_neighbours;
   const bool all_fit = neighbours.size() <= most;
   bool all_known = true;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
@@ -143,7 +141,7 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
       all_known = false;
       continue;
     }
-    const Vec3<double> r = self.p - n.p;
+    const Vec3<double> r = now.self.p - n.p;
     if (is_far(r)) continue;
     if (all_fit) {
       chosen.push_back(static_cast<int>(i));
@@ -151,7 +149,7 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
     }
     const bool member = n.behavior == Behavior::cooperative;
     const double left =
-        nearest_threats_key(r, member ? self.v - n.v : self.v, n.d_hard, member ? 0.0 : n.speed_max);
+        nearest_threats_key(r, member ? now.self.v - n.v : now.self.v, n.d_hard, member ? 0.0 : n.speed_max);
     if (chosen.size() == most && left >= key[most - 1]) continue;
     if (chosen.size() < most) chosen.push_back(-1);
     std::size_t at = chosen.size() - 1;
@@ -163,33 +161,23 @@ bool Barrier::find_threats(const Sight<double>& self, std::span<const Neighbour>
   const auto is_member = [&](int i) { return neighbours[size(i)].behavior == Behavior::cooperative; };
   const bool all =
       std::count_if(chosen.begin(), chosen.end(), is_member) + 1 < static_cast<std::ptrdiff_t>(chosen.size());
-  std::array<Within, most_neighbours> within;
+  std::array<PairBounds, most_neighbours> within;
   constexpr double found_to = 1e-3;  // [m] tolerance of the plan search
   double most_of_least = infinity;
   for (std::size_t k = 0; k < chosen.size() && !all; ++k) {
     within[k] = {-infinity, infinity, false};
     if (!is_member(chosen[k])) continue;
     Tube tube;
-    fill(tube, self, neighbours[size(chosen[k])], rows.part, rows.beside);
-    within[k] = this->within(tube);
+    fill_tube(tube, law, now, neighbours[size(chosen[k])]);
+    within[k] = bounds_of_pair(law, tube);
     most_of_least = std::min(most_of_least, within[k].most);
   }
   std::size_t kept = 0;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     if (all || !within[k].quiet || within[k].least <= most_of_least + found_to) chosen[kept++] = chosen[k];
   }
-  add_threats(self, neighbours, {chosen.begin(), kept}, rows);
+  add_threats(law, {chosen.begin(), kept}, now);
   return all_known;
-}
-
-double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept {
-  const std::array<double, most_inputs> at_rest{};
-  const Sight<double> seen = model_.sight(x.data(), at_rest.data()), self = settled(seen);
-  if (!finite(neighbour) || is_far(self.p - neighbour.p)) return infinity;
-  Rows rows{.part = 1.0, .beside = std::abs(seen.p.z - self.p.z), .threats = {}, .all = {}};
-  constexpr std::array<int, 1> one = {0};
-  add_threats(self, {&neighbour, 1}, one, rows);
-  return rows.threats[0].reserve;
 }
 
 }  // namespace sightline

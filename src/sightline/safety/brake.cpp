@@ -2,7 +2,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "sightline/barrier.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 

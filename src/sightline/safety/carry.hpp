@@ -5,9 +5,9 @@
 #include <cmath>
 #include <span>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "sightline/model.hpp"
+#include "sightline/supervisor.hpp"
 
 namespace sightline {
 

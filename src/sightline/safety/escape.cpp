@@ -1,10 +1,11 @@
+#include "sightline/safety/escape.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 
 namespace sightline {

@@ -1,8 +1,9 @@
+#include "sightline/safety/evasive_maneuver.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 
 namespace sightline {

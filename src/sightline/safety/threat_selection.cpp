@@ -1,7 +1,8 @@
+#include "sightline/safety/threat_selection.hpp"
+
 #include <cassert>
 #include <cmath>
 
-#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 
 namespace sightline {

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/barrier.hpp"
 #include "sightline/run/steady_state.hpp"
+#include "sightline/safety/authority.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {

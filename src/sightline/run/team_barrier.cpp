@@ -1,0 +1,247 @@
+#include "sightline/run/team_barrier.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sightline/safety/authority.hpp"
+
+namespace sightline {
+namespace {
+
+BarrierOptions without_floor(BarrierOptions options) {
+  options.floor = BarrierOptions{}.floor;
+  return options;
+}
+
+/// The tightest limits of a robot over the run.
+std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, BodyId robot,
+                                                             const std::vector<LimitsToCome>& to_come) {
+  const Agent& agent = team.agent(robot);
+  std::vector<double> u_min = agent.limits.u_min().front(), u_max = agent.limits.u_max().front();
+  const auto tighten = [&](const InputLimits& limits) {
+    for (std::size_t k = 0; k < limits.times().size(); ++k) {
+      for (std::size_t i = 0; i < u_min.size(); ++i) {
+        u_min[i] = std::max(u_min[i], limits.u_min()[k][i]);
+        u_max[i] = std::min(u_max[i], limits.u_max()[k][i]);
+      }
+    }
+  };
+  tighten(agent.limits);
+  for (const LimitsToCome& next : to_come) {
+    if (next.robot == robot) tighten(next.limits);
+  }
+  for (std::size_t i = 0; i < u_min.size(); ++i) {
+    if (u_min[i] <= u_max[i]) continue;
+    throw std::invalid_argument(
+        fmt::format("the limits of \"{}\" over the run have no {} in common, expected some that the barrier "
+                    "can always give",
+                    agent.name, agent.model.inputs()[i]));
+  }
+  return {u_min, u_max};
+}
+
+/// A robot's abilities within its tightest limits, and its kind.
+struct Ability {
+  std::vector<double> u_min, u_max;
+  Authority can;
+  int kind;  // robots of one kind have like motion and rely on each other
+};
+
+/// The abilities of each robot. Robots of one kind use the least acceleration and the greatest push
+/// and rise among them, so that each robot's assumptions about the others hold.
+std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come) {
+  std::vector<Ability> all;
+  std::vector<std::string_view> models;
+  for (int i = 0; i < team.bodies(); ++i) {
+    const BodyId body{i};
+    if (!team.is_agent(body)) continue;
+    const Model& model = team.model(body);
+    auto [u_min, u_max] = tightest(team, body, to_come);
+    const Authority can = authority_of(model, u_min, u_max);
+    int kind = static_cast<int>(all.size());
+    for (std::size_t r = all.size(); r-- > 0;)
+      if (models[r] == model.name() && moves_alike(all[r].can, can)) kind = all[r].kind;
+    models.push_back(model.name());
+    all.push_back({std::move(u_min), std::move(u_max), can, kind});
+  }
+  for (Ability& one : all) {
+    for (const Ability& other : all) {
+      if (one.kind != other.kind) continue;
+      one.can.acceleration = std::min(one.can.acceleration, other.can.acceleration);
+      one.can.push = std::max(one.can.push, other.can.push);
+      one.can.rise = std::max(one.can.rise, other.can.rise);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+void validate_barriers(const Team& team, const GuardOptions& options) {
+  (void)abilities_of(team, options.limits_to_come);
+  validate(options.barrier_options, options.period);
+}
+
+TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
+    : team_(team),
+      options_(options),
+      oldest_(options.supervisor.value_or(SupervisorOptions{}).times.hold_after),
+      before_(static_cast<std::size_t>(team.nu())),
+      sights_(options.bodies.size()),
+      threats_(team.bodies()) {
+  const std::vector<Ability> abilities = abilities_of(team_, options_.limits_to_come);
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    if (!team_.is_agent(body)) continue;
+    const Agent& agent = team_.agent(body);
+    const auto& [u_min, u_max, can, kind] = abilities[robots_.size()];
+    const auto barrier = [&, &ability = can](const BarrierOptions& o) {
+      return Barrier(agent.model, ability, options_.period, o);
+    };
+    robots_.push_back({.body = body,
+                       .x = static_cast<std::size_t>(team_.state_offset(body)),
+                       .u = static_cast<std::size_t>(team_.input_offset(body)),
+                       .nx = static_cast<std::size_t>(agent.model.nx()),
+                       .nu = u_min.size(),
+                       .barrier = barrier(options_.barrier_options),
+                       .landing = barrier(without_floor(options_.barrier_options)),
+                       .u_min = u_min,
+                       .u_max = u_max,
+                       .reported = u_min,
+                       .limits = &agent.limits});
+  }
+  // A robot of another part is known by its model's name.
+  kinds_.assign(options_.bodies.size(), -1);
+  for (std::size_t r = 0; r < robots_.size(); ++r) kinds_[at(robots_[r].body)] = abilities[r].kind;
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    if (team_.is_agent(body)) continue;
+    for (std::size_t r = robots_.size(); r-- > 0;) {
+      if (team_.model(robots_[r].body).name() == options_.bodies[at(body)].robot)
+        kinds_[at(body)] = abilities[r].kind;
+    }
+  }
+  pool_ = thread_pool_if(static_cast<int>(robots_.size()) >= GuardOptions::shared_from, options_.pool);
+  for (int i = 0; i < pool_->threads(); ++i)
+    requesters_.push_back(
+        {ThreatSelection::Requester(team_.bodies()), std::vector<Neighbour>(options_.bodies.size())});
+  records_.resize(robots_.size());
+  conflicts_.reserve(robots_.size());
+}
+
+void TeamBarrier::set_limits(std::span<const InputLimits> limits) noexcept {
+  for (std::size_t i = 0; i < robots_.size(); ++i) robots_[i].limits = &limits[i];
+}
+
+void TeamBarrier::keep_distances(double t, const Situation& now, std::span<const double> added,
+                                 std::span<double> u) noexcept {
+  conflicts_.clear();
+  if (robots_.empty()) return;
+  for (Robot& of : robots_) {
+    of.limits->at(t, of.u_min, of.u_max);
+    for (std::size_t k = 0; k < of.nu; ++k) of.u_min[k] -= added[of.u + k], of.u_max[k] -= added[of.u + k];
+    of.part = of.barrier.part(of.u_min, of.u_max);
+  }
+  see_all(now);
+  pool_->share(static_cast<int>(robots_.size()),
+               [&](int i, int thread) noexcept { keep_distance(now, at(i), u, requesters_[at(thread)]); });
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (records_[i].conflict && !robots_[i].was_in_conflict) conflicts_.push_back(robots_[i].body);
+  }
+  std::copy(u.begin(), u.end(), before_.begin());
+}
+
+/// Collects all bodies that are present and were measured once. A robot of the team is at the state
+/// where its command takes effect; any other body is at its last estimate, with a greater age.
+void TeamBarrier::see_all(const Situation& now) noexcept {
+  threats_.clear();
+  for (int i = 0; i < team_.bodies(); ++i) {
+    const BodyId body{i};
+    if (!now.is_there(body) || !std::isfinite(now.ages[at(body)])) continue;
+    const bool is_agent = team_.is_agent(body);
+    sights_[at(body)] = team_.model(body).sight(
+        &(is_agent ? now.x : now.estimated)[static_cast<std::size_t>(team_.state_offset(body))],
+        before_.data() + (is_agent ? team_.input_offset(body) : 0));
+    const BodySafety& safety = options_.bodies[at(body)];
+    threats_.add({i, sights_[at(body)].p, sights_[at(body)].v, safety.d_hard,
+                  now.is_grounded(body) ? 0.0 : safety.speed_max});
+  }
+}
+
+/// Whether a body keeps its distance to the robot as well, by its own barrier.
+bool TeamBarrier::gives_way(const Situation& now, const Robot& robot, BodyId other) const noexcept {
+  if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.climbs_late()) return false;
+  if (team_.is_agent(other) ? now.is_grounded(other) : now.connectivity == nullptr) return false;
+  return now.connectivity == nullptr || now.connectivity->receives_from(robot.body, other);
+}
+
+/// Standard deviation of a body's position, each axis [m].
+double TeamBarrier::sigma_of(const Situation& now, BodyId body) const noexcept {
+  return now.sigmas[at(body)] > 0 ? std::min(now.sigmas[at(body)], Guard::sigma_most)
+                                  : options_.position_sigma;
+}
+
+/// The data of another body for the barrier of a robot.
+Neighbour TeamBarrier::neighbour_of(const Situation& now, const Robot& robot, BodyId other) const noexcept {
+  const Sight<double>& sight = sights_[at(other)];
+  const BodySafety& safety = options_.bodies[at(other)];
+  Neighbour neighbour{
+      .p = sight.p,
+      .v = sight.v,
+      .d_hard = safety.d_hard,
+      .speed_max = now.is_grounded(other) ? 0.0 : safety.speed_max,
+      .age = std::min(now.ages[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot.body)),
+      .sigma = norm(sigma_of(now, robot.body), sigma_of(now, other)),
+      .tie = robot.body.index < other.index ? 1.0 : -1.0};
+  if (!gives_way(now, robot, other)) return neighbour;
+  neighbour.behavior = Behavior::cooperative;
+  if (team_.is_agent(other)) neighbour.part = robot_of(other).part;
+  return neighbour;
+}
+
+/// The other bodies that a robot's barrier considers.
+std::span<const Neighbour> TeamBarrier::neighbours_of(const Situation& now, const Robot& robot,
+                                                      Requester& requester) const noexcept {
+  std::vector<Neighbour>& neighbours = requester.neighbours;
+  std::size_t count = 0;
+  if (threats_.size() <= Barrier::most_neighbours + 1) {
+    for (int i = 0; i < threats_.size(); ++i) {
+      const BodyId other{threats_.id(i)};
+      if (other != robot.body) neighbours[count++] = neighbour_of(now, robot, other);
+    }
+    return std::span(neighbours).first(count);
+  }
+  for (int i = 0; i < threats_.size(); ++i)
+    requester.threats.cooperative[at(i)] = gives_way(now, robot, BodyId{threats_.id(i)}) ? 1.0 : 0.0;
+  const Sight<double>& self = sights_[at(robot.body)];
+  for (const int other : threats_.nearest_threats(robot.body.index, self.p, self.v, Barrier::most_neighbours,
+                                                  requester.threats))
+    neighbours[count++] = neighbour_of(now, robot, BodyId{other});
+  return std::span(neighbours).first(count);
+}
+
+void TeamBarrier::keep_distance(const Situation& now, std::size_t robot, std::span<double> u,
+                                Requester& requester) noexcept {
+  Robot& of = robots_[robot];
+  const FallbackLevel level = now.levels[at(of.body)];
+  BarrierRecord& record = records_[robot];
+  of.was_in_conflict = record.conflict;
+  record = {};
+  // The barrier neither acts on a grounded, absent or unmeasured robot, nor considers a body
+  // without a position.
+  if (level == FallbackLevel::grounded || !now.is_there(of.body) || !std::isfinite(now.ages[at(of.body)]))
+    return;
+  const std::span<double> applied = u.subspan(of.u, of.nu);
+  std::copy(applied.begin(), applied.end(), of.reported.begin());
+  const bool lands = level == FallbackLevel::land || now.presence[at(of.body)] == Presence::land;
+  const Barrier& barrier = lands ? of.landing : of.barrier;
+  const BarrierResult result =
+      barrier.filter(now.x.subspan(of.x, of.nx), neighbours_of(now, of, requester), of.u_min, of.u_max,
+                     options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.maneuver);
+  record = {result.active, result.conflict, result.reserve};
+}
+
+}  // namespace sightline

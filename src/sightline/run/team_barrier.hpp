@@ -1,0 +1,95 @@
+/// The barriers of all robots of a team: the bodies that each considers, and its command.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sightline/loop.hpp"
+#include "sightline/safety/threat_selection.hpp"
+
+namespace sightline {
+
+class TeamBarrier {
+ public:
+  /// Knowledge of all bodies in one period.
+  struct Situation {
+    bool is_there(BodyId body) const noexcept { return presence[at(body)] != Presence::absent; }
+    bool is_grounded(BodyId body) const noexcept { return levels[at(body)] == FallbackLevel::grounded; }
+
+    std::span<const double> x, estimated;  // states where the commands take effect; last estimates (nx)
+    std::span<const double> ages, sigmas;  // of the estimates [s], of their positions [m]
+    std::span<const Presence> presence;
+    std::span<const FallbackLevel> levels;
+    const Connectivity* connectivity;
+  };
+
+  /// Both arguments must outlive the object.
+  /// @throws std::invalid_argument as validate_barriers() does
+  TeamBarrier(const Team& team, const GuardOptions& options);
+
+  /// Takes the limits of each robot, which must outlive the next call.
+  void set_limits(std::span<const InputLimits> limits) noexcept;
+  /// Changes u (nu) to the nearest inputs that keep the hard distances.
+  /// @param added  offset to the inputs (nu); the limits hold for the sum
+  void keep_distances(double t, const Situation& now, std::span<const double> added,
+                      std::span<double> u) noexcept;
+
+  /// One record for each robot.
+  std::span<const BarrierRecord> records() const noexcept { return records_; }
+  /// Robots whose conflict began in this period.
+  std::span<const BodyId> conflicts() const noexcept { return conflicts_; }
+
+ private:
+  struct Robot {
+    BodyId body;
+    std::size_t x, u, nx, nu;                    // offsets and lengths
+    Barrier barrier, landing;                    // with and without the floor
+    std::vector<double> u_min, u_max, reported;  // limits now; for BarrierMode::report
+    double part = 1.0;                           // of the acceleration, within these limits
+    const InputLimits* limits;                   // in force
+    EvasiveManeuver maneuver{};
+    bool was_in_conflict = false;  // in the previous period
+  };
+  /// Work space of a thread that runs barriers.
+  struct Requester {
+    ThreatSelection::Requester threats;
+    std::vector<Neighbour> neighbours;  // of one robot
+  };
+
+  double delay_of(BodyId body) const noexcept {
+    return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
+  }
+  const Robot& robot_of(BodyId robot) const noexcept {
+    return robots_[static_cast<std::size_t>(&team_.agent(robot) - team_.agents().data())];
+  }
+  void see_all(const Situation& now) noexcept;
+  double sigma_of(const Situation& now, BodyId body) const noexcept;
+  bool gives_way(const Situation& now, const Robot& robot, BodyId other) const noexcept;
+  Neighbour neighbour_of(const Situation& now, const Robot& robot, BodyId other) const noexcept;
+  std::span<const Neighbour> neighbours_of(const Situation& now, const Robot& robot,
+                                           Requester& requester) const noexcept;
+  void keep_distance(const Situation& now, std::size_t robot, std::span<double> u,
+                     Requester& requester) noexcept;
+
+  const Team& team_;
+  const GuardOptions& options_;
+  std::vector<Robot> robots_;
+  double oldest_;                      // greatest age that the barrier uses [s]
+  std::vector<int> kinds_;             // of each body; equal: robots with like motion; -1: no such robot
+  std::vector<double> before_;         // inputs of the previous period
+  std::vector<Sight<double>> sights_;  // of each body, in this period
+  ThreatSelection threats_;            // bodies that are present
+  std::shared_ptr<ThreadPool> pool_;
+  std::vector<Requester> requesters_;  // one for each thread
+  std::vector<BarrierRecord> records_;
+  std::vector<BodyId> conflicts_;
+};
+
+/// Checks what the constructor of a TeamBarrier checks.
+/// @throws std::invalid_argument for options out of their range, and for a robot whose model the
+///         barrier does not support
+void validate_barriers(const Team& team, const GuardOptions& options);
+
+}  // namespace sightline

@@ -1,0 +1,54 @@
+/// The accelerations and vertical speeds that a robot's commands can produce, found from its model.
+///
+/// The horizontal velocity v follows
+///
+///   v' = -c v + a     for every a of a disc |a| <= b, and for every corner a = sum of +-g_k,
+///                     at every speed that the robot reaches by its own commands
+///
+/// c is the drag fitted over all directions. Where drag differs between directions, the thrust that
+/// compensates the difference is subtracted from b and g_k. For the multirotor, (16):
+/// c = -a_f, b = b_f, since along an axis one command alone accelerates it, and g_k = (b_f, 0),
+/// (0, b_s) in V.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+
+namespace sightline {
+
+inline constexpr int most_states = 32;  ///< of a robot with an Authority
+
+struct Authority {
+  double drag = 0.0;                      ///< c [1/s], >= 0
+  double acceleration = 0.0;              ///< b [m/s^2], > 0
+  std::array<Vec2<double>, 4> thrusts{};  ///< g_k [m/s^2]
+  int thrust_count = 0;
+  bool turns = false;   ///< g_k are in V and turn with the heading; else in G
+  bool climbs = false;  ///< commands change the height
+  /// tau of a vertical speed with a lag, v_z' = (b u - v_z) / tau; 0: no lag [s]
+  double climb_lag = 0.0;
+  double climb = 0.0;             ///< vertical speed attainable both up and down [m/s]
+  std::array<double, 4> reach{};  ///< half range of each input; 0: it neither pushes nor climbs
+  double push = 0.0;              ///< greatest |v' + c v| under any command [m/s^2]
+  double rise = 0.0;              ///< greatest vertical speed of a robot without a lag, up or down [m/s]
+  double free = 1.0;              ///< part of the inputs' push that compensates nothing else, in (0, 1]
+
+  /// Part of b, g_k and climb that remains under narrower input limits, in [0.05, 1].
+  double part(std::span<const double> u_min, std::span<const double> u_max) const noexcept;
+};
+
+/// Whether two robots have like motion and differ only in the size of their abilities. Only then
+/// can each rely on the other's use of the same law.
+bool moves_alike(const Authority& a, const Authority& b) noexcept;
+
+/// @param u_min, u_max  limits of the inputs, finite
+/// @throws std::invalid_argument for a model of more than 4 inputs or 32 states. Also for a model
+///         whose commands do not accelerate it in every horizontal direction at once and along axes
+///         of its heading or of G. Also for a model whose height follows its command neither at
+///         once nor with one lag
+Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
+
+}  // namespace sightline

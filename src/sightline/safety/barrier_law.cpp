@@ -1,0 +1,98 @@
+#include "sightline/safety/barrier_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/safety/projection.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double least_ample = 0.3;  // [m]
+
+}  // namespace
+
+BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double period,
+                       const BarrierOptions& given)
+    : model(robot),
+      options(validate(given, period)),
+      dt(period),
+      parts(EscapePlans::parts(dt)),
+      can(ability),
+      b(given.authority * can.acceleration),
+      plans(can.drag, dt),
+      ample(std::max(least_ample, 2 * can.push * (plans.F(dt) + plans.E(dt) * plans.E_longest()))),
+      maneuvers(can.drag, can.climbs ? can.climb : 0.0) {
+  options.floor += options.wall_margin;
+  options.ceiling -= options.wall_margin;
+  // A period may begin and end within the bounds, and exceed them in between.
+  options.world -= options.wall_margin + 0.15 * can.push * square(dt / parts);
+  Arena arena{.disc = b};
+  for (std::size_t k = 0; can.thrust_count == 2 && k < 2; ++k)
+    arena.g[k] = {given.authority * can.thrusts[k].x, given.authority * can.thrusts[k].y};
+  for (std::size_t i = 0; i < joint.size(); ++i)
+    joint[i] = EvasiveManeuvers::thrust(arena, EvasiveManeuvers::heading(i));
+}
+
+NextState BarrierLaw::next(std::span<const double> x, std::span<const double> u) const noexcept {
+  std::array<double, most_states> state;
+  std::copy(x.begin(), x.end(), state.begin());
+  for (int k = 0; k < parts; ++k) model.step(state.data(), u.data(), dt / parts);
+  const Sight<double> seen = model.sight(state.data(), u.data()), there = settled(seen);
+  return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z};
+}
+
+Sight<double> BarrierLaw::settled(Sight<double> self) const noexcept {
+  if (can.climb_lag > 0) self.p.z += can.climb_lag * self.v.z;
+  return self;
+}
+
+double BarrierLaw::stopping_time(double away, double part) const noexcept {
+  const double c = can.drag, most = part * b;
+  return away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / most) / c : -away / most;
+}
+
+void BarrierLaw::reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
+                           std::span<const double> u_min, std::span<const double> u_max,
+                           std::span<double> u) const noexcept {
+  const auto outcome = [&] {
+    const NextState n = next(x, u);
+    return std::array<double, 3>{n.v.x, n.v.y, n.p.z};
+  };
+  // du = J' (J J' + tiny)^-1 (wanted - outcome), the least-norm solution.
+  const std::array<double, 3> now = outcome();
+  std::array<std::array<double, 3>, most_inputs> J{};
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    if (can.reach[k] == 0) continue;  // yaw would turn the plan's thrust
+    constexpr double difference = 1e-3;
+    const double at = u[k];
+    u[k] = at + difference;
+    const std::array<double, 3> there = outcome();
+    u[k] = at;
+    for (std::size_t i = 0; i < 3; ++i) J[k][i] = (there[i] - now[i]) / difference;
+  }
+  constexpr double tiny = 1e-12;
+  std::array<std::array<double, 3>, 3> L{};
+  std::array<double, 3> y{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = i == j ? tiny : 0.0;
+      for (std::size_t k = 0; k < u.size(); ++k) sum += J[k][i] * J[k][j];
+      for (std::size_t k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
+      L[i][j] = i == j ? std::sqrt(std::max(sum, tiny)) : sum / L[j][j];
+    }
+    y[i] = wanted[i] - now[i];
+    for (std::size_t k = 0; k < i; ++k) y[i] -= L[i][k] * y[k];
+    y[i] /= L[i][i];
+  }
+  for (std::size_t i = 3; i-- > 0;) {
+    for (std::size_t k = i + 1; k < 3; ++k) y[i] -= L[k][i] * y[k];
+    y[i] /= L[i][i];
+  }
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    const double moved = u[k] + J[k][0] * y[0] + J[k][1] * y[1] + J[k][2] * y[2];
+    u[k] = std::clamp(std::isfinite(moved) ? moved : 0.0, u_min[k], u_max[k]);
+  }
+}
+
+}  // namespace sightline

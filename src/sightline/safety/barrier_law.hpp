@@ -1,0 +1,55 @@
+/// The constants of a Barrier, and the prediction of one period by its model.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/safety/authority.hpp"
+#include "sightline/safety/escape.hpp"
+#include "sightline/safety/evasive_maneuver.hpp"
+
+namespace sightline {
+
+inline constexpr std::size_t most_neighbours = Barrier::most_neighbours;
+inline constexpr double far_away = 1e6;  // [m] bodies farther away are ignored
+
+/// The next sampled state, as far as the filter depends on it.
+struct NextState {
+  Vec3<double> p;  // position, as BarrierLaw::settled()
+  Vec2<double> d, v;
+  double beside = 0.0;  // height less the height at which the robot comes to rest [m]
+};
+
+struct BarrierLaw {
+  BarrierLaw(const Model& robot, const Authority& ability, double period, const BarrierOptions& given);
+
+  /// The state under the command u (nu) after the period.
+  NextState next(std::span<const double> x, std::span<const double> u) const noexcept;
+  /// Replaces the height by that at which the robot comes to rest without commands.
+  Sight<double> settled(Sight<double> self) const noexcept;
+  /// Time until a velocity towards a bound is zero [s].
+  double stopping_time(double away, double part) const noexcept;
+  /// Makes the smallest change of u that leads to the wanted horizontal velocity and height after
+  /// the period, within the limits.
+  void reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
+                 std::span<const double> u_min, std::span<const double> u_max,
+                 std::span<double> u) const noexcept;
+
+  Model model;
+  BarrierOptions options;  // bounds less their margins
+  double dt;               // [s]
+  int parts;               // integration steps of a period
+  Authority can;
+  double b;  // acceleration that plans use [m/s^2]
+  EscapePlans plans;
+  double ample;  // upper bound on the loss of a plan's reserve in a period [m]
+  EvasiveManeuvers maneuvers;
+  /// Thrusts of plans for several neighbours, in V or G [m/s^2].
+  std::array<Vec2<double>, EvasiveManeuvers::headings> joint;
+};
+
+}  // namespace sightline

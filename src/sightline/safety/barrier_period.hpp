@@ -1,0 +1,65 @@
+/// What a robot knows in one period: state, limits, neighbours, and the rows of its command.
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "sightline/barrier.hpp"
+#include "sightline/base/bounded.hpp"
+#include "sightline/safety/barrier_law.hpp"
+#include "sightline/safety/projection.hpp"
+
+namespace sightline {
+
+/// A neighbour and the plan to evade it.
+struct Threat {
+  Tube tube{};
+  Escape plan{};
+  Behavior behavior = Behavior::uncooperative;
+  int neighbour = -1;
+  double reserve = 0.0;  // that the rows keep: of this plan, or of the joint plan [m]
+  double margin = 0.0;   // that the rows keep in addition [m]
+};
+
+/// n . (p+ + E v+ + R(d+) thrust) >= least at the next sample.
+struct BarrierRow {
+  Vec3<double> n;
+  double E;             // [s]
+  Vec2<double> thrust;  // displacement by the rest of the plan, in V [m]
+  double least;         // [m]
+  Wall wall;
+  int threat;                     // index, or -1
+  double time, slope, curvature;  // of the threat's gap at the row's time
+  double e;                       // decay of a velocity until then
+  bool cut;                       // a second row exists at the gap's minimum under the command
+  double side = 0.0;              // 1 or -1: subtracts side * beside, for a height with a lag; else 0
+
+  double value(const NextState& next) const {
+    const Vec2<double> push = rotate(next.d, thrust);
+    return dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y) -
+           side * next.beside;
+  }
+  /// Amount by which the row is missed [m]; negative: it is kept.
+  double missed(const NextState& next) const { return least - value(next); }
+};
+
+struct BarrierPeriod {
+  /// Largest amount by which a floor or ceiling row is missed [m], >= 0.
+  double missed_of_heights(const NextState& next) const {
+    double most = 0.0;
+    for (const BarrierRow& row : rows) {
+      if (row.wall == Wall::floor || row.wall == Wall::ceiling) most = std::max(most, row.missed(next));
+    }
+    return most;
+  }
+
+  std::span<const double> x, u_min, u_max;
+  std::span<const Neighbour> neighbours;
+  Sight<double> self;  // as BarrierLaw::settled()
+  double part;         // of the acceleration, within the limits
+  double beside;       // |height less the height at which the robot comes to rest| [m]
+  Bounded<Threat, most_neighbours> threats;
+  Bounded<BarrierRow, most_half_spaces> rows;
+};
+
+}  // namespace sightline

@@ -1,0 +1,116 @@
+#include "sightline/safety/barrier_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline {
+namespace {
+
+/// The row that keeps the gap of a threat at one time of its plan.
+BarrierRow keep_away(const BarrierLaw& law, const BarrierPeriod& now, int index, const Touch& touch) {
+  const Threat& threat = now.threats[static_cast<std::size_t>(index)];
+  const Vec2<double>& a = threat.plan.a;
+  const double E = touch.shape.E, F = touch.shape.F;
+  const EscapeShape left = law.plans.left(touch);
+  const auto level = [&](const Vec2<double>& v) { return touch.n.x * v.x + touch.n.y * v.y; };
+  Vec3<double> n = touch.n;
+  if (touch.level) n.z = 0.0;  // the final height of the plan does not depend on the command
+  const double risen = touch.level ? 0.0 : law.dt * n.z * threat.tube.climb;
+  const double planned = dot(n, now.self.p) + E * level({now.self.v.x, now.self.v.y}) + risen;
+  const double spare = touch.gap - threat.margin - (1.0 - law.options.rate * law.dt) * threat.reserve;
+  if (threat.behavior == Behavior::cooperative) {
+    // This robot provides half of the relative acceleration, and may use its share of the spare
+    // reserve.
+    const double least = planned + 0.5 * (F - left.F) * level(a) - law.options.share * spare;
+    return {n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
+  }
+  const double least = planned + F * level(a) - spare;
+  BarrierRow row{n,           left.E,          {},     least, Wall::none, index, touch.time,
+                 touch.slope, touch.curvature, left.e, false};
+  if (law.can.turns) {
+    const Vec2<double> a_V = rotate<double>({now.self.d.x, -now.self.d.y}, a);
+    row.thrust = {left.F * a_V.x, left.F * a_V.y};
+  } else {
+    row.least -= left.F * level(a);
+  }
+  return row;
+}
+
+}  // namespace
+
+void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) noexcept {
+  for (std::size_t k = 0; k < now.threats.size(); ++k) {
+    const Threat& threat = now.threats[k];
+    if (heeded == Heeded::members && threat.behavior != Behavior::cooperative) continue;
+    for (std::size_t j = 0; j < threat.plan.count; ++j) {
+      BarrierRow row = keep_away(law, now, static_cast<int>(k), threat.plan.touches[j]);
+      if (law.can.climb_lag > 0) {
+        // rho contains the present |beside|; the row requires that of the next sample.
+        row.least -= now.beside;
+        row.side = 1.0;
+        now.rows.push_back(row);
+        row.side = -1.0;
+      }
+      now.rows.push_back(row);
+    }
+  }
+}
+
+void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noexcept {
+  const double kept_part = 1.0 - law.options.rate * law.dt, b = now.part * law.b;
+  // A joint plan climbs or sinks until it reaches the wall, and the height follows the command at
+  // once.
+  const auto kept_height = [&](double room) {
+    return approach == Approach::at_once && room > 0 ? 0.0 : kept_part * room;
+  };
+  if (law.can.climbs && law.options.floor > -infinity) {
+    const double least = law.options.floor + kept_height(now.self.p.z - law.options.floor);
+    now.rows.push_back(row_of_wall({0, 0, 1}, 0.0, least, Wall::floor));
+  }
+  if (law.can.climbs && law.options.ceiling < infinity) {
+    const double least = -law.options.ceiling + kept_height(law.options.ceiling - now.self.p.z);
+    now.rows.push_back(row_of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
+  }
+  if (law.options.world == infinity) return;
+  for (std::size_t i = 0; i < inward.size(); ++i) {
+    // The plan brakes straight away from the wall, until the velocity towards it is zero.
+    const Vec3<double> n = {inward[i].x, inward[i].y, 0.0};
+    const double away = n.x * now.self.v.x + n.y * now.self.v.y,
+                 here = law.options.world + dot(n, now.self.p);
+    const double t = std::max(law.stopping_time(away, now.part), law.dt), left = t - law.dt;
+    const double later = here + law.plans.E(t) * away + b * law.plans.F(t);
+    const double wanted = kept_part * std::min(here, later);
+    const double least = wanted - law.options.world - b * law.plans.F(left);
+    now.rows.push_back(row_of_wall(n, law.plans.E(left), least, bounds_of_world[i]));
+  }
+}
+
+void add_cuts(const BarrierLaw& law, const NextState& there, BarrierPeriod& now) noexcept {
+  const EscapeShape step = law.plans.shape(law.dt);
+  const std::size_t before = now.rows.size();
+  for (std::size_t i = 0; i < before && !now.rows.is_full(); ++i) {
+    constexpr double tight = 2e-3, dip = 1e-5, longest = 0.25;  // [m], [m], [s]
+    const BarrierRow& row = now.rows[i];
+    if (row.threat < 0 || row.cut || row.curvature <= 0 || row.missed(there) < -tight) continue;
+    // `less` is the change of the gap's slope against the plan; it moves the time of the least gap.
+    const Threat& threat = now.threats[static_cast<std::size_t>(row.threat)];
+    const double part = threat.behavior == Behavior::cooperative ? 0.5 : 1.0;
+    const Vec2<double>& a = threat.plan.a;
+    Vec2<double> dv = {there.v.x - step.e * now.self.v.x - part * step.E * a.x,
+                       there.v.y - step.e * now.self.v.y - part * step.E * a.y};
+    double less = row.e * (row.n.x * dv.x + row.n.y * dv.y);
+    if (row.thrust.x != 0 || row.thrust.y != 0) {
+      const Vec2<double> turned = rotate(there.d, rotate<double>({now.self.d.x, -now.self.d.y}, a));
+      less += row.E * (row.n.x * (turned.x - a.x) + row.n.y * (turned.y - a.y));
+    }
+    const double shift = -(row.slope + less) / row.curvature;
+    const double time = std::max(law.dt, row.time + std::clamp(shift, -longest, longest));
+    if (0.5 * row.curvature * square(time - row.time) < dip) continue;
+    now.rows[i].cut = true;
+    BarrierRow later = keep_away(law, now, row.threat, law.plans.touch(threat.tube, a, time));
+    if (row.side != 0) later.least -= now.beside, later.side = now.rows[i].side;
+    now.rows.push_back(later);
+  }
+}
+
+}  // namespace sightline
