@@ -31,40 +31,6 @@
 
 namespace sightline {
 
-// The input with which a robot's model follows its reference, used as u* in its cost.
-//
-// R penalises the inputs that a moving reference needs. With u* = 0 the plan cuts corners of a
-// circle, and more so for inputs with small gains. With velocity v, acceleration a and turn rate r
-// of the reference, from its poses 0.1 s before and after,
-//
-//   u* = u_ref + argmin_u min_z |(C z + E u, D z + B u, F u) - (v, a, r)|^2
-//
-// C and D are the effects of the velocity states z on the robot's velocity and acceleration. E, B
-// and F are the effects of its inputs on velocity, acceleration and turn rate after the lags have
-// settled. Least squares leaves out what the robot cannot do. r is left out if the cost has no
-// heading. The matrices are those of the robot at rest, in V if the robot turns. They include
-// drag, lags and gains, but not the acceleration of a velocity that turns with the heading.
-
-/// Feed-forward of one robot. Allocates only during construction.
-class FeedForward {
- public:
-  explicit FeedForward(const Agent& agent);
-
-  /// Writes u* (nu) at t [s].
-  /// @param x_ref  reference in force at t; where it is not finite, u* is u_ref
-  /// @param d      the robot's heading
-  void operator()(const Reference& x_ref, double t, const Vec2<double>& d, std::span<double> u) noexcept;
-
-  static constexpr double difference = 0.1;  ///< between times at which the reference is evaluated [s]
-
- private:
-  static constexpr std::size_t rows = 7;  // v, a and r
-
-  Model model_;
-  std::vector<double> u_ref_, x_;
-  std::vector<std::array<double, rows>> gain_;  // of each input, with respect to v, a and r
-};
-
 // Measured states that are always finite and bounded.
 
 /// States of all bodies (nx), each with the time of its measurement. All numbers are at most
@@ -161,6 +127,9 @@ class Compensation {
   /// @param period  shortest time between two commands [s]; sizes the input history
   /// @throws std::invalid_argument as validate()
   Compensation(const Team& team, const std::vector<RobotCompensation>& robots, double period);
+  ~Compensation();
+  Compensation(const Compensation&) = delete;
+  Compensation& operator=(const Compensation&) = delete;
 
   // The loop calls these functions once each period, in this order. None throws, allocates, locks or
   // prints.
@@ -193,21 +162,7 @@ class Compensation {
   Vec3<double> disturbance(BodyId robot) const noexcept;
 
  private:
-  /// A body whose state is compensated, or only predicted.
-  struct Member {
-    std::size_t body, x, u, nx, nu;  // index in the team, offsets and lengths
-    Model model;
-    double delay, time;
-    std::vector<double> counter;      // u_w over reach, for 1 m/s^2 along x, y, z of V, or of G: 3 x nu
-    std::vector<double> held;         // steady-state change of each state per unit of an input: nu x nx
-    std::vector<Vec2<double>> leans;  // steady-state tilt per unit of each input
-    std::optional<FeedForward> feed_forward;
-    std::vector<char> shown;    // whether each state is part of pose or velocity; others follow commands
-    std::vector<double> reach;  // half the range of each input
-    std::vector<double> last;   // previous measurement, with predicted inner states
-    double stamp;               // time of `last` [s]; minus infinity: none
-    Vec3<double> w{};
-  };
+  struct Member;  // a body whose state is compensated, or only predicted
 
   static void find_counter(Member& member, const Agent& agent);
   void find_steady(const Member& member, std::span<const double> x) noexcept;

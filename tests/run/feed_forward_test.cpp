@@ -1,9 +1,10 @@
+#include "sightline/run/feed_forward.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "sightline/loop.hpp"
 #include "sightline/robots.hpp"
 
 namespace sightline {

@@ -5,6 +5,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/loop.hpp"
+#include "sightline/run/feed_forward.hpp"
 #include "sightline/run/steady_state.hpp"
 #include "sightline/safety/carry.hpp"
 
@@ -81,6 +82,24 @@ void validate(const Team& team, const std::vector<RobotCompensation>& robots) {
   for (const RobotCompensation& of : robots)
     if (of.disturbance_time > 0) (void)input_effects(team.agent(of.robot), of.disturbance_time);
 }
+
+/// A body whose state is compensated, or only predicted.
+struct Compensation::Member {
+  std::size_t body, x, u, nx, nu;  // index in the team, offsets and lengths
+  Model model;
+  double delay, time;
+  std::vector<double> counter;      // u_w over reach, for 1 m/s^2 along x, y, z of V, or of G: 3 x nu
+  std::vector<double> held;         // steady-state change of each state per unit of an input: nu x nx
+  std::vector<Vec2<double>> leans;  // steady-state tilt per unit of each input
+  std::optional<FeedForward> feed_forward;
+  std::vector<char> shown;    // whether each state is part of pose or velocity; others follow commands
+  std::vector<double> reach;  // half the range of each input
+  std::vector<double> last;   // previous measurement, with predicted inner states
+  double stamp;               // time of `last` [s]; minus infinity: none
+  Vec3<double> w{};
+};
+
+Compensation::~Compensation() = default;
 
 Compensation::Compensation(const Team& team, const std::vector<RobotCompensation>& robots, double period)
     : member_of_(size(team.bodies()), -1),

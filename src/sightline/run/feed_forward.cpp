@@ -1,9 +1,10 @@
+#include "sightline/run/feed_forward.hpp"
+
 #include <cmath>
 #include <utility>
 
 #include "sightline/base.hpp"
 #include "sightline/base/symmetric.hpp"
-#include "sightline/loop.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/potentials.hpp"
 #include "sightline/run/steady_state.hpp"
