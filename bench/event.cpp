@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "sightline/loop.hpp"
+#include "sightline/run/controller.hpp"
 #include "tests/support/event_team.hpp"
 #include "tests/support/team_flight.hpp"
 

@@ -12,6 +12,7 @@
 #include "sightline/judge/event_description.hpp"
 #include "sightline/judge/present_team.hpp"
 #include "sightline/judge/summary.hpp"
+#include "sightline/run/controller.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/read_event.hpp"
 #include "tests/support/sample_sink.hpp"

@@ -1,3 +1,5 @@
+#include "sightline/run/controller.hpp"
+
 #include <gtest/gtest.h>
 
 #include "sightline/loop.hpp"

@@ -6,6 +6,7 @@
 
 #include "sightline/loop.hpp"
 #include "sightline/potentials.hpp"
+#include "sightline/run/controller.hpp"
 #include "sightline/solvers.hpp"
 #include "tests/support/counted_new.hpp"
 #include "tests/support/event_team.hpp"

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "sightline/run/controller.hpp"
 #include "sightline/scenario.hpp"
 #include "tests/support/team_flight.hpp"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sightline/loop.hpp"
+#include "sightline/run/controller.hpp"
 #include "sightline/worlds.hpp"
 #include "tests/support/newton_riccati_of.hpp"
 #include "tests/support/sample_sink.hpp"

@@ -1,3 +1,5 @@
+#include "sightline/run/controller.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 #include <stdexcept>
 
 #include "sightline/base.hpp"
-#include "sightline/loop.hpp"
 
 namespace sightline {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/loop.hpp"
+#include "sightline/run/controller.hpp"
 
 namespace sightline {
 namespace {
@@ -55,12 +56,14 @@ TeamSwitcher::TeamSwitcher(ActiveTeam start, const Script& script, MakeSolver ma
       monitor_(script_, world_),
       make_(std::move(make)),
       tuned_(std::move(tuned)),
+      present_(std::make_unique<Phase>()),
       settles_at_(never),
       ignored_(script_.events.size(), 0),
       active_team_(std::move(start)),
+      next_(std::make_unique<Phase>()),
       next_settles_at_(never) {
-  present_ = phase_of(make_(active_team_.team(0.0)), active_team_);
-  const Horizon& horizon = present_.solver->ocp().horizon();
+  *present_ = phase_of(make_(active_team_.team(0.0)), active_team_);
+  const Horizon& horizon = present_->solver->ocp().horizon();
   period_ = horizon.dt;
   request_.x.resize(size(world_.nx()));
   request_.u.resize(size(world_.nu()));
@@ -88,16 +91,16 @@ bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> 
   for (const std::size_t event : request_.events) {
     report_of(t, event);
   }
-  if (!next_.solver) return false;
+  if (!next_->solver) return false;
   if (const double late = t - request_.t - period_; late > same_time) {
     tell(t, EventKind::team_late, static_cast<std::size_t>(std::llround(late / period_)));
   }
-  next_.controller->status = present_.controller->status;
-  std::swap(present_, next_);
+  next_->controller->status = present_->controller->status;
+  std::swap(*present_, *next_);
   settles_at_ = next_settles_at_;
   // Brings the solver's memory into this core's cache outside of the update.
-  present_.controller->gather(world_, x, u);
-  (void)present_.solver->kkt(t, present_.controller->states);
+  present_->controller->gather(world_, x, u);
+  (void)present_->solver->kkt(t, present_->controller->states);
   return true;
 }
 
@@ -126,7 +129,7 @@ void TeamSwitcher::look(double t, const ValidStates& states, std::span<const dou
   if (pending_) return;
   const std::span<const double> x = states;
   const std::span<const std::size_t> triggered =
-      monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_.membership.presence});
+      monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_->membership.presence});
   const bool settles = t + period_ >= settles_at_ - same_time;
   const bool tuned = triggered.empty() && takes_tuned(t);
   if (triggered.empty() && !settles && !tuned) return;
@@ -144,9 +147,9 @@ void TeamSwitcher::look(double t, const ValidStates& states, std::span<const dou
   }
   std::copy(x.begin(), x.end(), request_.x.begin());
   std::copy(u.begin(), u.end(), request_.u.begin());
-  const std::size_t nu = size(present_.solver->ocp().nu());
-  for (int k = 0; k < present_.solver->ocp().horizon().N; ++k) {
-    present_.planner->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
+  const std::size_t nu = size(present_->solver->ocp().nu());
+  for (int k = 0; k < present_->solver->ocp().horizon().N; ++k) {
+    present_->planner->plan(k, std::span(request_.plan).subspan(size(k) * nu, nu));
   }
   pending_ = true;
   hand_.store(Hand::thread, std::memory_order_release);
@@ -164,7 +167,7 @@ void TeamSwitcher::work() noexcept {
 }
 
 void TeamSwitcher::prepare() noexcept {
-  next_ = {};  // frees the previous solver
+  *next_ = {};  // frees the previous solver
   refused_.clear();
   // Without memory, or if no solver takes the team, the team stays as before the event.
   const auto can_be = [&](std::span<const std::size_t> events) {
@@ -180,7 +183,7 @@ void TeamSwitcher::prepare() noexcept {
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (events.size() == 1 || !can_be(events.subspan(i, 1))) refused_.push_back(events[i]);
   }
-  if (request_.settles && !next_.solver) (void)can_be({});  // the ramps end without the events
+  if (request_.settles && !next_->solver) (void)can_be({});  // the ramps end without the events
 }
 
 /// Makes the team that these events lead to, without rejected events. If it throws, nothing has
@@ -211,7 +214,7 @@ void TeamSwitcher::make_next(std::span<const std::size_t> events) {
       const Status status = next.solver->solve(t, next.controller->states).status;
       if (status != Status::stepped && status != Status::iteration_limit) break;
     }
-    next_ = std::move(next);
+    *next_ = std::move(next);
   }
   active_team_ = std::move(active_team);
   const double settled = active_team_.at_rest_from(t);
@@ -228,7 +231,7 @@ void TeamSwitcher::give_plan(TeamPlanner& planner) const {
     std::copy(of_agent.begin(), of_agent.end(), u_ref.begin() + team.input_offset(body));
   }
   for (int k = 0; k < planner.ocp().horizon().N; ++k) planner.set_plan(k, u_ref);
-  const Ocp& before = present_.solver->ocp();
+  const Ocp& before = present_->solver->ocp();
   planner.take_over(before.team(),
                     std::span(request_.plan).first(size(before.horizon().N) * size(before.nu())));
 }
@@ -240,7 +243,7 @@ void TeamSwitcher::predict(Phase& next) const {
     const BodyId body{i};
     if (next.membership.presence[size(i)] == Presence::absent) continue;
     const std::size_t from = size(world_.state_offset(body));
-    if (present_.membership.presence[size(i)] == Presence::absent && !start_.empty()) {
+    if (present_->membership.presence[size(i)] == Presence::absent && !start_.empty()) {
       std::copy_n(&start_[from], world_.model(body).nx(), &x[from]);
       continue;
     }

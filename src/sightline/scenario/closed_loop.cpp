@@ -7,6 +7,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/run/controller.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"

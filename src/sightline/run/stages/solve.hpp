@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sightline/loop.hpp"
+#include "sightline/run/controller.hpp"
 #include "sightline/run/stages/period.hpp"
 
 namespace sightline::stages {

@@ -4,6 +4,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/loop.hpp"
+#include "sightline/run/controller.hpp"
 
 namespace sightline::stages {
 
