@@ -41,7 +41,7 @@ int bench(const BenchCommand& command, char** /*argv*/) {
       if (!is_alone && !is_swarm_case(name)) cases.push_back(bench_case(name));
     }
   } catch (const std::invalid_argument& error) {
-    tell("sightline bench: {}\n", error.what());
+    print_message("sightline bench: {}\n", error.what());
     return 2;
   }
 
@@ -50,7 +50,7 @@ int bench(const BenchCommand& command, char** /*argv*/) {
   const auto reporting = [&](std::string_view what) {
     return BenchOptions{.updates = command.updates,
                         .allocations = allocations,
-                        .progress = [what](int count) { tell("{} {}\n", count, what); }};
+                        .progress = [what](int count) { print_message("{} {}\n", count, what); }};
   };
   if (command.name && is_barrier_case(*command.name))
     rows.push_back(run_barrier_bench(*command.name, reporting("of 500 conflicts")));
@@ -59,20 +59,20 @@ int bench(const BenchCommand& command, char** /*argv*/) {
   if (command.name == event_case_name) rows = run_event_bench(reporting("changes"));
   if (command.name == estimate_case_name) rows = run_estimate_bench(reporting("sightings accepted"));
   for (const BenchCase& what : cases) {
-    tell("{}: ", what.name);
+    print_message("{}: ", what.name);
     rows.push_back(run_bench(what, solver,
                              {.updates = command.updates,
                               .allocations = allocations,
                               .progress =
                                   [](int update) {
-                                    if (update % 500 == 0) tell(".");
+                                    if (update % 500 == 0) print_message(".");
                                   },
                               .judged = !command.times_only}));
     const BenchRow& row = rows.back();
-    tell(" {:.2f} us\n", row.median_us);
+    print_message(" {:.2f} us\n", row.median_us);
     if (row.unconverged > 0)
-      tell("{}: the optimum of {} updates is not known to 1e-10\n", row.name, row.unconverged);
-    if (row.ipopt_failed > 0) tell("{}: IPOPT failed {} times\n", row.name, row.ipopt_failed);
+      print_message("{}: the optimum of {} updates is not known to 1e-10\n", row.name, row.unconverged);
+    if (row.ipopt_failed > 0) print_message("{}: IPOPT failed {} times\n", row.name, row.ipopt_failed);
   }
   print("{}", command.json ? bench_json(rows) : bench_table(rows));
   return 0;
@@ -84,7 +84,7 @@ int bench(const BenchCommand& /*command*/, char** argv) {
   const std::filesystem::path program =
       std::filesystem::read_symlink("/proc/self/exe").replace_filename("sightline_bench");
   execv(program.c_str(), argv);
-  tell(
+  print_message(
       "sightline bench: {} cannot be started ({}), expected a build configured with -D SIGHTLINE_BENCH=ON, "
       "as the release preset is\n",
       program.native(), std::strerror(errno));

@@ -91,7 +91,7 @@ struct Tables {
     if (table.rows() == 0) return;
     check_continues(table, file, scenario, input.plan, input.options);
     if (table.rows() < input.runs())
-      say(fmt::format("{}: goes on after {} runs", file.native(), table.rows()));
+      print_sentence(fmt::format("{}: goes on after {} runs", file.native(), table.rows()));
   }
 };
 
@@ -196,8 +196,8 @@ std::map<fs::path, std::string> scenario_files(const CampaignWords& about, const
     if (place.is_relative() && *place.begin() != "..")
       files.emplace(folder / place, text);
     else
-      say(fmt::format("{} lies outside of the scenario's folder: it is not written into {}", name,
-                      folder.native()));
+      print_sentence(fmt::format("{} lies outside of the scenario's folder: it is not written into {}", name,
+                                 folder.native()));
   }
   for (const auto& [file, text] : files)
     if (fs::exists(file) && read_text(file) != text)
@@ -266,7 +266,7 @@ int merge(const CampaignCommand& command, const Registry& registry) {
     write_text(out / "campaign.html", campaign_html(tables, campaign_plan(scenario), words, out));
     print("{}\n", (out / "campaign.html").native());
   } catch (const std::exception& error) {  // e.g. on a full disk: the table holds all flown runs
-    say(sentence_of(error));
+    print_sentence(sentence_of(error));
     code = 1;
   }
   for (const char* file : {"campaign.json", "campaign.sqlite"}) print("{}\n", (out / file).native());
@@ -300,7 +300,7 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
     input = read(command, registry);
     if (command.slurm.submit) return campaign_by_slurm(command, input, registry);
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
   outlive_the_terminal();
@@ -338,15 +338,15 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
                    campaign_html(shown, input.plan, again(command, input), input.folder,
                                  input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
       } catch (const std::runtime_error& error) {  // e.g. on a full disk: the table holds all flown runs
-        say(sentence_of(error));
+        print_sentence(sentence_of(error));
         lost = true;
       }
     }
   } catch (const ScenarioError& error) {
-    tell("{}\n", error.what());
+    print_message("{}\n", error.what());
     return 2;
   } catch (const std::invalid_argument& error) {
-    tell("{}\n", error.what());
+    print_message("{}\n", error.what());
     return 2;
   }
   for (const char* file : {"campaign.html", "campaign.json", "campaign.sqlite"})
@@ -355,7 +355,7 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
   if (counts[0] == input.runs()) return lost ? 1 : 0;
   for (int i = 1; i < outcome_count; ++i) {
     if (const int bad = counts[static_cast<std::size_t>(i)]; bad > 0)
-      say(fmt::format("{} of {} runs: {}", bad, input.runs(), to_string(static_cast<Outcome>(i))));
+      print_sentence(fmt::format("{} of {} runs: {}", bad, input.runs(), to_string(static_cast<Outcome>(i))));
   }
   return 1;
 }

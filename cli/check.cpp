@@ -17,7 +17,7 @@ namespace {
 void fix(const std::filesystem::path& file) {
   const std::string text = read_text(file);
   const RenamedText renamed = with_present_names(text, file.native());
-  for (const std::string& change : renamed.changes) say(change);
+  for (const std::string& change : renamed.changes) print_sentence(change);
   if (renamed.text != text) write_text(file, renamed.text);
 }
 
@@ -29,7 +29,7 @@ int check(const CheckCommand& command, const Registry& registry) {
     const Scenario read = command.scenario.read(registry);
     const Controls controls(read);
     const Preflight known = preflight(read);
-    for (const std::string& refusal : known.refusals) tell("{}\n", refusal);
+    for (const std::string& refusal : known.refusals) print_message("{}\n", refusal);
     if (!known.refusals.empty()) return 2;
     if (command.expanded) {
       TomlDocument document = parse_toml(read.text, command.scenario.file.native());
@@ -40,10 +40,11 @@ int check(const CheckCommand& command, const Registry& registry) {
     print("ok\n{}", summary(read));
     for (const std::string& remark : known.remarks) print("smooth      {}\n", remark);
     for (const std::string& warning : known.warnings) print("warning     {}\n", warning);
-    if (const std::string reported = controls.kernels().sentence(); !reported.empty()) say(reported);
+    if (const std::string reported = controls.kernels().sentence(); !reported.empty())
+      print_sentence(reported);
     return 0;
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
 }

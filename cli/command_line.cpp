@@ -42,17 +42,18 @@ int execute(int argc, char** argv, const Registry& registry) {
   if (!first.starts_with('-') && std::find(commands.begin(), commands.end(), first) == commands.end()) {
     const std::vector<std::string_view> known(commands.begin(), commands.end());
     const auto near = nearest(first, known);
-    say(first.empty()
-            ? fmt::format("the command is missing, expected one of {}", fmt::join(commands, ", "))
-            : fmt::format("{} is no command, expected one of {}{}", first, fmt::join(commands, ", "),
-                          near ? fmt::format(", the nearest is {}", *near) : std::string()));
+    print_sentence(first.empty()
+                       ? fmt::format("the command is missing, expected one of {}", fmt::join(commands, ", "))
+                       : fmt::format("{} is no command, expected one of {}{}", first,
+                                     fmt::join(commands, ", "),
+                                     near ? fmt::format(", the nearest is {}", *near) : std::string()));
     return 2;
   }
   for (int i = 2; i < argc; ++i) {
     const std::string_view option(argv[i]), name = option.substr(0, option.find('='));
     for (const auto& [old, present] : renamed_options) {
       if (name != old) continue;
-      say(fmt::format("{}, expected {}, its name since 0.2", old, present));
+      print_sentence(fmt::format("{}, expected {}, its name since 0.2", old, present));
       return 2;
     }
   }
@@ -93,7 +94,7 @@ int command_line(int argc, char** argv, const Registry& registry) {
   try {
     code = execute(argc, argv, with_links(registry));
   } catch (const std::exception& e) {
-    tell("sightline: {}\n", sentence_of(e));
+    print_message("sightline: {}\n", sentence_of(e));
   }
   return finish(code);
 }

@@ -170,7 +170,7 @@ struct LinkedFlight {
 int fly(Scenario scenario, const RunFolder& folder, Clock& clock, const ShowOptions& view = {},
         const PartitionChoice* partition = nullptr, LinkedFlight* linked = nullptr);
 /// Prints a message if this program contains no page.
-void tell_without_page();
+void print_without_page();
 /// Flies a fleet over the program's bridge: takes off, flies the task, lands. Ctrl-C lands; a
 /// second Ctrl-C leaves the robots to their autopilots. Writes the files of run().
 int fly_fleet(const FlyCommand& command, const Registry& registry);

@@ -124,14 +124,15 @@ int doctor(const DoctorCommand& command, const Registry& registry) {
     scenario = read_fleet(command.fleet, registry);
     fleet = registry.bridge->examine(scenario);
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
   listen_to_interrupts();
   if (command.watch) return watch_poses(*fleet, command);
 
   const double seconds = command.seconds.value_or(10.0);
-  if (!command.json) say(fmt::format("listens for {:g} s, and times its own loop meanwhile", seconds));
+  if (!command.json)
+    print_sentence(fmt::format("listens for {:g} s, and times its own loop meanwhile", seconds));
   LoopTiming timing;
   std::vector<Finding> findings;
   try {
@@ -142,7 +143,7 @@ int doctor(const DoctorCommand& command, const Registry& registry) {
     timing = timed.get();
     findings = fleet->findings();
   } catch (const std::invalid_argument& error) {
-    tell("{}: {}\n", command.fleet.file.native(), error.what());
+    print_message("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;
   }
   for (Finding& finding : tag_findings(scenario)) findings.push_back(std::move(finding));

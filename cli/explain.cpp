@@ -11,7 +11,7 @@ int explain(const ExplainCommand& command, const Registry& registry) {
     print("{}", explain_text(read));
     return 0;
   } catch (const ScenarioError& error) {
-    tell("{}\n", error.what());
+    print_message("{}\n", error.what());
     return 2;
   }
 }

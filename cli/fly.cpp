@@ -68,9 +68,9 @@ void on_interrupt(int) {
 
 /// Prints the robots' counts and faults of the flight; returns whether there are faults.
 bool say_end(const LinkedWorld& world) {
-  for (const std::string& line : world.counts()) say(line);
+  for (const std::string& line : world.counts()) print_sentence(line);
   const std::vector<std::string> faults = world.faults();
-  for (const std::string& fault : faults) say(fault);
+  for (const std::string& fault : faults) print_sentence(fault);
   return !faults.empty();
 }
 
@@ -143,7 +143,7 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
           fmt::format("{}: agent.{}.localization = vision, expected \"global\": its link has no motion",
                       command.fleet.file.native(), scenario.team.name(localized.front().robot)));
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
   outlive_the_terminal();
@@ -155,7 +155,7 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
     if (!folder) return fly_dry(scenario, *world);
     code = fly(std::move(scenario), *folder, clock, command.view, nullptr, &linked);
   } catch (const std::invalid_argument& error) {  // of objects built before the flight
-    tell("{}: {}\n", command.fleet.file.native(), error.what());
+    print_message("{}: {}\n", command.fleet.file.native(), error.what());
     return 2;
   }
   return say_end(*world) && code == 0 ? 1 : code;
@@ -203,22 +203,22 @@ int vehicles(const VehiclesCommand& command, const Registry& parts) {
     const Scenario scenario = read_fleet(command.fleet, parts);
     const std::unique_ptr<VehicleSimulators> vehicle_simulators = parts.bridge->vehicle_simulator(scenario);
     listen_to_interrupts();
-    say(fmt::format("{} simulated vehicles, until Ctrl-C", fleet_of(scenario).links.size()));
+    print_sentence(fmt::format("{} simulated vehicles, until Ctrl-C", fleet_of(scenario).links.size()));
     {
-      const auto help = [] { tell("{}", fault_keys_help()); };
+      const auto help = [] { print_message("{}", fault_keys_help()); };
       const FaultKeys keys(
           [&](FaultTyping::Requested requested) {
-            say(vehicle_simulators->toggle(requested.robot, requested.kind));
+            print_sentence(vehicle_simulators->toggle(requested.robot, requested.kind));
           },
           help);
       if (FaultKeys::on_a_terminal()) help();
       vehicle_simulators->run(command.seconds, interrupts(),
-                              [](std::string_view sentence) { say(sentence); });
+                              [](std::string_view sentence) { print_sentence(sentence); });
     }
     for (const std::string& line : vehicle_simulators->counts()) print("{}\n", line);
     return 0;
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
 }

@@ -80,7 +80,7 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
       found = in(command.of.file, [&] { return sightline::identify(motion, options.kind); });
     }
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
 
@@ -97,7 +97,7 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
     write_text(folder / "identify.html", identification_html(*found, motion));
     if (!command.json) print("{}\n", (folder / "identify.html").native());
   } catch (const std::runtime_error& error) {
-    say(fmt::format("no identify.html: {}", sentence_of(error)));
+    print_sentence(fmt::format("no identify.html: {}", sentence_of(error)));
   }
   return 0;
 }

@@ -133,13 +133,13 @@ void write_message(std::string_view text) noexcept { (void)streams().messages.wr
 
 void offer_message(std::string_view text) noexcept { (void)streams().messages.write(text, false); }
 
-void say(std::string_view sentence) noexcept { write_sentence(sentence, write_message); }
+void print_sentence(std::string_view sentence) noexcept { write_sentence(sentence, write_message); }
 void offer_sentence(std::string_view sentence) noexcept { write_sentence(sentence, offer_message); }
 
 int finish(int code) {
   const int lost = streams().lost;
   if (lost == 0) return code;
-  say(fmt::format("stdout: {}, the results could not be shown there", reason(lost)));
+  print_sentence(fmt::format("stdout: {}, the results could not be shown there", reason(lost)));
   return code == 0 ? 1 : code;
 }
 

@@ -32,11 +32,11 @@ void print(fmt::format_string<Args...> format, Args&&... args) {
 }
 /// Writes a message unchanged.
 template <class... Args>
-void tell(fmt::format_string<Args...> format, Args&&... args) {
+void print_message(fmt::format_string<Args...> format, Args&&... args) {
   write_message(fmt::format(format, std::forward<Args>(args)...));
 }
 /// Writes a sentence in a line that begins with the program's name.
-void say(std::string_view sentence) noexcept;
+void print_sentence(std::string_view sentence) noexcept;
 /// The same without waiting: the sentence is dropped if the stream is not writable.
 void offer_sentence(std::string_view sentence) noexcept;
 

@@ -105,8 +105,8 @@ Solution PartitionedFlight::solve(double time, std::span<const double> states) n
   return solution;
 }
 
-std::string PartitionedFlight::tell(const std::filesystem::path& folder, const std::string& summary,
-                                    const std::string& whole) {
+std::string PartitionedFlight::print_message(const std::filesystem::path& folder, const std::string& summary,
+                                             const std::string& whole) {
   std::vector<std::vector<FromOptimum>> moments;
   PartitionedSolver still(ocp().team(), choice_.parts,
                           solver_maker(solver_named(solver_name_), ocp().horizon()),

@@ -55,7 +55,8 @@ class PartitionedFlight final : public Solver {
   /// @param summary, whole  summary.json of this flight, and of the same flight with a solver of
   ///   the whole team
   /// @return a table as text
-  std::string tell(const std::filesystem::path& folder, const std::string& summary, const std::string& whole);
+  std::string print_message(const std::filesystem::path& folder, const std::string& summary,
+                            const std::string& whole);
 
  private:
   struct PartSample {

@@ -42,7 +42,7 @@ int potential(const PotentialOptions& options, const Registry& registry) {
         options.output.empty() ? std::filesystem::path("out") / scenario.name / "potential" : options.output,
         std::initializer_list<std::string_view>{"verdict.json", "index.html"});
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
 

@@ -76,15 +76,15 @@ int replay(const ReplayCommand& command, const Registry& registry) {
     const Scenario scenario = flown_scenario(flown, log, registry, command.solver, command.set);
     RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, scenario.goals);
     if (flown.version != sightline::version || flown.compiler != compiler) {
-      say(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ", flown.version,
-                      flown.compiler, sightline::version, compiler));
+      print_sentence(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ",
+                                 flown.version, flown.compiler, sightline::version, compiler));
     }
     if (flight.lost_after()) {
-      say(fmt::format("samples were lost after {:.6g} s, what followed is not replayed",
-                      *flight.lost_after()));
+      print_sentence(fmt::format("samples were lost after {:.6g} s, what followed is not replayed",
+                                 *flight.lost_after()));
     }
     if (flight.truncated())
-      say(fmt::format("the log ends at {:.6g} s without its end", flight.periods().back().time));
+      print_sentence(fmt::format("the log ends at {:.6g} s without its end", flight.periods().back().time));
 
     Steering steering(scenario, flown, command.solver.has_value());
     const Controllers controllers = steering.controllers();
@@ -100,7 +100,7 @@ int replay(const ReplayCommand& command, const Registry& registry) {
     if (changed) return 0;
     return compared.differing() == 0 && compared.differing_estimates() == 0 && !flight.lost_after() ? 0 : 1;
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
 }

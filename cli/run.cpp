@@ -55,7 +55,7 @@ LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sin
       flies = linked.world.take_off(linked.arming, linked.interrupts, offer_sentence);
       if (flies) outcome = loop.fly();
     } catch (const std::exception& error) {
-      say(sentence_of(error));
+      print_sentence(sentence_of(error));
     }
     if (flies) linked.world.land(linked.interrupts, offer_sentence);
     sink.close();
@@ -100,8 +100,8 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
     if (!view.show) return kept;
     page.emplace(scenario, prototype, view.serve, tuning ? &*tuning : nullptr);
     watched.emplace(kept, *page);
-    tell_without_page();
-    say(fmt::format("the page is {}", page->url()));
+    print_without_page();
+    print_sentence(fmt::format("the page is {}", page->url()));
     return *watched;
   };
   if (linked != nullptr) {
@@ -130,8 +130,8 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
   constexpr std::size_t large = 64;  // smaller teams are set up without a noticeable delay
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (scenario.team.agents().size() >= large)
-    say(fmt::format("{} robots are set up in {:.2g} s", scenario.team.agents().size(), took));
-  if (const std::string reported = controls.kernels().sentence(); !reported.empty()) say(reported);
+    print_sentence(fmt::format("{} robots are set up in {:.2g} s", scenario.team.agents().size(), took));
+  if (const std::string reported = controls.kernels().sentence(); !reported.empty()) print_sentence(reported);
   return fly_shown(scenario, folder, clock, view, controls.controllers(), controls.team_switcher(), {},
                    linked);
 }
@@ -171,10 +171,10 @@ int run(const RunOptions& options, const Registry& parts) {
     folder.emplace(options.output.empty() ? std::filesystem::path("out") / scenario.name : options.output,
                    scenario, partition.has_value());
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
-  for (const std::string& sentence : keys_without_effect(scenario)) say("warning: " + sentence);
+  for (const std::string& sentence : keys_without_effect(scenario)) print_sentence("warning: " + sentence);
   outlive_the_terminal();
   SimulatedClock simulated;
   SteadyClock steady;
@@ -182,7 +182,7 @@ int run(const RunOptions& options, const Registry& parts) {
     return fly(std::move(scenario), *folder, options.realtime ? static_cast<Clock&>(steady) : simulated,
                options.view, partition ? &*partition : nullptr);
   } catch (const std::invalid_argument& error) {  // of objects built before the flight
-    tell("{}: {}\n", options.scenario.file.native(), error.what());
+    print_message("{}: {}\n", options.scenario.file.native(), error.what());
     return 2;
   }
 }
@@ -204,7 +204,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
              {"exchanges", fmt::format("{}", partition->exchanges)}};
   const LoggedFlight flight = parts ? fly_shown(scenario, folder, clock, view, {*parts}, nullptr, words)
                                     : fly_shown(scenario, folder, clock, view, linked);
-  for (const std::string& fault : flight.faults) say(fault);
+  for (const std::string& fault : flight.faults) print_sentence(fault);
   bool bad = !flight.faults.empty();
 
   std::vector<std::string> summaries = {flight.summary};
@@ -213,10 +213,11 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     SimulatedClock simulated;
     scenario.solver = of_whole;
     const LoggedFlight whole = fly_shown(as_one(scenario), folder / "whole", simulated, {}, nullptr);
-    for (const std::string& fault : whole.faults) say(fmt::format("the whole team by one solver: {}", fault));
+    for (const std::string& fault : whole.faults)
+      print_sentence(fmt::format("the whole team by one solver: {}", fault));
     bad = bad || !whole.logged;
     summaries.push_back(whole.summary);
-    of_parts = parts->tell(folder, flight.summary, whole.summary);
+    of_parts = parts->print_message(folder, flight.summary, whole.summary);
   }
   for (const std::string& name : scenario.simulation.compare) {
     if (!flight.logged) break;
@@ -224,7 +225,8 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     scenario.solver = solver_named(name);
     scenario.tuned = nullptr;
     const LoggedFlight other = fly_shown(as_one(scenario), folder / name, simulated, {}, nullptr);
-    for (const std::string& fault : other.faults) say(fmt::format("compared with {}: {}", name, fault));
+    for (const std::string& fault : other.faults)
+      print_sentence(fmt::format("compared with {}: {}", name, fault));
     bad = bad || !other.logged;
     summaries.push_back(other.summary);
   }
@@ -233,7 +235,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
     try {
       write_report(folder);
     } catch (const std::exception& error) {
-      say(sentence_of(error));
+      print_sentence(sentence_of(error));
       bad = true;
     }
   }
@@ -262,13 +264,13 @@ int report(const std::filesystem::path& folder) {
     lock.emplace(folder, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
                                                                  "report.html"});
   } catch (const std::invalid_argument& error) {
-    tell("{}\n", error.what());
+    print_message("{}\n", error.what());
     return 2;
   }
   try {
     write_report(folder);
   } catch (const std::exception& error) {
-    say(sentence_of(error));
+    print_sentence(sentence_of(error));
     return 1;
   }
   print("{}\n", (folder / "report.html").native());

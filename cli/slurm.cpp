@@ -27,13 +27,13 @@ namespace fs = std::filesystem;
 constexpr std::chrono::seconds between_looks{1};
 constexpr int looks_unanswered = 30;  // failed squeue calls before giving up
 
-struct Said {
+struct ShellResult {
   int code;
   std::string text;
 };
 
 /// Runs a shell command; returns its output, including errors.
-Said ask_shell(const std::string& command) {
+ShellResult run_shell(const std::string& command) {
   const auto close = [](FILE* pipe) { ::pclose(pipe); };
   std::unique_ptr<FILE, decltype(close)> pipe(::popen((command + " 2>&1").c_str(), "r"), close);
   if (!pipe) throw std::runtime_error(fmt::format("{}: cannot be started", command));
@@ -59,14 +59,14 @@ struct Tasks {
   int waiting = 0, running = 0;
 };
 std::optional<Tasks> tasks_of(const std::string& job) {
-  const Said said = ask_shell(fmt::format("squeue --noheader --array --job {} --format %t", job));
+  const ShellResult result = run_shell(fmt::format("squeue --noheader --array --job {} --format %t", job));
   // Slurm reports a job it has forgotten as invalid: no task of the job is left.
-  if (said.code != 0 && said.text.find("Invalid job id") == std::string::npos) return std::nullopt;
+  if (result.code != 0 && result.text.find("Invalid job id") == std::string::npos) return std::nullopt;
   Tasks tasks;
   std::size_t begin = 0;
-  while (said.code == 0 && begin < said.text.size()) {
-    const std::size_t end = std::min(said.text.find('\n', begin), said.text.size());
-    (said.text.substr(begin, end - begin).starts_with("PD") ? tasks.waiting : tasks.running) += 1;
+  while (result.code == 0 && begin < result.text.size()) {
+    const std::size_t end = std::min(result.text.find('\n', begin), result.text.size());
+    (result.text.substr(begin, end - begin).starts_with("PD") ? tasks.waiting : tasks.running) += 1;
     begin = end + 1;
   }
   return tasks;
@@ -87,7 +87,7 @@ void wait_for(const std::string& job, int shards) {
       const std::string line =
           fmt::format("job {}: {} of {} shards over, {} fly, {} wait", job,
                       shards - tasks->waiting - tasks->running, shards, tasks->running, tasks->waiting);
-      if (line != reported) say(line);
+      if (line != reported) print_sentence(line);
       reported = line;
       if (tasks->waiting + tasks->running == 0) return;
     }
@@ -134,28 +134,29 @@ bool fly_by_slurm(const std::string& script, int shards, const fs::path& folder)
   }
   const fs::path file = folder / "slurm.sh";
   write_text(file, script);
-  const Said submitted = ask_shell("sbatch --parsable " + shell_word(file.native()));
+  const ShellResult submitted = run_shell("sbatch --parsable " + shell_word(file.native()));
   if (submitted.code != 0)
     throw std::runtime_error(fmt::format(
         "{}, expected a Slurm that takes {}",
         submitted.text.empty() ? "sbatch: no output" : submitted.text.substr(submitted.text.rfind('\n') + 1),
         file.native()));
   const std::string job = submitted.text.substr(0, submitted.text.find(';'));
-  say(fmt::format("job {}: {} shards; scancel {} ends it, the same command goes on from what is there", job,
+  print_sentence(
+      fmt::format("job {}: {} shards; scancel {} ends it, the same command goes on from what is there", job,
                   shards, job));
   wait_for(job, shards);
   bool all = true;
   for (int i = 1; i <= shards; ++i) {
-    const fs::path said = shard_folder(folder, i) / "slurm.txt";
-    const std::string last = last_line(said);
+    const fs::path result = shard_folder(folder, i) / "slurm.txt";
+    const std::string last = last_line(result);
     // Runs that are not recovered are results too.
     if (last == "exit 0" || last == "exit 1") continue;
     all = false;
-    say(fmt::format("shard {}/{} failed: {} ({})", i, shards,
-                    last.empty()                ? "it left no word"
-                    : last.starts_with("exit ") ? "it ended with " + last
-                                                : last,
-                    said.native()));
+    print_sentence(fmt::format("shard {}/{} failed: {} ({})", i, shards,
+                               last.empty()                ? "it left no word"
+                               : last.starts_with("exit ") ? "it ended with " + last
+                                                           : last,
+                               result.native()));
   }
   return all;
 }

@@ -46,11 +46,11 @@ void open_browser(const std::string& url) {
   std::array<char*, 3> arguments = {words[0].data(), words[1].data(), nullptr};
   pid_t child = 0;
   if (::posix_spawnp(&child, words[0].c_str(), nullptr, nullptr, arguments.data(), environ) != 0)
-    say("no xdg-open, expected one that opens the page: open it by hand");
+    print_sentence("no xdg-open, expected one that opens the page: open it by hand");
 }
 
 void announce(const ViewCommand& command, const std::string& url) {
-  tell_without_page();
+  print_without_page();
   print("{}\n", url);
   if (command.open) open_browser(url);
 }
@@ -105,7 +105,7 @@ int view_flight(const ViewCommand& command, const Registry& registry, const Serv
   {
     std::optional<EnterKey> enter;
     if (command.paused) {
-      say("paused, Enter flies on");
+      print_sentence("paused, Enter flies on");
       enter.emplace(clock, stop);
     }
     ServiceThread timer("the end of the view", [&] {
@@ -118,14 +118,14 @@ int view_flight(const ViewCommand& command, const Registry& registry, const Serv
       stop = true;  // no flight is left that a view could wait for
       throw;
     }
-    if (!stop) say("the flight is over, the page stays until Ctrl-C");
+    if (!stop) print_sentence("the flight is over, the page stays until Ctrl-C");
     timer.join();
   }
   report_counts(page.counts());
-  if (page.dropped() > 0) say(fmt::format("{} samples were not shown", page.dropped()));
+  if (page.dropped() > 0) print_sentence(fmt::format("{} samples were not shown", page.dropped()));
   if (outcome.finite) return 0;
   const std::string why = world->ended();
-  say(why.empty() ? "a state or an input was not finite" : why);
+  print_sentence(why.empty() ? "a state or an input was not finite" : why);
   return 1;
 }
 
@@ -138,17 +138,19 @@ Moments::time_point end_of(const ViewCommand& command) {
 
 void report_counts(const ServeCounts& counts) {
   if (counts.unrequested > 0)
-    say(fmt::format("{} messages that would change the flight were refused: it is not tuned (--tune)",
+    print_sentence(
+        fmt::format("{} messages that would change the flight were refused: it is not tuned (--tune)",
                     counts.unrequested));
-  say(fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
+  print_sentence(
+      fmt::format("{} connections, {} refused; {} states sent, {} left out for slow ones, {} watchers closed",
                   counts.connections, counts.refused, counts.sent, counts.dropped, counts.closed));
   if (counts.messages + counts.messages_dropped > 0)
-    say(fmt::format("{} messages of topics sent, {} left out for slow ones", counts.messages,
-                    counts.messages_dropped));
+    print_sentence(fmt::format("{} messages of topics sent, {} left out for slow ones", counts.messages,
+                               counts.messages_dropped));
 }
 
-void tell_without_page() {
-  if (!has_page()) say(without_page(page_lacks()) + ": only data are served");
+void print_without_page() {
+  if (!has_page()) print_sentence(without_page(page_lacks()) + ": only data are served");
 }
 
 int view(const ViewCommand& command, const Registry& registry) {
@@ -160,7 +162,7 @@ int view(const ViewCommand& command, const Registry& registry) {
     return std::filesystem::is_directory(command.of.file, ignored) ? view_log(command, registry, options)
                                                                    : view_flight(command, registry, options);
   } catch (const std::exception& error) {
-    tell("{}\n", sentence_of(error));
+    print_message("{}\n", sentence_of(error));
     return 2;
   }
 }

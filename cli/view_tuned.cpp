@@ -41,7 +41,7 @@ Scenario with_seed(const Scenario& before, const Tuning& tuning, std::uint64_t s
   if (!has_values) {
     std::string_view why = values.body;
     if (why.starts_with("# ")) why.remove_prefix(2);
-    say(fmt::format("the other flight has the scenario's own values: {}", why));
+    print_sentence(fmt::format("the other flight has the scenario's own values: {}", why));
   }
   Scenario next = parse_scenario(has_values ? values.body : before.text, before.file, *before.registry,
                                  {.files = before.files, .set = {fmt::format("simulation.seed={}", seed)}});
@@ -79,7 +79,7 @@ class TunedFlight {
     };
     std::optional<EnterKey> enter;
     if (clock_.paused()) {
-      say("paused, Enter or the page flies on");
+      print_sentence("paused, Enter or the page flies on");
       enter.emplace(clock_, over_);
     }
     ServiceThread timer("the end of the view", [&] {
@@ -95,10 +95,10 @@ class TunedFlight {
       throw;
     }
     tuning_.end();
-    if (!over_) say("the flight is over, the page stays until Ctrl-C");
+    if (!over_) print_sentence("the flight is over, the page stays until Ctrl-C");
     timer.join();
-    for (const std::string& fault : flight.faults) say(fault);
-    if (flight.logged) say(fmt::format("logged in {}", folder_.path().native()));
+    for (const std::string& fault : flight.faults) print_sentence(fault);
+    if (flight.logged) print_sentence(fmt::format("logged in {}", folder_.path().native()));
     report_of(page_->counts());
     return flight.outcome.finite && flight.logged ? 0 : 1;
   }
@@ -114,9 +114,9 @@ class TunedFlight {
   void report_of(const ServeCounts& counts) const {
     report_counts(counts);
     const std::size_t events = scenario_.tuned->size();
-    say(fmt::format("{} changes, {} messages refused, {} not received", events, tuning_.refused(),
-                    tuning_.stale()));
-    if (page_->dropped() > 0) say(fmt::format("{} samples were not shown", page_->dropped()));
+    print_sentence(fmt::format("{} changes, {} messages refused, {} not received", events, tuning_.refused(),
+                               tuning_.stale()));
+    if (page_->dropped() > 0) print_sentence(fmt::format("{} samples were not shown", page_->dropped()));
   }
 
   Scenario scenario_;

@@ -73,7 +73,7 @@ verdicts() {
   folder=judge
   sources=(judge/{safety_summary,sampled_motion,input_record,tracking_error,present_team,drift,summary,plan_summary,run_evaluator} record/logged_flight)
   tests=(judge/{safety_summary,input_record,tracking_error,summary,plan_summary} run/plan_gap judge/run_evaluator
-    judge/{sampled_motion,drift} record/logged_flight campaign/judged_flight)
+    judge/{sampled_motion,drift} record/logged_flight)
   filter='SafetySummary.*:SampledMotion.*:InputRecord.*:TrackingError.*:Drift.*:Summary.*:PlanSummary.*:PlanGap*:LoggedFlight.*:RunEvaluator*'
   objects=()
   libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
@@ -320,8 +320,8 @@ estimate() {
     'gaps without uncertainty|out_of_sequence_filter.hpp|gap > 1e-6)|gap > 1e6)'
     'what is older than the start taken|out_of_sequence_filter.hpp|(known_ \&\& z.stamp <= begun_)|false'
     'starts one sighting early|out_of_sequence_filter.hpp|psi, variance)) < start_)|psi, variance)) < start_ - 1)'
-    'never restarts|out_of_sequence_filter.hpp|contradictions_.add(meant) < restart_|contradictions_.add(meant) > 0'
-    'headings never restart|out_of_sequence_filter.hpp|turned_.add(meant) < restart_|turned_.add(meant) > 0'
+    'never restarts|out_of_sequence_filter.hpp|contradictions_.add(hypothesis) < restart_|contradictions_.add(hypothesis) > 0'
+    'headings never restart|out_of_sequence_filter.hpp|turned_.add(hypothesis) < restart_|turned_.add(hypothesis) > 0'
     'contradictions outlive an accepted position|out_of_sequence_filter.hpp|if (z.measures_position()) contradictions_.clear();|;'
     'candidates outlive a start|out_of_sequence_filter.hpp|^  candidates_.clear();|  ;'
     'an old compass is trusted|out_of_sequence_filter.hpp|> Agreement::window) return|> 100 * Agreement::window) return'

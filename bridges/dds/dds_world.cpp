@@ -261,7 +261,7 @@ void DdsWorld::report_news() {
 
 void DdsWorld::report_all(const std::string& sentence, const PrintMessage& print) {
   print(sentence);
-  if (topics_ != nullptr) topics_->say(sentence);
+  if (topics_ != nullptr) topics_->add_sentence(sentence);
 }
 
 void DdsWorld::show(const Sample& sample) noexcept {

@@ -519,7 +519,7 @@ class Guard {
 
  private:
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
-  void tell(const Event& event) noexcept;
+  void emit(const Event& event) noexcept;
   void emit_stale(double t) noexcept;
 
   Team team_;
@@ -861,7 +861,7 @@ class TeamSwitcher {
   void make_next(std::span<const std::size_t> events);
   void give_plan(TeamPlanner& planner) const;
   void predict(Phase& next) const;
-  void tell(double t, EventKind kind, std::size_t event) noexcept;
+  void emit(double t, EventKind kind, std::size_t event) noexcept;
   /// The number of a tuned event, behind those of the script.
   std::size_t number_of_tuned(std::size_t i) const noexcept { return script_.events.size() + i; }
   bool takes_tuned(double t) noexcept;

@@ -258,11 +258,12 @@ class Sensor {
   void add_noise(Part& part) noexcept;
   void turn(const Part& part, double angle) noexcept;
   void add_drift(Part& part, double since) noexcept;
-  void spoil(std::size_t part, double t, FaultEffect& effect) noexcept;
+  void apply_faults(std::size_t part, double t, FaultEffect& effect) noexcept;
   /// Applies one fault to the measurement of a body.
   /// @param hit    whether a fault with a probability occurs this time
   /// @param which  for FaultKind::nan, selects the number, in [0, 1]
-  void befall(const Fault& fault, const Part& part, bool hit, double which, FaultEffect& effect) noexcept;
+  void apply_fault(const Fault& fault, const Part& part, bool hit, double which,
+                   FaultEffect& effect) noexcept;
 
   Noise noise_;
   double delay_;

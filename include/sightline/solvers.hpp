@@ -542,7 +542,7 @@ class SimulatedMessages {
  public:
   /// @param said  predictions of each part, in their final sizes
   SimulatedMessages(const ExchangeOptions& options, const Horizon& horizon,
-                    std::span<const std::vector<Prediction>> said);
+                    std::span<const std::vector<Prediction>> predictions);
 
   /// Sends a part's predictions from t [s] on.
   void send(int part, double t, std::span<const Prediction> predictions) noexcept;

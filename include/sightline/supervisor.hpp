@@ -475,7 +475,7 @@ class Supervisor {
 
   Ages ages_of(const Robot& robot, std::span<const double> plan_ages) const noexcept;
   void apply(Robot& robot, std::span<const double> x, std::span<double> u) noexcept;
-  void tell(const Notice& notice) noexcept;
+  void notify(const Notice& notice) noexcept;
 
   Team team_;
   SupervisorOptions options_;

@@ -106,9 +106,9 @@ def _function(name, doc, indent, static=False):
     doc = doc or f"{name}(*args, **kwargs) -> object"
     first, _, rest = doc.partition("\n")
     overloads = re.findall(rf"^\d+\. ({re.escape(name)}\(.*)$", doc, re.M) if "Overloaded function" in doc else []
-    told = [_signature(line) for line in (overloads or [first])]
+    signatures_of = [_signature(line) for line in (overloads or [first])]
     lines = []
-    for signature in told:
+    for signature in signatures_of:
         _, parameters, result = signature or (name, ["*args: Any", "**kwargs: Any"], "Any")
         if parameters == ["**kwargs: Any"]:
             keywords = re.findall(r"^(\w+): .*?(if not given|must be given)$", rest, re.M)
@@ -131,8 +131,8 @@ def _class(name, kind):
         lines.append("    " + _doc(kind.__doc__.split("\n\nMembers:")[0], "    ").strip())
     for word, member in sorted(kind.__dict__.items()):
         if isinstance(member, property):
-            told = member.fget.__doc__ or ""
-            signature = _signature(told.split("\n")[0])
+            signatures_of = member.fget.__doc__ or ""
+            signature = _signature(signatures_of.split("\n")[0])
             result = signature[2] if signature else "Any"
             doc = member.__doc__ or ""
             lines.append("    @property")

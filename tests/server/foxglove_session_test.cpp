@@ -30,7 +30,7 @@ struct TalkingPair {
   void feed_one(ChannelId channel, std::string_view bytes, std::uint64_t time = 7) {
     feed.message(channel, 0, time, std::as_bytes(std::span(bytes)));
     feed.hand_over(time);
-    session->tell(feed.take());
+    session->send(feed.take());
   }
   /// All that came.
   std::vector<test::FoxgloveEars::Heard> received() {

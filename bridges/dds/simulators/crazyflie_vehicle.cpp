@@ -196,7 +196,7 @@ void CrazyflieVehicle::step(std::int64_t number) {
 }
 
 void CrazyflieVehicle::send_pose() {
-  const Motion local = in_local(setup_.origin, faults_.said(body_.motion()));
+  const Motion local = in_local(setup_.origin, faults_.distorted(body_.motion()));
   static std::array<char, 6> world = {"world"};
   const RosTime now = to_ros(realtime_now());
   geometry_msgs_msg_dds__PoseStamped_ m{};

@@ -33,7 +33,7 @@ bool Faults::changed(LinkFaultKind kind) {
   return std::exchange(one.seen, one.changes.load()) != one.seen;
 }
 
-Motion Faults::said(Motion motion) {
+Motion Faults::distorted(Motion motion) {
   using K = LinkFaultKind;
   if (!on(K::frozen)) frozen_.reset();
   if (on(K::frozen)) motion = frozen_ ? *frozen_ : frozen_.emplace(motion);

@@ -41,7 +41,7 @@ class Faults {
   /// Whether the fault began or ended since the last call.
   bool changed(LinkFaultKind kind);
   /// The motion as the faulty estimator reports it: frozen, offset, not finite.
-  Motion said(Motion motion);
+  Motion distorted(Motion motion);
   /// Number of jumps that the estimator has reported.
   int resets() const { return resets_; }
   /// Sends the delayed messages that are due.

@@ -207,7 +207,7 @@ void Px4Vehicle::suffer() {
 }
 
 void Px4Vehicle::send_odometry() {
-  const Motion local = in_local(setup_.origin, faults_.said(body_.motion()));
+  const Motion local = in_local(setup_.origin, faults_.distorted(body_.motion()));
   px4_msgs_msg_dds__VehicleOdometry_ m{};
   m.timestamp = m.timestamp_sample = microseconds();
   m.pose_frame = m.velocity_frame = px4_frame_ned;

@@ -26,7 +26,7 @@ Ros2Odometry::Ros2Odometry(dds_entity_t participant, const Ros2Link& link, const
 
 void Ros2Odometry::send(const Motion& motion) {
   if (!writer_) return;
-  const Motion local = in_local(origin_, faults_.said(motion));
+  const Motion local = in_local(origin_, faults_.distorted(motion));
   const Vec3<double> v = rotation(local.q).to_B(local.v);
   const RosTime now = to_ros(realtime_now());
   nav_msgs_msg_dds__Odometry_ m{};

@@ -128,7 +128,7 @@ void DdsVehicleSimulators::run(double duration, const Interrupts& interrupts, co
       if (robot.vehicle_simulator) robot.at = robot.vehicle_simulator->motion();
       const bool by_others = robot.link.poses.by_others();
       places_.push_back(robot.at);
-      motions_.push_back(by_others ? robot.faults.said(robot.at) : robot.at);
+      motions_.push_back(by_others ? robot.faults.distorted(robot.at) : robot.at);
     }
     poses_.step(VehicleSimulator::period, motions_);
     cameras_->step(k, places_, poses_.states());

@@ -30,7 +30,7 @@ namespace {
 constexpr std::chrono::milliseconds tick_time{20};
 constexpr std::int64_t ticks_of_scene = 5, ticks_of_diagnostics = 50;
 constexpr std::size_t moments_kept = 32;
-constexpr std::size_t said_max = 1000;  // maximum number of queued sentences
+constexpr std::size_t sentences_max = 1000;  // maximum number of queued sentences
 constexpr int lines_a_second = 50;
 constexpr std::uint32_t marker_lifetime = 500'000'000;  // [ns]
 constexpr std::uint8_t log_info = 20, log_warn = 30, log_error = 40;
@@ -99,9 +99,9 @@ class FlightPublisher::Thread {
   }
 
   void run();
-  void say(std::string_view sentence) {
-    const std::scoped_lock lock(said_lock_);
-    if (said_.size() < said_max) said_.emplace_back(sentence);
+  void add_sentence(std::string_view sentence) {
+    const std::scoped_lock lock(sentences_lock_);
+    if (sentences_.size() < sentences_max) sentences_.emplace_back(sentence);
   }
   std::string in_words() const;
 
@@ -167,8 +167,8 @@ class FlightPublisher::Thread {
   Outlet<diagnostic_msgs_msg_dds__DiagnosticArray_> diagnostics_;
   Outlet<rcl_interfaces_msg_dds__Log_> log_;
 
-  std::mutex said_lock_;
-  std::vector<std::string> said_;
+  std::mutex sentences_lock_;
+  std::vector<std::string> sentences_;
   std::atomic<std::int64_t> written_{0}, ran_{0}, worked_{0};  // [1], [ns], [ns]
   std::atomic<bool> done_{false};
   ServiceThread thread_{"the topics of the flight"};  // last member: uses all others
@@ -245,9 +245,9 @@ void FlightPublisher::Thread::tick(std::int64_t number) {
                      requested ? "" : to_string(robot->now.reason)));
   }
   {
-    const std::scoped_lock lock(said_lock_);
-    for (const std::string& sentence : said_) line(log_warn, sentence);
-    said_.clear();
+    const std::scoped_lock lock(sentences_lock_);
+    for (const std::string& sentence : sentences_) line(log_warn, sentence);
+    sentences_.clear();
   }
   send_poses();
   for (std::size_t i = 0; i < robots_.size(); ++i) send_estimate(i);
@@ -495,7 +495,7 @@ void FlightPublisher::show(const Sample& sample) noexcept {
   thread_->moments_.publish();
 }
 
-void FlightPublisher::say(std::string_view sentence) { thread_->say(sentence); }
+void FlightPublisher::add_sentence(std::string_view sentence) { thread_->add_sentence(sentence); }
 std::string FlightPublisher::counts() const { return thread_->in_words(); }
 
 }  // namespace sightline::dds

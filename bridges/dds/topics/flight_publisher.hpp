@@ -50,7 +50,7 @@ class FlightPublisher {
   void show(const Sample& sample) noexcept;
 
   /// Adds a log line; any thread, before and after the task.
-  void say(std::string_view sentence);
+  void add_sentence(std::string_view sentence);
   /// Message counts and the average load [cores], as text.
   std::string counts() const;
 

@@ -179,20 +179,20 @@ std::vector<std::string> robots_beyond_noise(const Scenario& scenario) {
     if (!jumps && noise.position == 0 && noise.heading == 0 && noise.velocity == 0 && odometry == Odometry{})
       continue;
     const StateRoles roles = roles_of(team.model(body));
-    const auto tell = [&](bool lacks, std::string_view what, std::string_view unreached) {
+    const auto add = [&](bool lacks, std::string_view what, std::string_view unreached) {
       if (!lacks) return;
       sentences.push_back(fmt::format("no state of {} ({}) is {}: {} does not reach it", team.name(body),
                                       team.model(body).name(), what, unreached));
     };
-    tell(noise.position > 0 && !roles.has_position(), "a position [m]", "noise.position");
-    tell(jumps && !roles.has_position(), "a position [m]", "a jump");
-    tell(noise.heading > 0 && team.model(body).turns() && !roles.has_heading(), "its heading",
-         "noise.heading");
-    tell(noise.velocity > 0 && roles.velocities.empty(), "a velocity [m/s]", "noise.velocity");
-    tell(walks && !roles.has_position(), "a position [m]", "the odometry's position error");
-    tell(turns && team.model(body).turns() && !roles.has_heading(), "its heading",
-         "the odometry's heading error");
-    tell(slips && roles.velocities.empty(), "a velocity [m/s]", "the odometry's velocity error");
+    add(noise.position > 0 && !roles.has_position(), "a position [m]", "noise.position");
+    add(jumps && !roles.has_position(), "a position [m]", "a jump");
+    add(noise.heading > 0 && team.model(body).turns() && !roles.has_heading(), "its heading",
+        "noise.heading");
+    add(noise.velocity > 0 && roles.velocities.empty(), "a velocity [m/s]", "noise.velocity");
+    add(walks && !roles.has_position(), "a position [m]", "the odometry's position error");
+    add(turns && team.model(body).turns() && !roles.has_heading(), "its heading",
+        "the odometry's heading error");
+    add(slips && roles.velocities.empty(), "a velocity [m/s]", "the odometry's velocity error");
   }
   return sentences;
 }

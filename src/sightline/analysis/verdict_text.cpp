@@ -31,7 +31,7 @@ std::string angle(const HalfAngle& a) {
 class Writer {
  public:
   explicit Writer(Verdict& v) : v_(v) {}
-  void say(bool warns, std::string sentence) {
+  void add(bool warns, std::string sentence) {
     if (warns) v_.warnings.push_back(sentence);
     v_.words.push_back(std::move(sentence));
   }
@@ -43,31 +43,31 @@ class Writer {
 void describe_region(const Verdict& v, Writer& to) {
   const double R = v.options.reach;
   if (v.outside == 0) {
-    to.say(false, fmt::format("its limit is broken nowhere within {:.3g} m, or it states none", R));
+    to.add(false, fmt::format("its limit is broken nowhere within {:.3g} m, or it states none", R));
     return;
   }
-  to.say(v.outside == 1,
+  to.add(v.outside == 1,
          fmt::format("{} of the volume within {:.3g} m breaks its limit", percent(v.outside), R));
   if (v.of_step && v.of_limit) {
     const bool differ = std::fabs(v.of_step->greatest - v.of_limit->greatest) > much_angle ||
                         std::fabs(v.of_step->least - v.of_limit->least) > much_angle;
-    to.say(differ,
+    to.add(differ,
            differ ? fmt::format("the half-angle of its region is {}, not the {} of its limit",
                                 angle(*v.of_step), angle(*v.of_limit))
                   : fmt::format("the half-angle of its region is {}, as its limit says", angle(*v.of_limit)));
   }
   const bool agrees = v.step_disagrees == 0;
-  to.say(v.step_disagrees > much_volume,
+  to.add(v.step_disagrees > much_volume,
          agrees ? "its unit step is 0 where the limit holds and 1 where not, in every sample"
                 : fmt::format("its unit step and its limit disagree in {} of the volume",
                               percent(v.step_disagrees)));
-  to.say(false,
+  to.add(false,
          fmt::format("l is {:.3g} at the limit; l above that and the limit disagree in {} of the volume",
                      v.level, percent(v.sigmoid_disagrees)));
   if (std::fabs(v.bias_worst) < exact) {
-    to.say(false, "its sigmoid is worth half of its step at the limit: no bias");
+    to.add(false, "its sigmoid is worth half of its step at the limit: no bias");
   } else {
-    to.say(std::fabs(v.bias) > much_bias,
+    to.add(std::fabs(v.bias) > much_bias,
            fmt::format("its sigmoid is worth half of its step {:.2g} m{} beyond the limit (< 0: inside), at "
                        "worst {:.2g} m",
                        v.bias, v.has_view ? fmt::format(" or {:.2g} rad", v.bias_angle) : "", v.bias_worst));
@@ -77,33 +77,33 @@ void describe_region(const Verdict& v, Writer& to) {
 void describe_gradient(const Verdict& v, Writer& to) {
   const double R = v.options.reach, flat = v.options.flat;
   if (v.outside == 0) return;
-  to.say(v.flat_in_position > much_flat && !v.flat_beyond,
+  to.add(v.flat_in_position > much_flat && !v.flat_beyond,
          fmt::format(
              "nothing pulls (|gradient| < {:.3g} 1/m) in {} of what is outside the limit within {:.3g} m",
              flat, percent(v.flat_in_position), R));
   if (v.flat_beyond) {
-    to.say(true,
+    to.add(true,
            fmt::format(
                "its gradient vanishes beyond {:.3g} m: below {:.3g} 1/m from there to {:.3g} m, a target "
                "there is lost",
                *v.flat_beyond, flat, R));
   }
   if (v.flat_within) {
-    to.say(true, fmt::format("its gradient vanishes within {:.3g} m: below {:.3g} 1/m, nothing pushes out",
+    to.add(true, fmt::format("its gradient vanishes within {:.3g} m: below {:.3g} 1/m, nothing pushes out",
                              *v.flat_within, flat));
   }
   if (!v.sees_heading) {
-    to.say(false, "it does not depend on the heading of the observer");
+    to.add(false, "it does not depend on the heading of the observer");
     return;
   }
-  to.say(
+  to.add(
       false,
       fmt::format("nothing turns the observer (|dl/dpsi| < {:.3g} 1/rad) in {} of what is outside the limit, "
                   "nothing turns or pulls it in {}",
                   flat, percent(v.flat_in_yaw), percent(v.flat_in_both)));
   if (v.has_view) {
     const bool none = v.flat_in_yaw_behind > much_behind;
-    to.say(none,
+    to.add(none,
            none ? fmt::format(
                       "no gradient in yaw behind the sensor: |dl/dpsi| < {:.3g} 1/rad in {} of it within "
                       "{:.3g} m, a target there is lost",
@@ -112,11 +112,11 @@ void describe_gradient(const Verdict& v, Writer& to) {
                               percent(v.flat_in_yaw_behind)));
   }
   if (v.flat_in_yaw_from) {
-    to.say(false, fmt::format("further than {:.3g} rad off the axis nothing turns the observer",
+    to.add(false, fmt::format("further than {:.3g} rad off the axis nothing turns the observer",
                               *v.flat_in_yaw_from));
   }
   if (v.turns_away > 0) {
-    to.say(v.turns_away > much_away,
+    to.add(v.turns_away > much_away,
            fmt::format("it turns the observer away from its target in {} of what is outside the limit",
                        percent(v.turns_away)));
   }
@@ -124,26 +124,26 @@ void describe_gradient(const Verdict& v, Writer& to) {
 
 void describe_rest(const Verdict& v, Writer& to) {
   for (const Trap& t : v.traps) {
-    to.say(true, fmt::format(
+    to.add(true, fmt::format(
                      "it has a local minimum outside its limit, at ({:.3g}, {:.3g}, {:.3g}) m in the sensor "
                      "frame, worth {:.3g}",
                      t.p_S.x, t.p_S.y, t.p_S.z, t.l));
   }
-  if (v.traps.empty()) to.say(false, "it has no local minimum outside its limit, by the position");
+  if (v.traps.empty()) to.add(false, "it has no local minimum outside its limit, by the position");
   if (v.sees_heading) {
-    to.say(
+    to.add(
         v.traps_in_yaw > much_away,
         fmt::format("turning stops with the target out of view, though it could be in, from {} of the places",
                     percent(v.traps_in_yaw)));
   }
-  to.say(v.curvature_worst > stiff,
+  to.add(v.curvature_worst > stiff,
          fmt::format(
              "its Hessian at the limit has a condition number of {:.3g} (worst {:.3g}); its greatest second "
              "derivative is {:.3g} 1/m^2{}",
              v.condition, v.condition_worst, v.curvature_worst,
              v.sees_heading ? fmt::format(", {:.3g} 1/rad^2 in yaw", v.curvature_in_yaw) : ""));
   if (v.cure) {
-    to.say(true,
+    to.add(true,
            fmt::format(
                "commands may oscillate at its corners: smooth = {:.3g} rounds them off, and its greatest "
                "second derivative is {:.3g} 1/m^2",
@@ -168,7 +168,7 @@ void describe(Verdict& v) {
   v.words.clear();
   v.warnings.clear();
   if (v.around) {
-    to.say(false,
+    to.add(false,
            fmt::format("it depends on where in G the two are: looked at with the observer at its start, "
                        "({:.3g}, {:.3g}, {:.3g}) m",
                        v.around->x, v.around->y, v.around->z));

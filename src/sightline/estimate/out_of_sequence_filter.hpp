@@ -330,20 +330,20 @@ FitVerdict OutOfSequenceFilter<Filter>::judge(const Measurement& z, FitVerdict v
   }
   const std::size_t slot = slot_of(z.stamp);
   // Without a measured heading, the estimate's is used, which may be wrong.
-  constexpr double doubt = 0.15;  // [rad^2]
+  constexpr double unknown_heading = 0.15;  // [rad^2]
   const double psi = heading ? z.heading() : filter_.heading(state_);
-  const double variance = heading ? z.heading_variance() : doubt;
-  PoseHypothesis meant = meaning(z, at(slot), psi, variance);
+  const double variance = heading ? z.heading_variance() : unknown_heading;
+  PoseHypothesis hypothesis = meaning(z, at(slot), psi, variance);
   if (verdict == FitVerdict::accepted_position || z.of == Measures::heading) {
-    meant.sigma = std::numeric_limits<double>::infinity();  // the position is not in question
-    if (turned_.add(meant) < restart_) return verdict;
-  } else if (contradictions_.add(meant) < restart_) {
+    hypothesis.sigma = std::numeric_limits<double>::infinity();  // the position is not in question
+    if (turned_.add(hypothesis) < restart_) return verdict;
+  } else if (contradictions_.add(hypothesis) < restart_) {
     return verdict;
   }
   if (z.of == Measures::heading) {
     // Only a sighting gives the position that belongs to another heading.
     forget();
-    compass_ = {z.yaw, z.yaw_variance, z.stamp, meant.reckoned};
+    compass_ = {z.yaw, z.yaw_variance, z.stamp, hypothesis.reckoned};
     return FitVerdict::rejected;
   }
   begin(z, slot, psi, variance);

@@ -53,15 +53,15 @@ auto of_summary(Read&& read) {
 
 // Reports all entries of a list, or only the lines_max entries with the highest scores. Then `more`
 // receives the number of omitted entries.
-template <class Score, class Tell, class More>
-void report_worst(const Json& list, Score&& score, Tell&& tell, More&& more) {
+template <class Score, class Print, class More>
+void report_worst(const Json& list, Score&& score, Print&& print, More&& more) {
   std::vector<const Json*> entries;
   for (const Json& entry : list) entries.push_back(&entry);
   if (entries.size() > lines_max) {
     std::stable_sort(entries.begin(), entries.end(),
                      [&](const Json* a, const Json* b) { return score(*a) > score(*b); });
   }
-  for (std::size_t i = 0; i < std::min(entries.size(), lines_max); ++i) tell(*entries[i]);
+  for (std::size_t i = 0; i < std::min(entries.size(), lines_max); ++i) print(*entries[i]);
   if (entries.size() > lines_max) more(entries.size() - lines_max);
 }
 

@@ -48,8 +48,8 @@ bool limits_distance_from_below(const Potential& potential) {
 }
 
 bool keeps_apart(const Potential& potential) {
-  const std::optional<bool> said = potential.says_keeps_apart();
-  return said ? *said : limits_distance_from_below(potential);
+  const std::optional<bool> stated = potential.says_keeps_apart();
+  return stated ? *stated : limits_distance_from_below(potential);
 }
 
 std::vector<Potential> keep_outs(const Potential& potential) {
@@ -62,8 +62,8 @@ std::vector<Potential> keep_outs(const Potential& potential) {
 }
 
 bool observes(const Potential& potential) {
-  const std::optional<bool> said = potential.says_observes();
-  return said ? *said : potential.mount() != nullptr && !keeps_apart(potential);
+  const std::optional<bool> stated = potential.says_observes();
+  return stated ? *stated : potential.mount() != nullptr && !keeps_apart(potential);
 }
 
 }  // namespace sightline

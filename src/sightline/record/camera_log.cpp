@@ -97,8 +97,8 @@ CameraLog::CameraLog(const Scenario& scenario, MessageSink& to) : cameras_(scena
 }
 
 void CameraLog::add(double time) {
-  if (said_) return;
-  said_ = true;
+  if (reported_) return;
+  reported_ = true;
   std::vector<std::byte> bytes;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     encode_camera_info(bytes, cameras_[i].frame, nanoseconds(time), cameras_[i].camera);

@@ -47,7 +47,7 @@ class CameraLog {
   std::vector<RobotCamera> cameras_;
   std::vector<McapChannel> channels_;
   MessageSink& to_;
-  bool said_ = false;
+  bool reported_ = false;
 };
 
 }  // namespace sightline

@@ -100,7 +100,7 @@ void FolderLock::lock() {
   // On a full disk the file stays empty; the lock works nevertheless.
   const std::string pid = fmt::format("{}\n", ::getpid());
   [[maybe_unused]] const int cut = ::ftruncate(lock_, 0);
-  [[maybe_unused]] const ssize_t said = ::pwrite(lock_, pid.data(), pid.size(), 0);
+  [[maybe_unused]] const ssize_t written = ::pwrite(lock_, pid.data(), pid.size(), 0);
 }
 
 FolderLock::~FolderLock() {

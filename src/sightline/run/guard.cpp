@@ -102,7 +102,7 @@ void Guard::look(double t, std::span<const View> views) noexcept {
     const bool ends = phase == SearchPhase::none;
     if (phase == SearchPhase::stand || ends != searches_[at(i)]) continue;
     searches_[at(i)] = !ends;
-    tell({t, ends ? EventKind::found : EventKind::search, 0, static_cast<double>(search_.robot(i).index)});
+    emit({t, ends ? EventKind::found : EventKind::search, 0, static_cast<double>(search_.robot(i).index)});
   }
 }
 
@@ -112,7 +112,7 @@ void Guard::emit_stale(double t) noexcept {
     const bool stale = is_there(BodyId{i}) && !connectivity_->is_received(BodyId{i});
     if (stale == (stale_[at(i)] != 0)) continue;
     stale_[at(i)] = stale;
-    tell({t, stale ? EventKind::stale : EventKind::received, 0, static_cast<double>(i)});
+    emit({t, stale ? EventKind::stale : EventKind::received, 0, static_cast<double>(i)});
   }
 }
 
@@ -121,7 +121,7 @@ void Guard::fall_back(double t, const ValidStates& x, std::span<const double> pl
   if (supervisor_) {
     supervisor_->command(t, x, plan_ages, added, u);
     for (const Notice& notice : supervisor_->notices()) {
-      tell({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
+      emit({t, kind_of(notice), 0, static_cast<double>(notice.body.index)});
     }
     for (int i = 0; i < team_.bodies(); ++i) {
       const BodyId body{i};
@@ -137,7 +137,7 @@ void Guard::keep_distances(double t, const ValidStates& x, std::span<const doubl
   if (!barrier_) return;
   barrier_->keep_distances(t, {x, estimated_, ages_, sigmas_, presence_, levels_, connectivity_}, added, u);
   for (const BodyId robot : barrier_->conflicts())
-    tell({t, EventKind::barrier_conflict, 0, static_cast<double>(robot.index)});
+    emit({t, EventKind::barrier_conflict, 0, static_cast<double>(robot.index)});
 }
 
 std::span<const BarrierRecord> Guard::barriers() const noexcept {
@@ -148,7 +148,7 @@ void Guard::record(double t, std::span<const double> u) noexcept {
   if (supervisor_) supervisor_->record(t, u);
 }
 
-void Guard::tell(const Event& event) noexcept {
+void Guard::emit(const Event& event) noexcept {
   if (events_.size() < events_.capacity()) events_.push_back(event);
 }
 

@@ -79,7 +79,7 @@ TeamSwitcher::~TeamSwitcher() {
   thread_.join();
 }
 
-void TeamSwitcher::tell(double t, EventKind kind, std::size_t event) noexcept {
+void TeamSwitcher::emit(double t, EventKind kind, std::size_t event) noexcept {
   if (reported_.size() < reported_.capacity()) reported_.push_back({t, kind, 0, static_cast<double>(event)});
 }
 
@@ -93,7 +93,7 @@ bool TeamSwitcher::swap(double t, const ValidStates& x, std::span<const double> 
   }
   if (!next_->solver) return false;
   if (const double late = t - request_.t - period_; late > same_time) {
-    tell(t, EventKind::team_late, static_cast<std::size_t>(std::llround(late / period_)));
+    emit(t, EventKind::team_late, static_cast<std::size_t>(std::llround(late / period_)));
   }
   next_->controller->status = present_->controller->status;
   std::swap(*present_, *next_);
@@ -113,7 +113,7 @@ void TeamSwitcher::report_of(double t, std::size_t event) noexcept {
     if (ignored_[event] != 0) return;
     ignored_[event] = 1;
   }
-  tell(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
+  emit(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
 }
 
 /// Whether the next tuned event occurs now. It has a period of its own, so that two changes of one
@@ -138,11 +138,11 @@ void TeamSwitcher::look(double t, const ValidStates& states, std::span<const dou
   request_.t = t;
   request_.events.clear();
   for (const std::size_t event : triggered) {
-    tell(t, EventKind::event_occurred, event);
+    emit(t, EventKind::event_occurred, event);
     request_.events.push_back(event);
   }
   if (tuned) {
-    tell(t, EventKind::event_occurred, number_of_tuned(taken_ - 1));
+    emit(t, EventKind::event_occurred, number_of_tuned(taken_ - 1));
     request_.events.push_back(number_of_tuned(taken_ - 1));
   }
   std::copy(x.begin(), x.end(), request_.x.begin());

@@ -150,7 +150,7 @@ struct EscapePlans::Search {
   };
   struct Found {
     Plan plan;
-    S in_doubt;  // < 0: another plan may be better
+    S uncertain;  // < 0: another plan may be better
   };
 
   Search(const EscapePlans& escape_plans, const TubeOf<S>& of) : plans(escape_plans), tube(of) {
@@ -463,7 +463,7 @@ void EscapePlans::best(Tubes tubes, std::span<Escape* const> plans) const noexce
     for (std::size_t l = 0; l < count; ++l) {
       Escape& plan = *plans[first + l];
       search.write(found.plan, l, plan);
-      if (lane(found.in_doubt, l) < 0) plan = best_of_all(Search<double>(*this, *tubes[first + l]), plan);
+      if (lane(found.uncertain, l) < 0) plan = best_of_all(Search<double>(*this, *tubes[first + l]), plan);
     }
     return true;
   });

@@ -165,7 +165,7 @@ std::span<const double> Supervisor::accept_measurement(double t, std::span<const
     if (!std::isinf(sigmas_[i])) {
       const bool trusted = track.trusted();
       const MeasurementFault fault = track.take(x, stamps[i], t, history_, sigmas_[i]);
-      if (trusted && !track.trusted()) tell({BodyId{static_cast<int>(i)}, fault});
+      if (trusted && !track.trusted()) notify({BodyId{static_cast<int>(i)}, fault});
     } else if (!track.known() && all_finite(x)) {
       state = x;  // its velocities allow braking
     }
@@ -206,7 +206,7 @@ void Supervisor::command(double t, std::span<const double> x, std::span<const do
     FallbackLevel next = next_level(robot.level, options_.times, ages, on_ground, level_by_sigma(robot));
     // Without a known position the robot cannot land.
     if (std::isinf(ages.own) || !positioned_[at(robot.body)]) next = FallbackLevel::hold;
-    if (next != robot.level) tell({robot.body, next});
+    if (next != robot.level) notify({robot.body, next});
     robot.level = next;
     apply(robot, x.subspan(robot.x, robot.nx), u.subspan(robot.u, robot.nu));
   }
@@ -238,7 +238,7 @@ void Supervisor::apply(Robot& robot, std::span<const double> x, std::span<double
   }
 }
 
-void Supervisor::tell(const Notice& notice) noexcept {
+void Supervisor::notify(const Notice& notice) noexcept {
   if (notices_.size() < notices_.capacity()) notices_.push_back(notice);
 }
 

@@ -392,14 +392,14 @@ void TomlValue::throw_invalid(std::string_view expected) const {
 
 void TomlValue::refuse_at(std::size_t offset, std::string_view sentence) const {
   const toml::source_region& source = node_->source();
-  const std::string said = fmt::format("{} = {}, {}", path_, shown(*node_), sentence);
+  const std::string message = fmt::format("{} = {}, {}", path_, shown(*node_), sentence);
   const TomlPlace at = place_of(*document_, source);
-  if (at.line == 0) refuse_at_place(*document_, source, said);
+  if (at.line == 0) refuse_at_place(*document_, source, message);
   const std::string& file_text =
       document_->layers.empty() ? document_->text : document_->layers[layer_of(*document_, source)].text;
   const TextPlace place = place_in_string(file_text, {source.begin.line, source.begin.column},
                                           is_text() ? text() : std::string_view(), offset);
-  throw ScenarioError(at.file, place.line, place.column, said);
+  throw ScenarioError(at.file, place.line, place.column, message);
 }
 
 void TomlTable::refuse_node(const toml::node& node, std::string_view at, std::string_view expected) const {

@@ -90,7 +90,7 @@ class FlightPage::Thread {
     const std::string answers = tuning_ != nullptr ? tuning_->reported() : std::string();
     const bool reported = reports_more() && !newest_.seen.empty();  // also while paused
     if (!any && !reported) return;
-    if (any) tell([&] { drawn_.add(newest_); });
+    if (any) send([&] { drawn_.add(newest_); });
     feed_.hand_over(nanoseconds(newest_.time));
     std::string moment = scene_.moment(newest_, events_);
     moment.insert(moment.rfind('}'), answers);
@@ -112,7 +112,7 @@ class FlightPage::Thread {
   /// Keeps the newest values, but the longest solve time since the last state.
   void take(const Sample& sample) {
     if (present_.follow(sample)) requested_ = scene_.requested(present_);
-    tell([&] { (void)topics_.add(sample, present_, present_.cost(sample)); });
+    send([&] { (void)topics_.add(sample, present_, present_.cost(sample)); });
     const Team& team = scene_.team();
     newest_.time = sample.time;
     newest_.seen.assign(size(team.bodies()), std::nullopt);
@@ -153,8 +153,8 @@ class FlightPage::Thread {
   }
 
   /// An exception ends the topics, not the flight.
-  template <class Tell>
-  void tell(Tell&& topics) {
+  template <class Send>
+  void send(Send&& topics) {
     if (unreported_ || !feed_.is_requested()) return;
     try {
       topics();

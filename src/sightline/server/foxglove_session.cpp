@@ -31,11 +31,11 @@ void FoxgloveSession::advertise() {
 
 void FoxgloveSession::receive(const WebsocketReader::Frame& message) {
   if (message.op != WebsocketOp::text)
-    return say(FoxgloveLevel::error, "a binary message, expected none: this server only publishes");
+    return send_status(FoxgloveLevel::error, "a binary message, expected none: this server only publishes");
   const FoxgloveRequest request = read_foxglove(message.payload);
   if (const auto* more = std::get_if<FoxgloveSubscribe>(&request)) return subscribe(*more);
   if (const auto* less = std::get_if<FoxgloveUnsubscribe>(&request)) return unsubscribe(*less);
-  say(FoxgloveLevel::error, std::get<FoxgloveRefused>(request).why);
+  send_status(FoxgloveLevel::error, std::get<FoxgloveRefused>(request).why);
 }
 
 void FoxgloveSession::subscribe(const FoxgloveSubscribe& request) {
@@ -55,7 +55,7 @@ void FoxgloveSession::subscribe(const FoxgloveSubscribe& request) {
     }
     if (fault.empty()) fault = std::move(why);
   }
-  if (!fault.empty()) say(FoxgloveLevel::error, fault);
+  if (!fault.empty()) send_status(FoxgloveLevel::error, fault);
 }
 
 void FoxgloveSession::unsubscribe(const FoxgloveUnsubscribe& request) {
@@ -70,14 +70,15 @@ void FoxgloveSession::unsubscribe(const FoxgloveUnsubscribe& request) {
     subscription_of_.erase(found->second);
     channel_of_.erase(found);
   }
-  if (!fault.empty()) say(FoxgloveLevel::error, fault);
+  if (!fault.empty()) send_status(FoxgloveLevel::error, fault);
 }
 
-void FoxgloveSession::tell(const std::vector<FoxgloveFeed::Batch>& batches) {
+void FoxgloveSession::send(const std::vector<FoxgloveFeed::Batch>& batches) {
   if (feed_.channel_count() > advertised_) advertise();
   if (dropped_ > reported_dropped_ && to_.waiting() == 0) {
-    say(FoxgloveLevel::warning, fmt::format("{} messages were left out, for they were not taken in time",
-                                            dropped_ - reported_dropped_));
+    send_status(FoxgloveLevel::warning,
+                fmt::format("{} messages were left out, for they were not taken in time",
+                            dropped_ - reported_dropped_));
     reported_dropped_ = dropped_;
   }
   for (const FoxgloveFeed::Batch& batch : batches) {
@@ -91,7 +92,7 @@ void FoxgloveSession::tell(const std::vector<FoxgloveFeed::Batch>& batches) {
   }
 }
 
-void FoxgloveSession::say(FoxgloveLevel level, std::string_view sentence) {
+void FoxgloveSession::send_status(FoxgloveLevel level, std::string_view sentence) {
   put(WebsocketOp::text, foxglove_status(level, sentence));
 }
 

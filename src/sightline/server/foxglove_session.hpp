@@ -30,7 +30,7 @@ class FoxgloveSession {
   void receive(const WebsocketReader::Frame& message);
   /// Sends new topics, the messages of subscribed topics, and the time. Drops what would exceed
   /// `waiting_max`.
-  void tell(const std::vector<FoxgloveFeed::Batch>& batches);
+  void send(const std::vector<FoxgloveFeed::Batch>& batches);
 
   std::int64_t sent() const { return sent_; }  ///< messages of topics
   std::int64_t dropped() const { return dropped_; }
@@ -39,7 +39,7 @@ class FoxgloveSession {
   void advertise();
   void subscribe(const FoxgloveSubscribe& request);
   void unsubscribe(const FoxgloveUnsubscribe& request);
-  void say(FoxgloveLevel level, std::string_view sentence);
+  void send_status(FoxgloveLevel level, std::string_view sentence);
   bool put(WebsocketOp op, std::string_view message);
 
   FoxgloveFeed& feed_;

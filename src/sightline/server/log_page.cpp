@@ -253,7 +253,7 @@ class LogPage::Thread {
     begin();
     look();
     server_.emplace(options, files(), topics);
-    tell();
+    send();
     thread_.start([this] { run(); });
   }
   ~Thread() {
@@ -310,7 +310,7 @@ class LogPage::Thread {
                     std::make_move_iterator(more.end()));
   }
 
-  void tell() {
+  void send() {
     std::string now = json_text(nlohmann::json({{"session", session_},
                                                 {"moments", moments_.size()},
                                                 {"state", to_string(log_->state())},
@@ -330,7 +330,7 @@ class LogPage::Thread {
       } catch (const std::exception& error) {
         fault_ = sentence_of(error);  // may be a log in creation: the next pass retries
       }
-      tell();
+      send();
     }
   }
 

@@ -96,7 +96,7 @@ class PageServer::Thread {
                          token_.empty() ? "" : "?token=", token_)),
         admission_(port_, token_, checked_origins(options)),
         receive_(std::move(receive)) {
-    for (auto& [path, file] : files) put(path, std::move(file));
+    for (auto& file : files) put(file.first, std::move(file.second));
     thread_.start([this] { run(); }, [this] { leave_all(); });
   }
   ~Thread() {
@@ -269,7 +269,7 @@ class PageServer::Thread {
     if (topics_ == nullptr) return;
     const std::vector<FoxgloveFeed::Batch> batches = topics_->take();
     for (auto& [connection, session] : sessions_) {
-      session.tell(batches);
+      session.send(batches);
       connection->send(now);
     }
   }

@@ -88,7 +88,7 @@ std::span<const double> Sensor::measure(double t, std::span<const double> x) noe
     add_noise(part);
     if (part.odometry) add_drift(part, since);
     for (const std::size_t k : unknown_) fresh_[k] = 0.0;
-    spoil(i, t, effect);
+    apply_faults(i, t, effect);
     const bool first = stamps_[i] == never;
     if (first || !(effect.lost || effect.frozen))
       std::copy_n(fresh_.begin() + begin, nx, seen_.begin() + begin);
@@ -116,7 +116,7 @@ std::size_t Sensor::youngest(double until) const noexcept {
   return at;
 }
 
-void Sensor::spoil(std::size_t part, double t, FaultEffect& effect) noexcept {
+void Sensor::apply_faults(std::size_t part, double t, FaultEffect& effect) noexcept {
   const Part& of = parts_[part];
   const BodyId body{static_cast<int>(part)};
   for (Injection& one : injections_) {
@@ -124,14 +124,14 @@ void Sensor::spoil(std::size_t part, double t, FaultEffect& effect) noexcept {
     // Draws both numbers in any case, so that one fault leaves the others unchanged.
     const bool hit = one.chance.uniform() <= one.fault.probability;
     const double which = one.chance.uniform();
-    befall(one.fault, of, hit, which, effect);
+    apply_fault(one.fault, of, hit, which, effect);
   }
   for (const Fault& one : brought_)
-    if (one.strikes(body, t)) befall(one, of, true, 0.0, effect);
+    if (one.strikes(body, t)) apply_fault(one, of, true, 0.0, effect);
 }
 
-void Sensor::befall(const Fault& fault, const Part& part, bool hit, double which,
-                    FaultEffect& effect) noexcept {
+void Sensor::apply_fault(const Fault& fault, const Part& part, bool hit, double which,
+                         FaultEffect& effect) noexcept {
   const std::size_t n = static_cast<std::size_t>(part.model.nx());
   switch (fault.kind) {
     case FaultKind::dropout:

@@ -103,33 +103,33 @@ bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, D
 
   // Reported pose: the true pose with the errors.
   const Column<6> e = Cholesky<6>(*covariance).L * draws.errors;
-  RigidPose said = pose;
+  RigidPose reported = pose;
   if (seen == 1 && draws.mirror <= mirror_share(n_seen, cos_seen)) {
     // A detector takes the more upright of both solutions, by an attitude known to about 0.01 rad.
     constexpr double as_upright = 0.03;  // [rad]
     const RigidPose image = mirrored(tags, face_seen, pose);
     const Vec3<double> up = S.R.to_B({0, 0, 1});
     const auto tilt = [&](const RigidPose& one) { return atan2(norm(cross(one.R.z, up)), dot(one.R.z, up)); };
-    if (tilt(image) <= tilt(pose) + as_upright) said = image;
+    if (tilt(image) <= tilt(pose) + as_upright) reported = image;
   }
-  said.p = said.p + vec3(e);
-  said.R = compose(turn_by(vec3(e, 3)), said.R);
+  reported.p = reported.p + vec3(e);
+  reported.R = compose(turn_by(vec3(e, 3)), reported.R);
   if (draws.outlier <= camera.outliers) {
     if (draws.kind <= 0.5) {
       const double depth = 0.5 + 3 * draws.place[0], f = camera.focal();
-      said.p = {depth, depth * (draws.place[1] - 0.5) * camera.width / f,
-                depth * (draws.place[2] - 0.5) * camera.height / f};
-      said.R = compose(said.R, turn_by({0, 0, 2 * std::numbers::pi * draws.angle}));
+      reported.p = {depth, depth * (draws.place[1] - 0.5) * camera.width / f,
+                    depth * (draws.place[2] - 0.5) * camera.height / f};
+      reported.R = compose(reported.R, turn_by({0, 0, 2 * std::numbers::pi * draws.angle}));
     } else {
-      said.p = (1.1 + 0.4 * draws.place[0]) * said.p;
+      reported.p = (1.1 + 0.4 * draws.place[0]) * reported.p;
     }
   } else if (draws.flip <= camera.flips) {
-    said.R = compose(said.R, turn_by({0, 0, (draws.side <= 0.5 ? 1 : -1) * (0.35 + draws.angle)}));
+    reported.R = compose(reported.R, turn_by({0, 0, (draws.side <= 0.5 ? 1 : -1) * (0.35 + draws.angle)}));
   }
   found.observer = of.observer;
   found.target = body;
-  found.p = said.p;
-  found.q = quaternion(said.R);
+  found.p = reported.p;
+  found.q = quaternion(reported.R);
   found.set_covariance(*covariance);
   found.tags = seen;
   return true;

@@ -23,17 +23,18 @@ double chance_of(MessageChance what, std::uint64_t seed, int to, int from, std::
 }
 
 SimulatedMessages::SimulatedMessages(const ExchangeOptions& options, const Horizon& horizon,
-                                     std::span<const std::vector<Prediction>> said)
+                                     std::span<const std::vector<Prediction>> predictions)
     : options_(options),
       dt_(horizon.dt),
-      parts_(said.size()),
+      parts_(predictions.size()),
       kept_(static_cast<std::size_t>(std::ceil((options.delay + options.jitter) / horizon.dt)) + 2),
       talk_periods_(static_cast<int>(std::ceil(2 * (options.delay + options.jitter) / horizon.dt)) + 20),
       numbers_(parts_),
       links_(parts_ * parts_) {
   const auto stale_after = static_cast<ClockTime>(std::llround(nanoseconds * options.stale_after));
   for (std::size_t i = 0; i < parts_; ++i) {
-    PartMessage message{.part = static_cast<int>(i), .session = 1, .steers = true, .predictions = said[i]};
+    PartMessage message{
+        .part = static_cast<int>(i), .session = 1, .steers = true, .predictions = predictions[i]};
     for (Prediction& prediction : message.predictions) prediction.sights.reserve(at(horizon.N + 1));
     message.echoes.resize(parts_);
     std::vector<PartMessage>& kept = sent_.emplace_back(kept_, message);
