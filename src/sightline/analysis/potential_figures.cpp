@@ -111,16 +111,15 @@ class Pictures {
   void unit_step() {
     const Value limit = [this](const Station& s) { return broken(s); };
     const Value step = [this](const Station& s) { return sloped(s) > 0 ? 1.0 : 0.0; };
-    Drawing drawing{
-        fmt::format("{}: unit step", name_),
-        fmt::format(
-            "0 where the limit holds, 1 where it is broken, (29), (30), in {}. Left: the inequalities "
-            "of the limit. Right: the region of the formula, where its step is not 0.",
-            plane_words()),
-        {map("limit holds: 0", sensor_plane(), limit, "ε [-]", map_side)},
-        2};
+    Drawing drawing{fmt::format("{}: unit step", name_),
+                    fmt::format("0 where the limit holds, 1 where it is broken, (29), (30), in {}, by the "
+                                "inequalities of the limit.",
+                                plane_words()),
+                    {map("limit holds: 0", sensor_plane(), limit, "ε [-]", map_side)},
+                    2};
     if (std::isfinite(sloped(seen_at({0.3, 0.2, 0.1}, mount_)))) {
       drawing.panels.push_back(map("formula is 0", sensor_plane(), step, "ε [-]", map_side));
+      drawing.caption += " On the right by the region of the formula, where its step is not 0.";
     }
     drawings_.push_back(std::move(drawing));
   }
