@@ -7,7 +7,7 @@ scripts/deps.sh demo
 # A fresh build leaves out tests, bridges, worlds of other libraries and kernels of other robots; one that has its tests keeps all.
 options=()
 grep -qsE '^SIGHTLINE_TESTS:BOOL=(ON|TRUE)$' build/release/CMakeCache.txt ||
-  options=(-DSIGHTLINE_{TESTS,BENCH,DDS,MUJOCO}=OFF "-DSIGHTLINE_KERNELS=multirotor;multirotor_motion;potentials")
+  options=(-DSIGHTLINE_{TESTS,BENCH,DDS,MUJOCO}=OFF "-DSIGHTLINE_KERNELS=multirotor;paper_potentials")
 cmake --preset release "${options[@]}" >&2
 cmake --build --preset release --target sightline_cli >&2
 

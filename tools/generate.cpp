@@ -40,8 +40,9 @@ Generator limits_of_a_multirotor() {
   return generator;
 }
 
-Generator potentials() {
-  Generator generator("potentials");
+/// The potentials of the paper, and the walls.
+Generator paper_potentials() {
+  Generator generator("paper_potentials");
   const Weighted cone = 0.4 * SensorCone{}, keep_out = 0.4 * KeepOut{}, cohesion = 0.4 * Cohesion{};
   generator.add({cone, keep_out, cohesion});
   generator.add({cone, keep_out});
@@ -50,6 +51,12 @@ Generator potentials() {
   for (const Weighted& one : {cone, keep_out, cohesion, 0.4 * AltitudeBand{}, 0.4 * Geofence{}})
     generator.add({one});
   generator.add({0.4 * AltitudeBand{}, 0.4 * Geofence{}});
+  return generator;
+}
+
+Generator potentials() {
+  Generator generator("potentials");
+  const Weighted keep_out = 0.4 * KeepOut{}, cohesion = 0.4 * Cohesion{};
   const Weighted bearing = 0.4 * Bearing{}, near = 0.4 * TooNear{}, far = 0.4 * TooFar{},
                  with = 0.4 * RelativeVelocity{};
   generator.add({bearing, near, far, with});
@@ -95,6 +102,7 @@ int main(int argc, char** argv) {
       stages_of("leaning_hover_multirotor", {HoverMultirotor{}, LaggingHoverMultirotor{}}, {Seen::leaning}),
       stages_of("ground_robots", {OmniRover{}, Unicycle{}}, both),
       stages_of("point_mass", {PointMass{}, PointMass{.drag = 0.3}}, both),
+      paper_potentials(),
       potentials(),
   };
   const std::vector<std::string_view> chosen(argv + 2, argv + argc);
