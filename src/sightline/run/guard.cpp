@@ -21,14 +21,43 @@ std::optional<Supervisor> supervisor_of(const Team& team, const GuardOptions& op
   return std::optional<Supervisor>(std::in_place, team, supervisor);
 }
 
-// EventKind lists levels and faults in their order; no notice has the fault `none`.
 EventKind kind_of(FallbackLevel level) {
-  return static_cast<EventKind>(static_cast<int>(EventKind::valid) + static_cast<int>(level));
+  switch (level) {
+    case FallbackLevel::valid:
+      return EventKind::valid;
+    case FallbackLevel::predicted:
+      return EventKind::predicted;
+    case FallbackLevel::slowed:
+      return EventKind::slowed;
+    case FallbackLevel::hold:
+      return EventKind::hold;
+    case FallbackLevel::land:
+      return EventKind::land;
+    case FallbackLevel::grounded:
+      break;
+  }
+  return EventKind::grounded;
 }
 
 EventKind kind_of(MeasurementFault fault) {
-  return static_cast<EventKind>(static_cast<int>(EventKind::measurement_not_finite) +
-                                static_cast<int>(fault) - 1);
+  switch (fault) {
+    case MeasurementFault::none:  // never in a notice
+    case MeasurementFault::not_finite:
+      return EventKind::measurement_not_finite;
+    case MeasurementFault::heading:
+      return EventKind::measurement_heading;
+    case MeasurementFault::world:
+      return EventKind::measurement_world;
+    case MeasurementFault::speed:
+      return EventKind::measurement_speed;
+    case MeasurementFault::jump:
+      return EventKind::measurement_jump;
+    case MeasurementFault::frozen:
+      return EventKind::measurement_frozen;
+    case MeasurementFault::time:
+      break;
+  }
+  return EventKind::measurement_time;
 }
 
 EventKind kind_of(const Notice& notice) {
