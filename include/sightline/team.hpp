@@ -209,6 +209,9 @@ class Team {
   }
   AgentId add(Agent agent);
   BodyId add(Obstacle obstacle);
+  /// Replaces x_ref of a robot.
+  /// @throws std::invalid_argument for another number of states than the robot has
+  void set_reference(AgentId agent, Reference x_ref);
 
   /// Couples two bodies; acts on all robots of `between`, or on the listed ones.
   void couple(const Weighted& term, Between between);

@@ -305,6 +305,20 @@ struct Long {
   }
 };
 
+TEST(Team, AReferenceIsReplacedUnderTheConditionsOfAdding) {
+  Trio trio;
+  const auto replace = [&](AgentId id, std::size_t length) {
+    trio.team.set_reference(id, Reference(std::vector<double>(length, 0.5)));
+  };
+  const int nx = trio.team.nx();
+  replace(trio.uav1, static_cast<std::size_t>(trio.team.model(trio.uav1).nx()));
+  EXPECT_NE(trio.team.agent(trio.uav1).x_ref.length(), 0u);
+  EXPECT_EQ(trio.team.agent(trio.uav0).x_ref.length(), Reference().length());
+  EXPECT_EQ(trio.team.nx(), nx);
+  EXPECT_NE(refusal_of([&] { replace(trio.uav1, 3); }).find("uav1.x_ref has 3 numbers"), std::string::npos);
+  EXPECT_THROW(replace(AgentId{trio.rock}, 6), std::out_of_range);
+}
+
 TEST(Team, ARobotOfMoreStatesThanAPoseSuitsWantsThemAllAsItsReference) {
   Team team;
   try {

@@ -11,6 +11,16 @@
 namespace sightline {
 namespace {
 
+void check_reference(std::string_view agent, const Reference& x_ref, int nx) {
+  const std::size_t n = x_ref.length();
+  if (n != 0 && n != static_cast<std::size_t>(nx))
+    throw_invalid("{}.x_ref has {} numbers, expected {}", agent, n, nx);
+  if (n == 0 && nx > Reference::max_states)
+    throw_invalid(
+        "{}.x_ref is a pose of a robot of {} states, expected all of its states: a pose suits at most {}",
+        agent, nx, Reference::max_states);
+}
+
 void check_weights(std::string_view agent, std::string_view field, const std::vector<double>& w, int n,
                    bool positive) {
   if (static_cast<int>(w.size()) != n)
@@ -102,17 +112,15 @@ AgentId Team::add(Agent agent) {
   if (static_cast<int>(agent.limits.u_min()[0].size()) != nu) {
     throw_invalid("{}.u_min has {} entries, expected {}", agent.name, agent.limits.u_min()[0].size(), nu);
   }
-  if (const std::size_t n = agent.x_ref.length(); n != 0 && n != agent.Q.size()) {
-    throw_invalid("{}.x_ref has {} numbers, expected {}", agent.name, n, nx);
-  }
-  if (agent.x_ref.length() == 0 && nx > Reference::max_states) {
-    throw_invalid(
-        "{}.x_ref is a pose of a robot of {} states, expected all of its states: a pose suits at most {}",
-        agent.name, nx, Reference::max_states);
-  }
+  check_reference(agent.name, agent.x_ref, nx);
   const BodyId id = enter(agent.name, agent.model, static_cast<int>(agents_.size()));
   agents_.push_back(std::move(agent));
   return AgentId{id};
+}
+
+void Team::set_reference(AgentId agent, Reference x_ref) {
+  check_reference(name(agent), x_ref, model(agent).nx());
+  agents_.at(static_cast<std::size_t>(bodies_[index(agent)].agent)).x_ref = std::move(x_ref);
 }
 
 BodyId Team::add(Obstacle obstacle) {

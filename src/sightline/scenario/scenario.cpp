@@ -404,27 +404,6 @@ class Reader {
                                                               // first
 };
 
-/// The team whose robots with goals follow these.
-Team guided(const Team& team, const std::vector<RobotGoals>& goals) {
-  Team next;
-  for (int i = 0; i < team.bodies(); ++i) {
-    const BodyId body{i};
-    if (!team.is_agent(body)) {
-      next.add(Obstacle{std::string(team.name(body))});
-      continue;
-    }
-    Agent agent = team.agent(body);
-    for (const RobotGoals& of : goals)
-      if (of.robot == body) agent.x_ref = GoalTrack::reference(of.track);
-    next.add(std::move(agent));
-  }
-  for (const Coupling& coupling : team.couplings()) next.couple(coupling);
-  for (const Swarm& s : team.swarms()) next.keep_apart(s.term, s.agents, s.radius, s.capacity);
-  for (const Constraint& constraint : team.constraints()) next.constrain(constraint);
-  for (const BarrierTerm& term : team.barriers()) next.constrain(term.barrier, term.agent);
-  return next;
-}
-
 }  // namespace
 
 bool ScenarioSpec::operator==(const ScenarioSpec& other) const {
@@ -469,8 +448,8 @@ Scenario build(ScenarioSpec spec, const Registry& registry) {
   for (const GoalOptions& of : scenario.goal_options) {
     const auto track = std::make_shared<GoalTrack>(scenario.team.model(of.robot), of.own, of.speed);
     scenario.goals.push_back({of.robot, track});
+    scenario.team.set_reference(AgentId{of.robot}, GoalTrack::reference(track));
   }
-  if (!scenario.goals.empty()) scenario.team = guided(scenario.team, scenario.goals);
   return scenario;
 }
 
