@@ -25,6 +25,21 @@ void require(bool good, std::string_view name, double value, std::string_view ex
   if (!good) throw std::invalid_argument(fmt::format("barrier: {} = {}, expected {}", name, value, expected));
 }
 
+/// A period without limits, threats and rows.
+BarrierPeriod begin(const BarrierLaw& law, std::span<const double> x, std::span<const double> u,
+                    std::span<const Neighbour> neighbours) {
+  const Sight<double> seen = law.model.sight(x.data(), u.data()), self = law.settled(seen);
+  return {.x = x,
+          .u_min = {},
+          .u_max = {},
+          .neighbours = neighbours,
+          .self = self,
+          .part = 1.0,
+          .beside = std::abs(seen.p.z - self.p.z),
+          .threats = {},
+          .rows = {}};
+}
+
 }  // namespace
 
 const BarrierOptions& validate(const BarrierOptions& o, double dt) {
@@ -71,16 +86,7 @@ const BarrierOptions& Barrier::options() const noexcept { return law_->options; 
 
 double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept {
   const std::array<double, most_inputs> at_rest{};
-  const Sight<double> seen = law_->model.sight(x.data(), at_rest.data()), self = law_->settled(seen);
-  BarrierPeriod now{.x = x,
-                    .u_min = {},
-                    .u_max = {},
-                    .neighbours = {&neighbour, 1},
-                    .self = self,
-                    .part = 1.0,
-                    .beside = std::abs(seen.p.z - self.p.z),
-                    .threats = {},
-                    .rows = {}};
+  BarrierPeriod now = begin(*law_, x, at_rest, {&neighbour, 1});
   (void)find_threats(*law_, now);
   return now.threats.empty() ? infinity : now.threats[0].reserve;
 }
@@ -104,16 +110,9 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     result.violation = infinity;
     return result;
   }
-  const Sight<double> seen = law.model.sight(x.data(), u.data()), self = law.settled(seen);
-  BarrierPeriod now{.x = x,
-                    .u_min = u_min,
-                    .u_max = u_max,
-                    .neighbours = neighbours,
-                    .self = self,
-                    .part = part(u_min, u_max),
-                    .beside = std::abs(seen.p.z - self.p.z),
-                    .threats = {},
-                    .rows = {}};
+  BarrierPeriod now = begin(law, x, u, neighbours);
+  now.u_min = u_min, now.u_max = u_max;
+  now.part = part(u_min, u_max);
   const bool all_known = find_threats(law, now);
   for (const Threat& threat : now.threats) result.reserve = std::min(result.reserve, threat.reserve);
   const double joint = join_plans(law, now);
