@@ -52,10 +52,11 @@ struct LinkFaultText {
 
 inline constexpr Bounds share_bounds = {0.0, 1.0, "0 to 1"};
 inline constexpr std::size_t link_fault_kinds = 16;
+inline constexpr std::array<std::string_view, 1> px4_alone = {"px4"};
 inline constexpr std::array<std::string_view, 2> with_battery = {"px4", "crazyswarm2"};
 /// In the order of LinkFaultKind.
 inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
-  constexpr FaultOf all = {}, px4 = {std::span(with_battery).first(1)};
+  constexpr FaultOf all = {}, px4 = {px4_alone};
   return std::array<LinkFaultText, link_fault_kinds>{{
       {"drop", 'd', all, "share", share_bounds, 0.2, "messages are lost"},
       {"delay", 'l', all, "s", {0.0, 10.0, "0 to 10"}, 0.05, "messages come later"},

@@ -37,8 +37,7 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
   // A vision-localized robot has an odometry frame at its start pose: the flyer must not know the
   // position.
   if (link.poses.estimated()) setup.origin = {model.rolls() ? start.p : below, setup.heading};
-  for (const RobotVehicle& vehicle : scenario.vehicles)
-    if (vehicle.robot == link.robot) setup.rotors = vehicle.vehicle;
+  if (const RobotVehicle* const one = vehicle_of(scenario, link.robot)) setup.rotors = one->vehicle;
   return std::visit([&](const auto& kind) { return kind.simulator(setup); }, link.kind);
 }
 

@@ -48,7 +48,7 @@ struct SimulatorSetup {
 
 /// Creates the simulator for a link.
 /// @param faults  of this robot; must outlive it. Messages go through FaultyWriter, poses through
-///   Faults::said(). The owner applies restarts and a wrong release
+///   Faults::distorted(). The owner applies restarts and a wrong release
 /// @throws std::invalid_argument if the link does not support the model
 std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
                                                  const Link& link, Faults& faults);

@@ -59,7 +59,7 @@ class Log::Files {
   void begin();
   void remove_parts() noexcept;
   void add(const Sample& sample);
-  void report_failures(double time) noexcept;
+  void report_written(double time) noexcept;
   void add_timing(const Sample& sample);
 
   double period_;  // [s]
@@ -153,10 +153,10 @@ void Log::Files::add(const Sample& sample) {
   rows_.clear();
   added_ = true;
   writing_.after = sample.time;
-  report_failures(sample.time);
+  report_written(sample.time);
 }
 
-void Log::Files::report_failures(double time) noexcept {
+void Log::Files::report_written(double time) noexcept {
   if (!written_ || !mcap_.ok() || !timing_.error().empty()) return;
   try {
     written_(time);
@@ -192,7 +192,7 @@ void Log::Files::end() noexcept {
   if (writing_.what) {
     mcap_.abandon();
   } else if (added_) {
-    report_failures(last_ + period_);
+    report_written(last_ + period_);
   }
 }
 

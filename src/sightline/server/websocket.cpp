@@ -51,18 +51,18 @@ std::string websocket_close(WebsocketClose why) {
 std::optional<WebsocketReader::Frame> WebsocketReader::next() {
   const auto at = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(bytes_[i])); };
   if (fault_ || bytes_.size() < 2) return std::nullopt;
-  const unsigned op = at(0) & 0x0fU, said = at(1) & 0x7fU;
+  const unsigned op = at(0) & 0x0fU, stated = at(1) & 0x7fU;
   // Faults: reserved bits, unknown opcodes, unmasked frames, control frames in fragments or above
   // 125 bytes.
   const bool control = op >= 8;
   if ((at(0) & 0x70U) != 0 || !is_known(op) || (at(1) & 0x80U) == 0 ||
-      (control && ((at(0) & 0x80U) == 0 || said > 125))) {
+      (control && ((at(0) & 0x80U) == 0 || stated > 125))) {
     fault_ = WebsocketClose::not_the_protocol;
     return std::nullopt;
   }
-  const std::size_t more = said == 126 ? 2 : said == 127 ? 8 : 0, head = 2 + more + 4;
+  const std::size_t more = stated == 126 ? 2 : stated == 127 ? 8 : 0, head = 2 + more + 4;
   if (bytes_.size() < 2 + more) return std::nullopt;
-  std::uint64_t length = more == 0 ? said : 0;
+  std::uint64_t length = more == 0 ? stated : 0;
   for (std::size_t i = 0; i < more; ++i) length = (length << 8U) | at(2 + i);
   if (length > limit_) {
     fault_ = WebsocketClose::too_long;
