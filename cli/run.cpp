@@ -11,7 +11,6 @@
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
 #include "cli/progress.hpp"
-#include "sightline/analysis/keys_without_effect.hpp"
 #include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
@@ -21,6 +20,7 @@
 #include "sightline/run/realtime.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
+#include "sightline/scenario/keys_without_effect.hpp"
 #include "sightline/server/tuning.hpp"
 
 namespace sightline::cli {

@@ -23,8 +23,6 @@ namespace sightline {
 // Analysis of a team's limits before a flight: which limits can hold together, each pair's
 // equilibrium, and the cost of each limit compared with the others.
 
-struct Scenario;
-
 /// What a limit requires of the distance of its two bodies.
 enum class LimitKind {
   apart,     ///< broken at small distances, in any direction
@@ -96,15 +94,8 @@ std::string to_string(const Explanation& explanation, const Team& team);
 /// robots' sensors do not determine their poses. Takes seconds if robots have cameras.
 std::string explain_text(const Scenario& scenario);
 
-// Checks of a scenario before its flight: reasons to refuse the flight, remarks and warnings.
-
-struct Preflight {
-  std::vector<std::string> refusals;  ///< reasons why it cannot be flown, with the file, a sentence each
-  std::vector<std::string> remarks;   ///< rounded corners of regions, a sentence each
-  std::vector<std::string> warnings;  ///< a sentence each
-};
-
-/// Runs all checks. Set-up: allocates, takes some tenths of a second.
+/// check_scenario() with the checks of this analysis, if nothing refuses the flight: potentials,
+/// cycles of observation and observability. Takes some tenths of a second.
 Preflight preflight(const Scenario& scenario);
 
 // A part of a campaign's runs, flown independently of the others.

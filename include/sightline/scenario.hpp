@@ -526,6 +526,20 @@ ScenarioNumbers numbers_of(const TomlDocument& document);
 /// lines too. A written number is read back bit for bit.
 std::string with_numbers(std::string_view text, std::span<const std::pair<NumberInText, double>> changes);
 
+// Checks of a scenario before its flight: reasons to refuse the flight, remarks and warnings.
+
+struct Preflight {
+  std::vector<std::string> refusals;  ///< reasons why it cannot be flown, with the file, a sentence each
+  std::vector<std::string> remarks;   ///< rounded corners of regions, a sentence each
+  std::vector<std::string> warnings;  ///< a sentence each
+
+  /// Appends the first 20 sentences of a kind, and the number of the others.
+  void warn(const std::vector<std::string>& sentences);
+};
+
+/// Runs the checks of the scenario alone; analysis.hpp has more. Set-up: allocates.
+Preflight check_scenario(const Scenario& scenario);
+
 // Closed loop of a scenario: the world and the controllers that `sightline run` and a campaign
 // use.
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "sightline/analysis/tag_size.hpp"
 #include "sightline/scenario/read_camera.hpp"
+#include "sightline/scenario/tag_size.hpp"
 
 namespace sightline {
 namespace {

@@ -22,7 +22,7 @@
 #include "sightline/judge/event_description.hpp"
 #include "sightline/loop.hpp"
 #include "sightline/record/cdr.hpp"
-#include "sightline/server/scene.hpp"
+#include "sightline/report/scene.hpp"
 
 namespace sightline::dds {
 namespace {

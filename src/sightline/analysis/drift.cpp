@@ -5,9 +5,9 @@
 #include <span>
 
 #include "sightline/analysis/field.hpp"
-#include "sightline/analysis/influence.hpp"
 #include "sightline/formula.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/scenario/influence.hpp"
 
 namespace sightline {
 namespace {

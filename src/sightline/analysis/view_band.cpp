@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "sightline/analysis/influence.hpp"
 #include "sightline/base.hpp"
+#include "sightline/scenario/influence.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/world.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sightline/log.hpp"
-#include "sightline/server/scene.hpp"
+#include "sightline/report/scene.hpp"
 #include "sightline/server/scene_json.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/analysis/starts.hpp"
+#include "sightline/scenario/starts.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <optional>
 #include <variant>
 
-#include "sightline/analysis/influence.hpp"
+#include "sightline/scenario/influence.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

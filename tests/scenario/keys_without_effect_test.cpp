@@ -1,4 +1,4 @@
-#include "sightline/analysis/keys_without_effect.hpp"
+#include "sightline/scenario/keys_without_effect.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "sightline/analysis.hpp"
 #include "sightline/scenario.hpp"
 
 namespace sightline {
@@ -36,21 +35,22 @@ constexpr const char* point = "[agent.mass]\nrobot = \"point_mass\"\nstart = { p
 constexpr const char* multirotor = "[agent.uav]\nrobot = \"multirotor\"\nstart = { p = [9.0, 0.0, 1.0] }\n";
 constexpr const char* rover = "[agent.rover]\nrobot = \"omni_rover\"\nstart = { p = [9.0, 0.0, 0.0] }\n";
 
-std::vector<std::string> of(const std::string& text) {
+std::vector<std::string> unused(const std::string& text) {
   return keys_without_effect(parse_scenario(text, "a.toml"));
 }
 
 TEST(KeysWithoutEffect, AWindThatNothingTakesUpIsNamed) {
   const std::string winds =
       "[simulation.disturbance]\nwind = [3.0, 0.0, 0.0]\ngust = { sigma = 1.0, time = 1.0 }\n";
-  EXPECT_THAT(of(boat + winds), ElementsAre(HasSubstr("simulation.disturbance.wind has no effect"),
-                                            HasSubstr("simulation.disturbance.gust has no effect")));
-  EXPECT_THAT(of(std::string(boat) + multirotor + winds), IsEmpty());
+  EXPECT_THAT(unused(boat + winds), ElementsAre(HasSubstr("simulation.disturbance.wind has no effect"),
+                                                HasSubstr("simulation.disturbance.gust has no effect")));
+  EXPECT_THAT(unused(std::string(boat) + multirotor + winds), IsEmpty());
   EXPECT_THAT(
-      of(boat +
-         std::string("[[event]]\nname = \"storm\"\nat = 1.0\nwind = { acceleration = [1.0, 0.0, 0.0] }\n")),
+      unused(
+          boat +
+          std::string("[[event]]\nname = \"storm\"\nat = 1.0\nwind = { acceleration = [1.0, 0.0, 0.0] }\n")),
       ElementsAre(HasSubstr("wind of the event \"storm\" has no effect")));
-  EXPECT_THAT(preflight(parse_scenario(boat + winds, "a.toml")).warnings,
+  EXPECT_THAT(check_scenario(parse_scenario(boat + winds, "a.toml")).warnings,
               Contains(HasSubstr("wind has no effect: no robot has an acceleration of G")));
 }
 
@@ -58,22 +58,22 @@ TEST(KeysWithoutEffect, ADisturbanceNeedsAStateOrAnInputOfItsKind) {
   const std::string turns =
       "[simulation.disturbance]\nyaw_lag = 0.1\nslip = 0.1\nnoise = { heading = 0.1 }\n"
       "odometry = { heading_bias = 0.1 }\n";
-  EXPECT_EQ(of(point + turns).size(), 4u);
-  EXPECT_THAT(of(boat + turns), ElementsAre(HasSubstr("yaw_lag has no effect: no robot has one input"),
-                                            HasSubstr("slip has no effect: no robot has wheels")));
-  EXPECT_THAT(of(rover + turns), IsEmpty());
+  EXPECT_EQ(unused(point + turns).size(), 4u);
+  EXPECT_THAT(unused(boat + turns), ElementsAre(HasSubstr("yaw_lag has no effect: no robot has one input"),
+                                                HasSubstr("slip has no effect: no robot has wheels")));
+  EXPECT_THAT(unused(rover + turns), IsEmpty());
   const std::string wakes = "[simulation.disturbance]\nairflow = { amplitude = 0.1 }\n";
-  EXPECT_THAT(of(multirotor + wakes), ElementsAre(HasSubstr("one robot alone")));
-  EXPECT_THAT(of(std::string(multirotor) + point + wakes), IsEmpty());
+  EXPECT_THAT(unused(multirotor + wakes), ElementsAre(HasSubstr("one robot alone")));
+  EXPECT_THAT(unused(std::string(multirotor) + point + wakes), IsEmpty());
 }
 
 TEST(KeysWithoutEffect, AFloorNeedsARobotThatClimbsAndAMarginABarrier) {
   const std::string bounds = "[safety]\nfloor = -1.0\nceiling = 3.0\nmargin = 0.1\n";
-  EXPECT_THAT(of(rover + bounds), ElementsAre("safety.floor has no effect: no robot leaves its height",
-                                              "safety.ceiling has no effect: no robot leaves its height",
-                                              "safety.margin has no effect: the barrier is off"));
-  EXPECT_THAT(of(multirotor + bounds + "barrier = \"on\"\n"), IsEmpty());
-  EXPECT_THAT(of(std::string(multirotor) + "[safety.search]\nturn_after = 5.0\n"),
+  EXPECT_THAT(unused(rover + bounds), ElementsAre("safety.floor has no effect: no robot leaves its height",
+                                                  "safety.ceiling has no effect: no robot leaves its height",
+                                                  "safety.margin has no effect: the barrier is off"));
+  EXPECT_THAT(unused(multirotor + bounds + "barrier = \"on\"\n"), IsEmpty());
+  EXPECT_THAT(unused(std::string(multirotor) + "[safety.search]\nturn_after = 5.0\n"),
               ElementsAre(HasSubstr("safety.search has")));
 }
 
@@ -84,11 +84,12 @@ TEST(KeysWithoutEffect, WhatAnotherKeySwitchesOnNeedsThat) {
       "[safety]\nposition_sigma = 0.1\nheading_sigma = 0.1\n";
   const std::string two =
       std::string(multirotor) + "[agent.other]\nrobot = \"multirotor\"\nstart = { p = [4.0, 0.0, 1.0] }\n";
-  EXPECT_THAT(of(two + keys), ElementsAre(HasSubstr("safety.position_sigma has"),
-                                          HasSubstr("safety.heading_sigma has"), HasSubstr("gust.time has"),
-                                          HasSubstr("airflow.distance has"), HasSubstr("estimate has")));
-  EXPECT_THAT(of(two + "[simulation.disturbance]\ngust = { sigma = 1.0, time = 2.0 }\n"
-                       "[safety]\nbarrier = \"on\"\nposition_sigma = 0.1\nheading_sigma = 0.1\n"),
+  EXPECT_THAT(
+      unused(two + keys),
+      ElementsAre(HasSubstr("safety.position_sigma has"), HasSubstr("safety.heading_sigma has"),
+                  HasSubstr("gust.time has"), HasSubstr("airflow.distance has"), HasSubstr("estimate has")));
+  EXPECT_THAT(unused(two + "[simulation.disturbance]\ngust = { sigma = 1.0, time = 2.0 }\n"
+                           "[safety]\nbarrier = \"on\"\nposition_sigma = 0.1\nheading_sigma = 0.1\n"),
               IsEmpty());
 }
 

@@ -1,4 +1,4 @@
-#include "sightline/analysis/starts.hpp"
+#include "sightline/scenario/starts.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "sightline/server/scene.hpp"
+#include "sightline/report/scene.hpp"
 
 #include <fmt/format.h>
 

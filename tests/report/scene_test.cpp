@@ -1,4 +1,4 @@
-#include "sightline/server/scene.hpp"
+#include "sightline/report/scene.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "sightline/analysis/influence.hpp"
+#include "sightline/scenario/influence.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

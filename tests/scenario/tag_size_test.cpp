@@ -1,11 +1,10 @@
-#include "sightline/analysis/tag_size.hpp"
+#include "sightline/scenario/tag_size.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "bridges/dds/fleet/finding.hpp"
-#include "sightline/analysis.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -50,7 +49,7 @@ TEST(TagSize, TagsThatAreSmallAtTheGreatestDistanceAreAWarning) {
               ElementsAre(HasSubstr("13.9 px for the camera of a at d_max = 3 m, below 14.4 px")));
   EXPECT_THAT(judge_tag_sizes(kept_between(1.0, 4.0)).warnings,
               ElementsAre(HasSubstr("10.4 px for the camera of a at d_max = 4 m, below 10.6 px")));
-  EXPECT_THAT(preflight(kept_between(1.0, 4.0)).warnings,
+  EXPECT_THAT(check_scenario(kept_between(1.0, 4.0)).warnings,
               Contains(HasSubstr("below 10.6 px it is not read")));
 }
 
@@ -58,7 +57,8 @@ TEST(TagSize, TagsThatAreTooSmallEverywhereAreRefused) {
   EXPECT_THAT(
       judge_tag_sizes(kept_between(4.0, 5.0)).refusals,
       ElementsAre(HasSubstr("10.4 px for the camera of a at d_min = 4 m, expected at least 10.6 px")));
-  EXPECT_THAT(preflight(kept_between(4.0, 5.0)).refusals, Contains(HasSubstr("expected at least 10.6 px")));
+  EXPECT_THAT(check_scenario(kept_between(4.0, 5.0)).refusals,
+              Contains(HasSubstr("expected at least 10.6 px")));
 }
 
 TEST(TagSize, BeforeAFlightEachDistanceAtWhichTagsAreTooSmallIsRed) {

@@ -1,4 +1,4 @@
-#include "sightline/analysis/tag_size.hpp"
+#include "sightline/scenario/tag_size.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/analysis/keys_without_effect.hpp"
+#include "sightline/scenario/keys_without_effect.hpp"
 
 #include <fmt/format.h>
 
