@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <span>
-#include <thread>
 
 #include "sightline/record/log.hpp"
 #include "sightline/scenario.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/keeping_sink.hpp"
+#include "tests/support/passing_sink.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/view_scenario.hpp"
 
@@ -19,34 +19,14 @@ using test::KeepingSink;
 using test::kept_bytes;
 using test::KeptMessage;
 
-/// The log's sink, which keeps each sample.
-class KeptSamples final : public Sink<Sample> {
- public:
-  explicit KeptSamples(SpscQueue<Sample>& log) : log_(log) {}
-  Sample* claim() noexcept override {
-    while ((item_ = log_.claim()) == nullptr) std::this_thread::yield();
-    return item_;
-  }
-  void publish() noexcept override {
-    samples.push_back(*item_);
-    log_.publish();
-  }
-  void close() noexcept override { log_.close(); }
-
-  std::vector<Sample> samples;
-
- private:
-  SpscQueue<Sample>& log_;
-  Sample* item_ = nullptr;
-};
-
 TEST(LogTopics, WhoeverIsToldTheSamplesOfALogGetsItsMessagesByteForByte) {
   const Scenario scenario = test::scenario_of(test::view_scenario);
   const auto folder = test::fresh_folder();
   const Controls controls(scenario);
   const auto world = make_world(scenario);
   SpscQueue<Sample> ring(64, sized_sample(*world, controls.controllers(), controls.team_switcher()));
-  KeptSamples kept(ring);
+  std::vector<Sample> samples;
+  test::PassingSink kept(ring, [&](Sample& sample) { samples.push_back(sample); });
   SimulatedClock clock;
   Log log(scenario, folder, controls.controllers(), ring);
   log.start();
@@ -58,7 +38,7 @@ TEST(LogTopics, WhoeverIsToldTheSamplesOfALogGetsItsMessagesByteForByte) {
   KeepingSink sink;
   LogTopics topics(scenario, controls.controllers().size(), sink);
   PresentTeam present(scenario);
-  for (const Sample& sample : kept.samples) {
+  for (const Sample& sample : samples) {
     (void)present.follow(sample);
     (void)topics.add(sample, present, present.cost(sample));
   }

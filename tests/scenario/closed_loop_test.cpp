@@ -10,6 +10,7 @@
 #include "sightline/worlds.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -30,18 +31,14 @@ void append(std::string& bytes, const Sample& sample) {
 }
 
 /// One sample, used again each period: no ring, no thread.
-class Kept final : public Sink<Sample> {
+class Kept final : public test::SampleSink {
  public:
-  explicit Kept(Sample sample) : sample_(std::move(sample)) {}
-  Sample* claim() noexcept override { return &sample_; }
+  using SampleSink::SampleSink;
   void publish() noexcept override { append(bytes, sample_); }
   void close() noexcept override { ++closed; }
 
   std::string bytes;
   int closed = 0;
-
- private:
-  Sample sample_;
 };
 
 Scenario scenario(const std::string& name, double duration) {
@@ -83,10 +80,9 @@ TEST(ClosedLoop, ASinkWithoutARingSeesTheSamplesOfTheRing) {
 }
 
 /// What changes the team, and how late the sample that says so is [s].
-class EventDelays final : public Sink<Sample> {
+class EventDelays final : public test::SampleSink {
  public:
-  explicit EventDelays(Sample sample) : sample_(std::move(sample)) {}
-  Sample* claim() noexcept override { return &sample_; }
+  using SampleSink::SampleSink;
   void publish() noexcept override {
     for (const Event& event :
          std::span(sample_.events).first(static_cast<std::size_t>(sample_.event_count))) {
@@ -95,13 +91,9 @@ class EventDelays final : public Sink<Sample> {
       latest = std::max(latest, sample_.time - event.time);
     }
   }
-  void close() noexcept override {}
 
   int in_force = 0;
   double latest = 0.0;
-
- private:
-  Sample sample_;
 };
 
 TEST(ClosedLoop, TheFirstSampleOfANewTeamSaysSoHoweverManyEventsItsPeriodHas) {

@@ -4,16 +4,16 @@
 
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/read_camera.hpp"
+#include "tests/support/sample_sink.hpp"
 
 namespace sightline {
 namespace {
 
 /// What a flight shows of the line of sight from 4 s on.
-class SightWatch final : public Sink<Sample> {
+class SightWatch final : public test::SampleSink {
  public:
   SightWatch(const Scenario& scenario, Sample sample, std::string_view hides)
-      : scenario_(scenario), sample_(std::move(sample)), hides_(hides) {}
-  Sample* claim() noexcept override { return &sample_; }
+      : SampleSink(std::move(sample)), scenario_(scenario), hides_(hides) {}
   void publish() noexcept override {
     constexpr double begun = 4.0;
     if (sample_.time < begun) return;
@@ -31,14 +31,12 @@ class SightWatch final : public Sink<Sample> {
       last_ = sample_.detections[i].stamp;
     }
   }
-  void close() noexcept override {}
 
   int periods = 0, in_sight = 0, detections = 0;
   double longest_gap = 0.0;  // without a picture that shows the target [s]
 
  private:
   const Scenario& scenario_;
-  Sample sample_;
   std::string_view hides_;
   double last_ = 4.0;
 };

@@ -16,6 +16,7 @@
 #include "sightline/worlds.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/sample_sink.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -222,10 +223,10 @@ TEST(ReadVehicle, RefusesAWorldThatCannotBe) {
 }
 
 /// What a flight of cooperative_localization shows from 10 s on.
-class Watch final : public Sink<Sample> {
+class Watch final : public test::SampleSink {
  public:
-  explicit Watch(const Scenario& scenario, Sample sample) : scenario_(scenario), sample_(std::move(sample)) {}
-  Sample* claim() noexcept override { return &sample_; }
+  explicit Watch(const Scenario& scenario, Sample sample)
+      : SampleSink(std::move(sample)), scenario_(scenario) {}
   void publish() noexcept override {
     all.insert(all.end(), sample_.x.begin(), sample_.x.end());
     all.insert(all.end(), sample_.u.begin(), sample_.u.end());
@@ -243,7 +244,6 @@ class Watch final : public Sink<Sample> {
     offset = offset + (b.p - Vec3<double>{0.5 * std::cos(turn), 0.5 * std::sin(turn), 1.0});
     ++updates;
   }
-  void close() noexcept override {}
 
   std::vector<double> all;
   Vec3<double> offset{};  // of uav1 from its circle, summed
@@ -252,7 +252,6 @@ class Watch final : public Sink<Sample> {
 
  private:
   const Scenario& scenario_;
-  Sample sample_;
 };
 
 struct Flight {

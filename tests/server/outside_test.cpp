@@ -14,6 +14,7 @@
 #include "tests/support/counted_new.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/page_client.hpp"
+#include "tests/support/passing_sink.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/view_scenario.hpp"
 
@@ -22,24 +23,6 @@ namespace {
 
 using test::PageClient;
 using test::soon;
-
-/// Hands each sample to a page, and to the log behind it.
-class SeenSink final : public Sink<Sample> {
- public:
-  SeenSink(Sink<Sample>& log, FlightPage& page) : log_(log), page_(page) {}
-  Sample* claim() noexcept override { return sample_ = log_.claim(); }
-  void publish() noexcept override {
-    page_.show(*sample_);
-    log_.publish();
-  }
-  void close() noexcept override { log_.close(); }
-  bool is_abandoned() const noexcept override { return log_.is_abandoned(); }
-
- private:
-  Sink<Sample>& log_;
-  FlightPage& page_;
-  Sample* sample_ = nullptr;
-};
 
 /// A flight with a log, a page and somebody who observes it.
 struct WatchedFlight {
@@ -56,7 +39,7 @@ struct WatchedFlight {
       port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
       watcher.emplace(port);
       EXPECT_THAT(watcher->watch(), testing::StartsWith("HTTP/1.1 101"));
-      return sink.emplace(log, *page);
+      return sink.emplace(log, [this](Sample& sample) { page->show(sample); });
     };
     options.fly = [&](ClosedLoop& loop, Sink<Sample>&) { return go_wrong(loop); };
     return fly_logged(scenario, folder, clock, controls.controllers(), options);
@@ -69,7 +52,7 @@ struct WatchedFlight {
   std::optional<FlightPage> page;
   std::uint16_t port = 0;
   std::optional<PageClient> watcher;
-  std::optional<SeenSink> sink;
+  std::optional<test::PassingSink> sink;
 };
 
 TEST(Outside, NoMemoryForPageAndLogEndsNoFlight) {

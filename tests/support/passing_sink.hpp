@@ -20,6 +20,7 @@ class PassingSink final : public Sink<Sample> {
     log_.publish();
   }
   void close() noexcept override { log_.close(); }
+  bool is_abandoned() const noexcept override { return log_.is_abandoned(); }
 
  private:
   Sink<Sample>& log_;
