@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "cli/allocations.hpp"
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
 #include "cli/output.hpp"
 #include "sightline/scenario.hpp"
 #ifdef SIGHTLINE_BENCH
@@ -19,6 +19,14 @@
 #endif
 
 namespace sightline::cli {
+namespace {
+
+struct BenchCommand {
+  std::optional<std::string> name;
+  std::string solver = "newton_riccati";
+  int threads = 1, updates = 6000;
+  bool json = false, times_only = false;
+};
 
 #ifdef SIGHTLINE_BENCH
 
@@ -92,5 +100,22 @@ int bench(const BenchCommand& /*command*/, char** argv) {
 }
 
 #endif
+
+}  // namespace
+
+Execute describe_bench(CLI::App& app) {
+  const auto command = std::make_shared<BenchCommand>();
+  app.description("Time the solvers and compare them with the optimum");
+  app.add_option("--case", command->name, "One case, instead of all");
+  app.add_option("--solver", command->solver, "Solver [newton_riccati]");
+  app.add_flag("--json", command->json, "JSON instead of a table");
+  add_threads(app, command->threads);
+  app.add_option("--updates", command->updates,
+                 "Updates of each case; of swarm_N in whole crossings, events_8 has its own")
+      ->capture_default_str()
+      ->check(CLI::Range(100, 10'000'000));
+  app.add_flag("--times", command->times_only, "Times alone, not compared with the optimum");
+  return [command](const Registry&, char** argv) { return bench(*command, argv); };
+}
 
 }  // namespace sightline::cli

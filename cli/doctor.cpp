@@ -10,7 +10,7 @@
 
 #include "bridges/dds/fleet/bridge.hpp"
 #include "bridges/dds/fleet/loop_timing.hpp"
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
 #include "sightline/base.hpp"
@@ -19,6 +19,12 @@
 
 namespace sightline::cli {
 namespace {
+
+struct DoctorCommand {
+  NamedScenario fleet;
+  std::optional<double> seconds;
+  bool watch = false, json = false;
+};
 
 using Json = nlohmann::ordered_json;
 using DoctorTime = std::chrono::steady_clock;
@@ -115,8 +121,6 @@ int watch_poses(FleetDoctor& fleet, const DoctorCommand& command) {
   return 0;
 }
 
-}  // namespace
-
 int doctor(const DoctorCommand& command, const Registry& registry) {
   Scenario scenario;
   std::unique_ptr<FleetDoctor> fleet;
@@ -153,6 +157,19 @@ int doctor(const DoctorCommand& command, const Registry& registry) {
   else
     print("{}\n{}\n", findings_table(findings, ::isatty(STDOUT_FILENO) == 1), in_sum(findings));
   return worst(findings) == Light::red ? 1 : 0;
+}
+
+}  // namespace
+
+Execute describe_doctor(CLI::App& app) {
+  const auto command = std::make_shared<DoctorCommand>();
+  app.description("Look at a fleet before a flight: green or red, a sentence each");
+  add_fleet(app, command->fleet);
+  app.add_option("--seconds", command->seconds, "How long it listens [s] [10]")
+      ->check(CLI::Range(1.0, 3600.0));
+  app.add_flag("--watch", command->watch, "Print where each robot is, once a second, until Ctrl-C");
+  app.add_flag("--json", command->json, "JSON instead of a table");
+  return [command](const Registry& registry, char**) { return doctor(*command, registry); };
 }
 
 }  // namespace sightline::cli

@@ -13,6 +13,11 @@ namespace sightline::cli {
 /// @throws std::invalid_argument if the scenario has no [fleet] or the program no bridge
 Scenario read_fleet(const NamedScenario& fleet, const Registry& registry);
 
+/// @throws std::invalid_argument if the program has no bridge
+void refuse_without_bridge(const Registry& registry);
+/// Prints the robots' counts and faults of the flight; returns whether there are faults.
+bool say_end(const LinkedWorld& world);
+
 /// Number of requests to end this program, from listen_to_interrupts() on.
 Interrupts& interrupts();
 /// True after the first request.

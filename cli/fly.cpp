@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <atomic>
 #include <csignal>
 
 #include "bridges/dds/fleet/bridge.hpp"
 #include "bridges/dds/fleet/link.hpp"
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
 #include "cli/fault_keys.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
@@ -21,6 +20,20 @@
 
 namespace sightline::cli {
 namespace {
+
+struct FlyCommand {
+  NamedScenario fleet;
+  std::filesystem::path output;
+  bool dry_run = false, wait = false;
+  ShowOptions view;
+  int threads = 1;
+  std::string part, partition;  ///< empty: by the scenario
+};
+
+struct VehiclesCommand {
+  NamedScenario fleet;
+  double seconds = 1e9;
+};
 
 // Global, as signals belong to the process.
 Interrupts interrupt_count{0};
@@ -45,12 +58,6 @@ std::string partition_assignment(const FlyCommand& command, const Registry& part
                      exchange.offset, exchange.flown_by == MessagesBy::network ? "network" : "simulation");
 }
 
-void refuse_without_bridge(const Registry& parts) {
-  if (parts.bridge == nullptr)
-    throw std::invalid_argument(
-        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
-}
-
 /// Rejects a fleet with a partition if no part to plan is given.
 void refuse_without_part(const Scenario& scenario, const FlyCommand& command) {
   if (!scenario.partition || !scenario.partition->part.empty()) return;
@@ -64,25 +71,6 @@ void refuse_without_part(const Scenario& scenario, const FlyCommand& command) {
 void on_interrupt(int) {
   ++interrupt_count;
   interrupted = true;
-}
-
-/// Prints the robots' counts and faults of the flight; returns whether there are faults.
-bool say_end(const LinkedWorld& world) {
-  for (const std::string& line : world.counts()) print_sentence(line);
-  const std::vector<std::string> faults = world.faults();
-  for (const std::string& fault : faults) print_sentence(fault);
-  return !faults.empty();
-}
-
-/// Executes all steps before a flight except arming. It writes nothing, so a folder keeps its
-/// flight.
-int fly_dry(const Scenario& scenario, LinkedWorld& world) {
-  if (world.exchange() == nullptr) (void)Controls(scenario);  // throws what a flight would
-  run_apart([&] {
-    offer_sentence(become_realtime(control_priority).sentence());
-    (void)world.take_off(Arming::dry_run, interrupts(), offer_sentence);
-  });
-  return say_end(world) ? 1 : 0;
 }
 
 }  // namespace
@@ -104,6 +92,32 @@ Scenario read_fleet(const NamedScenario& fleet, const Registry& parts) {
         "{}:1: fleet is missing, expected a [fleet] with the links of the robots", fleet.file.native()));
   refuse_without_bridge(parts);
   return scenario;
+}
+
+void refuse_without_bridge(const Registry& parts) {
+  if (parts.bridge == nullptr)
+    throw std::invalid_argument(
+        "this sightline has no bridge to robots, expected one that was built with Cyclone DDS");
+}
+
+bool say_end(const LinkedWorld& world) {
+  for (const std::string& line : world.counts()) print_sentence(line);
+  const std::vector<std::string> faults = world.faults();
+  for (const std::string& fault : faults) print_sentence(fault);
+  return !faults.empty();
+}
+
+namespace {
+
+/// Executes all steps before a flight except arming. It writes nothing, so a folder keeps its
+/// flight.
+int fly_dry(const Scenario& scenario, LinkedWorld& world) {
+  if (world.exchange() == nullptr) (void)Controls(scenario);  // throws what a flight would
+  run_apart([&] {
+    offer_sentence(become_realtime(control_priority).sentence());
+    (void)world.take_off(Arming::dry_run, interrupts(), offer_sentence);
+  });
+  return say_end(world) ? 1 : 0;
 }
 
 int fly_fleet(const FlyCommand& command, const Registry& parts) {
@@ -161,66 +175,52 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
   return say_end(*world) && code == 0 ? 1 : code;
 }
 
-FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
-                             const Registry& parts) {
-  refuse_without_bridge(parts);
-  if (options.height)
-    throw std::invalid_argument(
-        "--height of a robot on a link, expected none: it begins where it took off to");
-  const std::vector<Link>& links = fleet_of(fleet).links;
-  const auto reached =
-      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.robot == BodyId(robot); });
-  if (reached != links.end() && reached->poses.estimated())
-    throw std::invalid_argument(fmt::format(
-        "agent.{}.localization = vision, expected \"global\": what it does is measured by its poses",
-        fleet.team.name(BodyId(robot))));
-  Scenario alone = fleet;
-  std::erase_if(own_fleet(alone).links, [&](const Link& link) { return link.robot != BodyId(robot); });
-  const std::unique_ptr<LinkedWorld> world = parts.bridge->connect(alone);
-  outlive_the_terminal();
+int vehicles(const VehiclesCommand& command, const Registry& parts) {
+  const Scenario scenario = read_fleet(command.fleet, parts);
+  const std::unique_ptr<VehicleSimulators> vehicle_simulators = parts.bridge->vehicle_simulator(scenario);
   listen_to_interrupts();
-  FlownMotion motion;
-  std::string why = "it did not take off";
-  run_apart([&] {
-    offer_sentence(become_realtime(control_priority).sentence());
-    if (!world->take_off(Arming::real, interrupts(), offer_sentence)) return;
-    SteadyClock clock;
-    try {
-      motion = fly_excitation(alone, robot, options, *world, clock, stop_flight());
-      why.clear();
-    } catch (const std::exception& error) {
-      why = sentence_of(error);
-    }
-    world->land(interrupts(), offer_sentence);
-  });
-  (void)say_end(*world);
-  if (!why.empty()) throw std::invalid_argument(why);
-  return motion;
+  print_sentence(fmt::format("{} simulated vehicles, until Ctrl-C", fleet_of(scenario).links.size()));
+  {
+    const auto help = [] { print_message("{}", fault_keys_help()); };
+    const FaultKeys keys(
+        [&](FaultTyping::Requested requested) {
+          print_sentence(vehicle_simulators->toggle(requested.robot, requested.kind));
+        },
+        help);
+    if (FaultKeys::on_a_terminal()) help();
+    vehicle_simulators->run(command.seconds, interrupts(),
+                            [](std::string_view sentence) { print_sentence(sentence); });
+  }
+  for (const std::string& line : vehicle_simulators->counts()) print("{}\n", line);
+  return 0;
 }
 
-int vehicles(const VehiclesCommand& command, const Registry& parts) {
-  try {
-    const Scenario scenario = read_fleet(command.fleet, parts);
-    const std::unique_ptr<VehicleSimulators> vehicle_simulators = parts.bridge->vehicle_simulator(scenario);
-    listen_to_interrupts();
-    print_sentence(fmt::format("{} simulated vehicles, until Ctrl-C", fleet_of(scenario).links.size()));
-    {
-      const auto help = [] { print_message("{}", fault_keys_help()); };
-      const FaultKeys keys(
-          [&](FaultTyping::Requested requested) {
-            print_sentence(vehicle_simulators->toggle(requested.robot, requested.kind));
-          },
-          help);
-      if (FaultKeys::on_a_terminal()) help();
-      vehicle_simulators->run(command.seconds, interrupts(),
-                              [](std::string_view sentence) { print_sentence(sentence); });
-    }
-    for (const std::string& line : vehicle_simulators->counts()) print("{}\n", line);
-    return 0;
-  } catch (const std::exception& error) {
-    print_message("{}\n", sentence_of(error));
-    return 2;
-  }
+}  // namespace
+
+Execute describe_fly(CLI::App& app) {
+  const auto command = std::make_shared<FlyCommand>();
+  app.description("Fly a fleet of real robots; write log, summary and report");
+  add_fleet(app, command->fleet);
+  app.add_option("-o,--output", command->output, "Folder for the results [out/NAME]");
+  const auto dry_run = app.add_flag("--dry-run", command->dry_run, "All but arm; writes nothing");
+  app.add_flag("--wait", command->wait, "Take off when the service ~/start is called")->excludes(dry_run);
+  app.add_option("--part", command->part,
+                 "The part of [partition] that is planned here; all: one solver plans all");
+  app.add_option("--partition", command->partition,
+                 "Parts in place of those of [partition]: \"front: a,b | back: c,d\"");
+  add_threads(app, command->threads);
+  if (CLI::Option* const show = add_show(app, command->view)) show->excludes(dry_run);
+  return [command](const Registry& registry, char**) { return fly_fleet(*command, registry); };
+}
+
+Execute describe_vehicles(CLI::App& app) {
+  const auto command = std::make_shared<VehiclesCommand>();
+  app.description("Simulate the robots of a fleet on their topics");
+  add_fleet(app, command->fleet);
+  app.add_option("--seconds", command->seconds, "How long [s]; until Ctrl-C")->check(CLI::Range(0.0, 1e9));
+  return [command](const Registry& registry, char**) {
+    return refusing([&] { return vehicles(*command, registry); });
+  };
 }
 
 }  // namespace sightline::cli

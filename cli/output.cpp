@@ -13,6 +13,7 @@
 #include <cerrno>
 
 #include "sightline/base/reason.hpp"
+#include "sightline/base/sentence.hpp"
 
 namespace sightline::cli {
 namespace {
@@ -135,6 +136,15 @@ void offer_message(std::string_view text) noexcept { (void)streams().messages.wr
 
 void print_sentence(std::string_view sentence) noexcept { write_sentence(sentence, write_message); }
 void offer_sentence(std::string_view sentence) noexcept { write_sentence(sentence, offer_message); }
+
+int refusing(const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const std::exception& error) {
+    print_message("{}\n", sentence_of(error));
+    return 2;
+  }
+}
 
 int finish(int code) {
   const int lost = streams().lost;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -39,6 +40,9 @@ void print_message(fmt::format_string<Args...> format, Args&&... args) {
 void print_sentence(std::string_view sentence) noexcept;
 /// The same without waiting: the sentence is dropped if the stream is not writable.
 void offer_sentence(std::string_view sentence) noexcept;
+
+/// Exit code of `body`; an exception of it is bad input: its sentence is printed, and the code is 2.
+int refusing(const std::function<int()>& body);
 
 /// Called at the end: returns the exit code. It is 1 instead of 0 if results were lost, and a
 /// message reports the loss.

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
 #include "cli/output.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/registry.hpp"
@@ -25,8 +25,6 @@ void add(Json& json, const PartList<Made>& list) {
   }
 }
 
-}  // namespace
-
 int list_parts(bool json, const Registry& registry) {
   if (json) {
     Json all = Json::object();
@@ -40,6 +38,15 @@ int list_parts(bool json, const Registry& registry) {
           parameters_table(registry.references), parameters_table(registry.limits));
   }
   return 0;
+}
+
+}  // namespace
+
+Execute describe_parts(CLI::App& app) {
+  const auto json = std::make_shared<bool>(false);
+  app.description("List the robots, potentials, references and limits that a scenario may use");
+  app.add_flag("--json", *json, "JSON instead of tables");
+  return [json](const Registry& registry, char**) { return list_parts(*json, registry); };
 }
 
 }  // namespace sightline::cli

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
-#include "sightline/base/sentence.hpp"
 #include "sightline/config.hpp"
 #include "sightline/log.hpp"
 #include "sightline/scenario.hpp"
@@ -13,6 +12,13 @@
 
 namespace sightline::cli {
 namespace {
+
+struct ReplayCommand {
+  std::filesystem::path folder;
+  std::optional<std::string> solver;
+  std::vector<std::string> set;  ///< applied to the scenario in the log
+  bool json = false;
+};
 
 /// The controllers of the flight: the solvers of its subteams, or those of the scenario.
 class Steering {
@@ -66,43 +72,50 @@ void print_text(const CommandComparison& compared, const Scenario& scenario) {
     print("another status in {} of {} updates\n", compared.other_status(), compared.updates());
 }
 
-}  // namespace
-
 int replay(const ReplayCommand& command, const Registry& registry) {
   const bool changed = command.solver || !command.set.empty();
-  try {
-    const std::filesystem::path log = log_of(command.folder);
-    const FlownAs flown = flown_as(log);
-    const Scenario scenario = flown_scenario(flown, log, registry, command.solver, command.set);
-    RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, scenario.goals);
-    if (flown.version != sightline::version || flown.compiler != compiler) {
-      print_sentence(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ",
-                                 flown.version, flown.compiler, sightline::version, compiler));
-    }
-    if (flight.lost_after()) {
-      print_sentence(fmt::format("samples were lost after {:.6g} s, what followed is not replayed",
-                                 *flight.lost_after()));
-    }
-    if (flight.truncated())
-      print_sentence(fmt::format("the log ends at {:.6g} s without its end", flight.periods().back().time));
-
-    Steering steering(scenario, flown, command.solver.has_value());
-    const Controllers controllers = steering.controllers();
-    CommandComparison compared(flight, sized_sample(flight, controllers, steering.team_switcher()));
-    ClosedLoop loop(scenario, flight, controllers, flight, compared, nullptr, steering.team_switcher());
-    (void)loop.fly();
-
-    if (command.json) {
-      print("{}\n", comparison_json(compared, scenario, flight));
-    } else {
-      print_text(compared, scenario);
-    }
-    if (changed) return 0;
-    return compared.differing() == 0 && compared.differing_estimates() == 0 && !flight.lost_after() ? 0 : 1;
-  } catch (const std::exception& error) {
-    print_message("{}\n", sentence_of(error));
-    return 2;
+  const std::filesystem::path log = log_of(command.folder);
+  const FlownAs flown = flown_as(log);
+  const Scenario scenario = flown_scenario(flown, log, registry, command.solver, command.set);
+  RecordedFlight flight(log, scenario.team, scenario.x0, scenario.horizon.dt, scenario.goals);
+  if (flown.version != sightline::version || flown.compiler != compiler) {
+    print_sentence(fmt::format("the log is of sightline {} ({}), this is {} ({}): last bits may differ",
+                               flown.version, flown.compiler, sightline::version, compiler));
   }
+  if (flight.lost_after()) {
+    print_sentence(
+        fmt::format("samples were lost after {:.6g} s, what followed is not replayed", *flight.lost_after()));
+  }
+  if (flight.truncated())
+    print_sentence(fmt::format("the log ends at {:.6g} s without its end", flight.periods().back().time));
+
+  Steering steering(scenario, flown, command.solver.has_value());
+  const Controllers controllers = steering.controllers();
+  CommandComparison compared(flight, sized_sample(flight, controllers, steering.team_switcher()));
+  ClosedLoop loop(scenario, flight, controllers, flight, compared, nullptr, steering.team_switcher());
+  (void)loop.fly();
+
+  if (command.json) {
+    print("{}\n", comparison_json(compared, scenario, flight));
+  } else {
+    print_text(compared, scenario);
+  }
+  if (changed) return 0;
+  return compared.differing() == 0 && compared.differing_estimates() == 0 && !flight.lost_after() ? 0 : 1;
+}
+
+}  // namespace
+
+Execute describe_replay(CLI::App& app) {
+  const auto command = std::make_shared<ReplayCommand>();
+  app.description("Fly a run's measurements again and compare its commands");
+  app.add_option("DIR", command->folder, "Folder of a run")->required();
+  app.add_option("--solver", command->solver, "Solver, instead of the flight's");
+  add_set(app, command->set);
+  app.add_flag("--json", command->json, "JSON instead of a table");
+  return [command](const Registry& registry, char**) {
+    return refusing([&] { return replay(*command, registry); });
+  };
 }
 
 }  // namespace sightline::cli

@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/allocations.hpp"
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
+#include "cli/components.hpp"
 #include "cli/linked_sink.hpp"
 #include "cli/output.hpp"
 #include "cli/partition.hpp"
@@ -21,10 +22,20 @@
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
 #include "sightline/scenario/keys_without_effect.hpp"
-#include "sightline/server/tuning.hpp"
 
 namespace sightline::cli {
 namespace {
+
+struct RunOptions {
+  NamedScenario scenario;
+  std::filesystem::path output;
+  std::optional<std::string> solver, partition;
+  std::optional<std::uint64_t> seed;
+  bool realtime = false;
+  int threads = 1, exchanges = 1;
+  ShowOptions view;
+  std::string order = "gauss_seidel";
+};
 
 Scenario read(const RunOptions& options, const Registry& parts) {
   Scenario scenario = options.scenario.read(parts);
@@ -84,11 +95,8 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
                        const ShowOptions& view, const Controllers& controllers,
                        TeamSwitcher* team_switcher = nullptr, const McapWords& flown = {},
                        LinkedFlight* linked = nullptr) {
-  std::optional<Tuning> tuning;
-  if (scenario.tuned) tuning.emplace(scenario, TuningControls{});
   std::optional<LinkedSink> shown;
-  std::optional<FlightPage> page;
-  std::optional<ShownSink> watched;
+  std::unique_ptr<Sink<Sample>> watched;
   Progress progress(scenario.simulation.duration);
   FlightOptions options{.team_switcher = team_switcher,
                         .allocations = allocations,
@@ -97,12 +105,9 @@ LoggedFlight fly_shown(const Scenario& scenario, const std::filesystem::path& fo
   options.watched = [&](Sink<Sample>& log, const Sample& prototype) -> Sink<Sample>& {
     if (linked != nullptr) shown.emplace(log, linked->world, linked->stop);
     Sink<Sample>& kept = shown ? static_cast<Sink<Sample>&>(*shown) : log;
-    if (!view.show) return kept;
-    page.emplace(scenario, prototype, view.serve, tuning ? &*tuning : nullptr);
-    watched.emplace(kept, *page);
-    print_without_page();
-    print_sentence(fmt::format("the page is {}", page->url()));
-    return *watched;
+    if constexpr (has("server"))
+      if (view.show) return *(watched = show_on_page(kept, scenario, prototype, view.serve));
+    return kept;
   };
   if (linked != nullptr) {
     options.world = &linked->world;
@@ -148,8 +153,6 @@ Scenario as_one(const Scenario& scenario) {
   return one;
 }
 
-}  // namespace
-
 int run(const RunOptions& options, const Registry& parts) {
   Scenario scenario;
   std::optional<PartitionChoice> partition;
@@ -186,6 +189,28 @@ int run(const RunOptions& options, const Registry& parts) {
     return 2;
   }
 }
+
+int report(const std::filesystem::path& folder) {
+  std::optional<FolderLock> lock;
+  try {
+    (void)log_of(folder);
+    lock.emplace(folder, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
+                                                                 "report.html"});
+  } catch (const std::invalid_argument& error) {
+    print_message("{}\n", error.what());
+    return 2;
+  }
+  try {
+    write_report(folder);
+  } catch (const std::exception& error) {
+    print_sentence(sentence_of(error));
+    return 1;
+  }
+  print("{}\n", (folder / "report.html").native());
+  return 0;
+}
+
+}  // namespace
 
 int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const ShowOptions& view,
         const PartitionChoice* partition, LinkedFlight* linked) {
@@ -257,24 +282,32 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
   return bad ? 1 : 0;
 }
 
-int report(const std::filesystem::path& folder) {
-  std::optional<FolderLock> lock;
-  try {
-    (void)log_of(folder);
-    lock.emplace(folder, std::initializer_list<std::string_view>{"run.mcap", "timing.csv", "summary.json",
-                                                                 "report.html"});
-  } catch (const std::invalid_argument& error) {
-    print_message("{}\n", error.what());
-    return 2;
-  }
-  try {
-    write_report(folder);
-  } catch (const std::exception& error) {
-    print_sentence(sentence_of(error));
-    return 1;
-  }
-  print("{}\n", (folder / "report.html").native());
-  return 0;
+Execute describe_run(CLI::App& app) {
+  const auto command = std::make_shared<RunOptions>();
+  app.description("Fly a scenario; write log, summary and report");
+  add_scenario(app, command->scenario);
+  app.add_option("-o,--output", command->output, "Folder for the results [out/NAME]");
+  app.add_option("--solver", command->solver, "Solver, instead of the scenario's");
+  app.add_option("--seed", command->seed, "Seed of all random numbers, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  app.add_flag("--realtime", command->realtime, "Run in real time; missed periods are events");
+  add_threads(app, command->threads);
+  add_show(app, command->view);
+
+  CLI::Option* partition =
+      app.add_option("--partition", command->partition, "Subteams, each with its own solver: \"a,b | c,d\"");
+  app.add_option("--order", command->order, "Order of the subteams: jacobi or gauss_seidel [gauss_seidel]")
+      ->needs(partition);
+  app.add_option("--exchanges", command->exchanges, "Exchanges of predictions per update [1]")
+      ->needs(partition);
+  return [command](const Registry& registry, char**) { return run(*command, registry); };
+}
+
+Execute describe_report(CLI::App& app) {
+  const auto folder = std::make_shared<std::filesystem::path>();
+  app.description("Make report.html again from a run's files");
+  app.add_option("DIR", *folder, "Folder of a run")->required();
+  return [folder](const Registry&, char**) { return report(*folder); };
 }
 
 }  // namespace sightline::cli

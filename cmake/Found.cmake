@@ -1,4 +1,5 @@
-# Looks for packages; RESULT says whether all of ARGN are there, and a line says what is left out for want of one.
+# Looks for packages and components; RESULT says whether all of ARGN are there, and a line says what is left out for want
+# of one.
 macro(sightline_found result what)
   set(${result} TRUE)
   set(missing)
@@ -12,7 +13,7 @@ macro(sightline_found result what)
       if(PkgConfig_FOUND)
         pkg_check_modules(${package} QUIET IMPORTED_TARGET ${name})
       endif()
-    else()
+    elseif(NOT package IN_LIST all_components)
       find_package(${package} ${least_${package}} QUIET ${components_${package}})
     endif()
     if(NOT ${package}_FOUND)

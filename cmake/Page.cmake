@@ -26,7 +26,7 @@ if(page_lacks)
   list(JOIN page_lacks " and " page_lacks)
   message(STATUS "sightline: without the page of view, for want of ${page_lacks}")
   list(APPEND embedded "-DLACKS=${page_lacks}")
-else()
+elseif(server_FOUND)
   set(page_of_viewer ${pages})
   list(APPEND bundled
     COMMAND ${bundle} ${viewer}/src/main.js --format=esm --alias:three=${THREE_JS}/three --outdir=${pages}

@@ -4,10 +4,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/deps.sh demo
-# A fresh build leaves out tests, bridges, worlds of other libraries and kernels of other robots; one that has its tests keeps all.
+# A fresh build leaves out what this flight and its page need not; one that has its tests keeps all.
 options=()
 grep -qsE '^SIGHTLINE_TESTS:BOOL=(ON|TRUE)$' build/release/CMakeCache.txt ||
-  options=(-DSIGHTLINE_{TESTS,BENCH,DDS,MUJOCO}=OFF "-DSIGHTLINE_KERNELS=multirotor;paper_potentials")
+  options=(-DSIGHTLINE_{TESTS,BENCH,DDS,MUJOCO}=OFF -DSIGHTLINE_COMPONENTS=server "-DSIGHTLINE_KERNELS=multirotor;paper_potentials")
 cmake --preset release "${options[@]}" >&2
 cmake --build --preset release --target sightline_cli >&2
 

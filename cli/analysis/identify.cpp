@@ -4,17 +4,32 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "cli/commands.hpp"
+#include "bridges/dds/fleet/bridge.hpp"
+#include "bridges/dds/fleet/link.hpp"
+#include "cli/arguments.hpp"
+#include "cli/fleet.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/identification/identification_text.hpp"
+#include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/log.hpp"
+#include "sightline/run/realtime.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
 
 namespace sightline::cli {
 namespace {
+
+struct IdentifyCommand {
+  NamedScenario of;
+  std::filesystem::path output;
+  std::string agent, excitation = "steps";
+  double seconds = 20.0, radius = 3.0;
+  std::optional<double> height;
+  std::optional<std::uint64_t> seed;
+  bool json = false;
+};
 
 namespace fs = std::filesystem;
 
@@ -47,7 +62,45 @@ FlownMotion flown(const IdentifyCommand& command, const Registry& registry) {
   return in(command.of.file, [&] { return motion_of(recorded, scenario.horizon.dt, command.agent); });
 }
 
-}  // namespace
+/// Excites one robot of a fleet over its link: takes off, moves within the walls, lands; Ctrl-C
+/// lands it.
+/// @throws std::invalid_argument if the robot does not take off, or the flight ends early
+FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const ExcitationOptions& options,
+                             const Registry& parts) {
+  refuse_without_bridge(parts);
+  if (options.height)
+    throw std::invalid_argument(
+        "--height of a robot on a link, expected none: it begins where it took off to");
+  const std::vector<Link>& links = fleet_of(fleet).links;
+  const auto reached =
+      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.robot == BodyId(robot); });
+  if (reached != links.end() && reached->poses.estimated())
+    throw std::invalid_argument(fmt::format(
+        "agent.{}.localization = vision, expected \"global\": what it does is measured by its poses",
+        fleet.team.name(BodyId(robot))));
+  Scenario alone = fleet;
+  std::erase_if(own_fleet(alone).links, [&](const Link& link) { return link.robot != BodyId(robot); });
+  const std::unique_ptr<LinkedWorld> world = parts.bridge->connect(alone);
+  outlive_the_terminal();
+  listen_to_interrupts();
+  FlownMotion motion;
+  std::string why = "it did not take off";
+  run_apart([&] {
+    offer_sentence(become_realtime(control_priority).sentence());
+    if (!world->take_off(Arming::real, interrupts(), offer_sentence)) return;
+    SteadyClock clock;
+    try {
+      motion = fly_excitation(alone, robot, options, *world, clock, stop_flight());
+      why.clear();
+    } catch (const std::exception& error) {
+      why = sentence_of(error);
+    }
+    world->land(interrupts(), offer_sentence);
+  });
+  (void)say_end(*world);
+  if (!why.empty()) throw std::invalid_argument(why);
+  return motion;
+}
 
 int identify(const IdentifyCommand& command, const Registry& registry) {
   std::error_code ignored;  // the reading reports the error of an inaccessible file
@@ -100,6 +153,26 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
     print_sentence(fmt::format("no identify.html: {}", sentence_of(error)));
   }
   return 0;
+}
+
+}  // namespace
+
+Execute describe_identify(CLI::App& app) {
+  const auto command = std::make_shared<IdentifyCommand>();
+  app.description("Fit the model of a multirotor to a flight that excites it, or to a run");
+  add_scenario(app, command->of, "SCENARIO", "Scenario file (TOML), or the folder of a run");
+  app.add_option("--agent", command->agent, "Robot [the only multirotor]");
+  app.add_option("--excitation", command->excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
+      ->capture_default_str();
+  app.add_option("--seconds", command->seconds, "Time of the excitation [s]")->capture_default_str();
+  app.add_option("--height", command->height, "Where it begins [m]; the scenario's, but at least 2 m");
+  app.add_option("--radius", command->radius, "Farthest from the start, level [m]")->capture_default_str();
+  app.add_option("--seed", command->seed, "Seed of steps and noise, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  app.add_option("-o,--output", command->output,
+                 "Folder for the results [out/NAME/identify; of a run, its own]");
+  app.add_flag("--json", command->json, "JSON instead of a table");
+  return [command](const Registry& registry, char**) { return identify(*command, registry); };
 }
 
 }  // namespace sightline::cli

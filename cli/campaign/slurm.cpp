@@ -1,4 +1,4 @@
-#include "cli/slurm.hpp"
+#include "cli/campaign/slurm.hpp"
 
 #include <fmt/format.h>
 #include <sys/wait.h>

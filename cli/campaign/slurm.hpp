@@ -8,6 +8,26 @@
 
 namespace sightline::cli {
 
+/// Requests of a job array. Empty or 0 leaves the choice to Slurm and to SBATCH_* in the
+/// environment.
+struct SlurmOptions {
+  bool submit = false, dry_run = false;
+  int shards = 8, cpus = 0;
+  std::string partition{}, time{};
+};
+
+struct CampaignCommand {
+  NamedScenario scenario;  ///< its `set` applies to the compared scenario too
+  std::filesystem::path output, compare_with;
+  int runs = 200, threads = 0;  ///< threads: 0 for the number of cores
+  std::optional<std::uint64_t> seed;
+  std::optional<int> only;
+  std::string shard;
+  bool resume = false;
+  std::vector<std::filesystem::path> merge;
+  SlurmOptions slurm;
+};
+
 /// Output folder of a shard.
 std::filesystem::path shard_folder(const std::filesystem::path& folder, int shard);
 

@@ -10,10 +10,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
+#include "cli/campaign/slurm.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
-#include "cli/slurm.hpp"
 #include "sightline/analysis.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
@@ -29,6 +29,8 @@ namespace sightline::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int runs_max = 1'000'000'000;
 
 /// The checked input of the command.
 struct Input {
@@ -291,8 +293,6 @@ int campaign_by_slurm(const CampaignCommand& command, const Input& input, const 
   return merge(of_shards, registry);
 }
 
-}  // namespace
-
 int campaign(const CampaignCommand& command, const Registry& registry) {
   Input input;
   try {
@@ -358,6 +358,52 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
       print_sentence(fmt::format("{} of {} runs: {}", bad, input.runs(), to_string(static_cast<Outcome>(i))));
   }
   return 1;
+}
+
+}  // namespace
+
+Execute describe_campaign(CLI::App& app) {
+  const auto command = std::make_shared<CampaignCommand>();
+  app.description("Fly a scenario many times with random draws, [campaign]");
+  CLI::Option* drawn = app.add_option("SCENARIO", command->scenario.file, "Scenario file (TOML)");
+  add_set(app, command->scenario.set);
+  app.add_option("--runs", command->runs, "Number of runs")
+      ->capture_default_str()
+      ->check(CLI::Range(1, runs_max));
+  app.add_option("--seed", command->seed, "Seed of all draws, instead of the scenario's")
+      ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  app.add_option("--threads", command->threads, "Runs at the same time [all cores]")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("-o,--output", command->output, "Folder for the results [out/NAME/campaign]");
+  app.add_option("--only", command->only, "Fly this run alone, with log and report")
+      ->check(CLI::Range(0, runs_max - 1));
+  app.add_option("--compare-with", command->compare_with,
+                 "Another scenario of the same robots, flown with the same draws");
+  CLI::Option* shard =
+      app.add_option("--shard", command->shard, "Fly every N-th run alone, from run I on: \"3/8\"")
+          ->excludes("--only");
+  CLI::Option* resume =
+      app.add_flag("--resume", command->resume, "Go on with runs that are there; none is an error")
+          ->excludes("--only");
+  app.add_option("--merge", command->merge, "Make one table and page of the folders of all shards")
+      ->excludes(drawn, shard, resume, "--only", "--compare-with", "--set", "--runs", "--seed", "--threads");
+  CLI::Option* slurm = app.add_flag("--slurm", command->slurm.submit,
+                                    "Fly the shards as a job array of Slurm, wait, and merge them")
+                           ->excludes(shard, resume, "--only", "--threads", "--merge");
+  app.add_flag("--dry-run", command->slurm.dry_run, "Print the job array's script, no more")->needs(slurm);
+  app.add_option("--shards", command->slurm.shards, "Shards of the job array")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000))
+      ->needs(slurm);
+  app.add_option("--cpus", command->slurm.cpus, "Processors of each shard [SBATCH_CPUS_PER_TASK, or 1]")
+      ->check(CLI::Range(1, 1024))
+      ->needs(slurm);
+  app.add_option("--partition", command->slurm.partition, "Of Slurm [SBATCH_PARTITION, or its default]")
+      ->needs(slurm);
+  app.add_option("--time", command->slurm.time,
+                 "That a shard may take at most, as sbatch reads it [SBATCH_TIMELIMIT, or its default]")
+      ->needs(slurm);
+  return [command](const Registry& registry, char**) { return campaign(*command, registry); };
 }
 
 }  // namespace sightline::cli

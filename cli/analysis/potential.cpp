@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "cli/commands.hpp"
+#include "cli/arguments.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/base/sentence.hpp"
@@ -12,6 +12,12 @@
 
 namespace sightline::cli {
 namespace {
+
+struct PotentialOptions {
+  NamedScenario scenario;
+  std::filesystem::path output;
+  std::optional<long long> couple;
+};
 
 /// The requested coupling, or all.
 std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenario& scenario) {
@@ -28,8 +34,6 @@ std::optional<std::size_t> chosen(const PotentialOptions& options, const Scenari
   }
   return static_cast<std::size_t>(*options.couple);
 }
-
-}  // namespace
 
 int potential(const PotentialOptions& options, const Registry& registry) {
   Scenario scenario;
@@ -57,6 +61,17 @@ int potential(const PotentialOptions& options, const Registry& registry) {
   write_text(folder / "index.html", potential_html(scenario, judged));
   for (const char* file : {"index.html", "verdict.json"}) print("{}\n", (folder / file).native());
   return 0;
+}
+
+}  // namespace
+
+Execute describe_potential(CLI::App& app) {
+  const auto command = std::make_shared<PotentialOptions>();
+  app.description("Draw and judge the potentials of a scenario's couplings");
+  add_scenario(app, command->scenario);
+  app.add_option("--couple", command->couple, "One coupling, from 0 in the file's order");
+  app.add_option("-o,--output", command->output, "Folder for the results [out/NAME/potential]");
+  return [command](const Registry& registry, char**) { return potential(*command, registry); };
 }
 
 }  // namespace sightline::cli
