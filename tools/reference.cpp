@@ -1,4 +1,4 @@
-/// Prints docs/reference.md: keys, registered parts and commands, from the code that reads them.
+/// Prints docs/reference.md: registered parts, keys, topics and commands, from the code that reads or writes them.
 /// scripts/reference.sh writes the file.
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 #include "cli/arguments.hpp"
 #include "sightline/estimator.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scenario.hpp"
 #include "sightline/sensors.hpp"
 #include "sightline/solvers.hpp"
 #include "sightline/supervisor.hpp"
@@ -21,29 +22,23 @@
 namespace sightline {
 namespace {
 
-/// The keys of a described struct, under the scenario table that holds them.
+/// The described keys of a struct that a table of the scenario fills.
 template <class Part>
-std::string keys(std::string_view title, std::string_view table, const Part& part) {
-  std::string text =
-      fmt::format("### {}\n\n`{}`\n\n| key | default | range | meaning |\n|---|---|---|---|\n", title, table);
-  for (const ParameterText& p : parameter_texts(part)) {
-    const std::string value =
-        p.unit.empty() || p.fallback.empty() ? p.fallback : fmt::format("{} {}", p.fallback, p.unit);
-    text += fmt::format("| `{}` | {} | {} | {} |\n", p.key,
-                        p.must_be_given ? "must be given"
-                        : value.empty() ? "none"
-                                        : value,
-                        p.range, p.meaning);
-  }
-  return text + '\n';
+PartText keys(std::string_view table, const Part& part) {
+  PartText text{std::string(table), parameter_texts(part)};
+  for (ParameterText& p : text.parameters)
+    if (!p.must_be_given) p.fallback = p.value;
+  return text;
 }
 
-/// The keys of each kind of link.
+std::string section(std::string_view title, const std::vector<PartText>& tables) {
+  return fmt::format("### {}\n\n{}\n", title, parameters_table("table", tables));
+}
+
+/// The keys of each kind in a list.
 template <class... Kind>
-std::string links(const std::variant<Kind...>&) {
-  return (keys(fmt::format("Links of {}", Kind::name),
-               fmt::format("[agent.NAME.link] kind = \"{}\"", Kind::name), Kind{}) +
-          ...);
+std::string kinds(std::string_view title, std::string_view table, const std::variant<Kind...>&) {
+  return section(title, {keys(fmt::format("{} {}", table, Kind::name), Kind{})...});
 }
 
 std::string commands() {
@@ -64,19 +59,37 @@ std::string reference() {
          parameters_table(registry.robots) + "\n### Potentials\n\n" + parameters_table(registry.potentials) +
          "\n### References\n\n" + parameters_table(registry.references) + "\n### Limits\n\n" +
          parameters_table(registry.limits) + "\n## Keys\n\n" +
-         keys("Vehicle", "[agent.NAME.vehicle] parameters", Vehicle{}) +
-         keys("Inertial measurement unit", "[agent.NAME.vehicle] imu", Imu{}) +
-         keys("Downwash", "[world]", DownwashOptions{}) +
-         keys("Odometry", "[simulation.disturbance] odometry", Odometry{}) +
-         keys("Filters", "[estimate], [agent.NAME.estimate]", FilterOptions{}) +
-         keys("Broadcasts as simulated", "[estimate.broadcast]", Radio{}) +
-         keys("Broadcasts as received", "[estimate.broadcast]", BroadcastOptions{}) +
-         keys("Search", "[safety.search]", SearchOptions{}) +
-         keys("Camera", "[agent.NAME.camera]", Camera{}) + keys("Tags", "[agent.NAME.tags]", Tags{}) +
-         keys("Hull", "[obstacle.NAME.hull]", Hull{}) + links(LinkKind{}) +
-         keys("Exchange of parts", "[partition.exchange]", ExchangeOptions{}) +
-         "### Faults of links\n\n`[[fleet.fault]]`\n\n" + link_fault_table() + "\n## Commands\n\n" +
-         commands();
+         section("Horizon", {keys("[horizon]", Horizon{})}) +
+         section("Solvers", {keys("[solver] newton_riccati", NewtonRiccatiOptions{}),
+                             keys("[solver] cmscgmres, cgmres", ContinuationOptions{})}) +
+         section("Compensation", {keys("[agent.NAME]", RobotCompensation{})}) +
+         section("Sensors",
+                 {keys("[agent.NAME.sensor]", SensorMount{}), keys("[agent.NAME.camera]", Camera{}),
+                  keys("[agent.NAME.tags]", Tags{}), keys("[obstacle.NAME.hull]", Hull{})}) +
+         section("Vehicles", {keys("[agent.NAME.vehicle]", Vehicle{}),
+                              keys("[agent.NAME.vehicle] imu", Imu{}), keys("[world]", DownwashOptions{})}) +
+         section("Targets and obstacles", {keys("[target.NAME], [obstacle.NAME]", UncooperativeBody{})}) +
+         kinds("Motions", "motion", Motion{}) +
+         section("Simulation",
+                 {keys("[simulation]", Simulation{}), keys("[simulation.disturbance]", Disturbances{}),
+                  keys("[simulation.disturbance] airflow", Airflow{}),
+                  keys("[simulation.disturbance] noise", Noise{}),
+                  keys("[simulation.disturbance] odometry", Odometry{})}) +
+         section("Safety",
+                 {keys("[safety]", Safety{}), keys("[safety]", Safety{}.barrier_options),
+                  keys("[safety.supervisor]", LadderTimes{}), keys("[safety.supervisor]", LadderSigmas{}),
+                  keys("[safety.supervisor]", SupervisorOptions{}),
+                  keys("[safety.supervisor]", TrackLimits{}), keys("[safety.search]", SearchOptions{})}) +
+         section("Estimates", {keys("[estimate], [agent.NAME.estimate]", FilterOptions{}),
+                               keys("[estimate.broadcast] simulated", Radio{}),
+                               keys("[estimate.broadcast] received", BroadcastOptions{})}) +
+         section("Log", {keys("[log]", LogOptions{})}) +
+         section("Campaign",
+                 {keys("[campaign]", CampaignPlan{}), keys("[campaign.evasion]", EvasionPlan{})}) +
+         kinds("Links", "[agent.NAME.link]", LinkKind{}) +
+         section("Partition", {keys("[partition.exchange]", ExchangeOptions{})}) +
+         "### Faults of links\n\n`[[fleet.fault]]`\n\n" + link_fault_table() +
+         "\n## Commands\n\n" + commands();
 }
 
 }  // namespace

@@ -64,15 +64,23 @@ struct Neighbour {
 };
 
 struct BarrierOptions {
-  double floor = -std::numeric_limits<double>::infinity();   ///< least height [m]
-  double ceiling = std::numeric_limits<double>::infinity();  ///< greatest height [m], > floor
-  double world = std::numeric_limits<double>::infinity();    ///< greatest |p_x| and |p_y| [m], > 0
-  double margin = 0.002;        ///< added to d_hard for the motion between two samples [m], >= 0
-  double wall_margin = 0.0;     ///< distance to floor, ceiling and world, for a height with a lag [m], >= 0
+  double floor = -std::numeric_limits<double>::infinity(), ceiling = std::numeric_limits<double>::infinity();
+  double world = std::numeric_limits<double>::infinity();  ///< greatest |p_x| and |p_y| [m], > 0
+  double margin = 0.002, wall_margin = 0.0;
   double rate = 4.0;            ///< greatest decay rate of the reserve [1/s], in (0, 1 / dt]
   double authority = 0.9;       ///< part of the acceleration that plans use, in (0, 1]; the rest is for wind
   double velocity_sigma = 0.0;  ///< standard deviation of the robot's estimated velocity [m/s], >= 0
   double share = 0.5;           ///< part of a cooperative pair's reserve that this robot may use, in (0, 1]
+
+  static constexpr auto parameters() {
+    using O = BarrierOptions;
+    return std::tuple{
+        parameter("floor", &O::floor, "m", any_finite, "least height"),
+        parameter("ceiling", &O::ceiling, "m", any_finite, "greatest height, > floor"),
+        parameter("margin", &O::margin, "m", from_zero, "added to d_hard for the motion between samples"),
+        parameter("wall_margin", &O::wall_margin, "m", from_zero,
+                  "added to floor, ceiling and world; a vehicle that climbs late needs 0.1 m")};
+  }
 };
 
 /// The wall of a row of the filter; `none` for a row of a neighbour.

@@ -176,6 +176,12 @@ struct ListParameter {
   bool must_be_given = true;
 };
 
+/// Description of a key that the reader of the part reads by itself.
+struct KeyText {
+  std::string_view key, range, meaning;
+  std::string_view fallback{};  ///< its default; empty: none
+};
+
 template <class Part, class Value>
 constexpr NumberParameter<Part, Value> parameter(std::string_view key, Value Part::*member,
                                                  std::string_view unit, const Bounds& bounds,
@@ -241,10 +247,10 @@ std::string value_text(const Value& value) {
 
 }  // namespace detail
 
-/// Checks each number against its bounds; a list's numbers are finite.
+/// Checks each number against its bounds; a list's numbers are finite. Returns the part.
 /// @throws std::invalid_argument naming the part, the parameter, its value and its range
 template <Described P>
-void check_parameters(const P& part, std::string_view name) {
+const P& check_parameters(const P& part, std::string_view name) {
   const auto check_all = [&](const auto& value, std::string_view key, const Bounds& bounds,
                              std::string_view unit) {
     detail::each_number(value, [&](double v) {
@@ -252,14 +258,14 @@ void check_parameters(const P& part, std::string_view name) {
     });
   };
   const auto check = [&](const auto& p) {
-    const auto& value = part.*p.member;
     if constexpr (requires { p.bounds; }) {
-      check_all(value, p.key, p.bounds, p.unit);
+      check_all(part.*p.member, p.key, p.bounds, p.unit);
     } else if constexpr (requires { p.rises; }) {
-      for (const auto& one : value) check_all(one, p.key, any_finite, p.unit);
+      for (const auto& one : part.*p.member) check_all(one, p.key, any_finite, p.unit);
     }
   };
   std::apply([&](const auto&... p) { (check(p), ...); }, P::parameters());
+  return part;
 }
 template <Described P>
 void check_parameters(const P& part) {
@@ -284,7 +290,9 @@ std::vector<ParameterText> parameter_texts([[maybe_unused]] const P& part) {
   std::vector<ParameterText> texts;
   if constexpr (Described<P>) {
     const auto value_of = [](const P& of, const auto& p) -> std::string {
-      if constexpr (requires { p.words; }) {
+      if constexpr (requires { p.range; }) {
+        return std::string(p.fallback);
+      } else if constexpr (requires { p.words; }) {
         return std::string(p.words[static_cast<std::size_t>(of.*p.member)]);
       } else if constexpr (requires { p.rises; }) {
         return (of.*p.member).empty() ? std::string() : std::string("[...]");
@@ -299,6 +307,7 @@ std::vector<ParameterText> parameter_texts([[maybe_unused]] const P& part) {
       text.value = value_of(part, p);
       if constexpr (requires { p.unit; }) text.unit = p.unit;
       if constexpr (requires { p.must_be_given; }) text.must_be_given = p.must_be_given;
+      if constexpr (requires { p.range; }) text.range = p.range;
       if constexpr (requires { p.words; }) text.range = words_text(p.words);
       if constexpr (requires { p.bounds; }) text.range = p.bounds.words;
       if constexpr (requires { p.rises; }) text.range = p.rises ? "a list, rising" : "a list";
@@ -396,7 +405,7 @@ void read_parameters(const ParameterSource& from, P& part) {
     if constexpr (requires { p.rises; }) {
       detail::read(from, part, p, length);
       if (length == ParameterSource::any_length) length = (part.*p.member).size();
-    } else {
+    } else if constexpr (!requires { p.range; }) {
       detail::read(from, part, p);
     }
   };

@@ -107,9 +107,17 @@ inline constexpr std::array<std::string_view, 2> feed_forwards = {"none", "refer
 /// Compensation settings of one robot.
 struct RobotCompensation {
   BodyId robot;
-  double command_delay = 0.0;     ///< from a command to its effect, with an allowance for lags [s], in [0, 1]
-  double disturbance_time = 0.0;  ///< time constant of the estimate of w [s], in [0.05, 60]; 0: no estimate
-  FeedForwardFrom feed_forward = FeedForwardFrom::none;  ///< source of u*
+  double command_delay = 0.0, disturbance_time = 0.0;
+  FeedForwardFrom feed_forward = FeedForwardFrom::none;
+
+  static constexpr auto parameters() {
+    using C = RobotCompensation;
+    return std::tuple{parameter("command_delay", &C::command_delay, "s", {0.0, 1.0, "0 to 1"},
+                                "from a command to its effect, with an allowance for lags"),
+                      parameter("disturbance_time", &C::disturbance_time, "s", {0.05, 60.0, "0.05 to 60"},
+                                "time constant of the estimated disturbance; default: no estimate"),
+                      parameter("feed_forward", &C::feed_forward, feed_forwards, "source of u*")};
+  }
 };
 
 /// @throws std::invalid_argument for a body that is no robot of the team, for a robot that is named
@@ -415,6 +423,7 @@ enum class BarrierMode {
   on,
   report,  ///< computes and reports, applies nothing
 };
+inline constexpr std::array<std::string_view, 3> barrier_modes = {"off", "on", "report"};
 
 /// Distance that robots keep to a body, and the assumptions about it.
 struct BodySafety {

@@ -62,6 +62,9 @@ Vec2<S> rotate(const Vec2<S>& d, const Vec2<S>& v_V) {
   return {d.x * v_V.x - d.y * v_V.y, d.y * v_V.x + d.x * v_V.y};
 }
 
+/// Range of the pitch of a sensor [rad]: pi/2 rounded up to four digits.
+inline constexpr Bounds mount_pitches = {-1.5708, 1.5708, "in [-pi/2, pi/2]"};
+
 /// Frame to which a sensor is fixed.
 enum class MountFrame {
   level,  ///< V, as in the paper: a gimbal holds the sensor level
@@ -77,11 +80,19 @@ inline constexpr std::array<std::string_view, 2> mount_frames = {"level", "body"
 ///
 ///   x_B ~ (1, 0, -xi_f),   y_B ~ (-xi_f xi_s, 1 + xi_f^2, -xi_s),   z_B ~ (xi_f, xi_s, 1)
 struct SensorMount {
-  double pitch = 0.5;                    ///< beta [rad], in [-pi/2, pi/2]
-  double offset = 0.17;                  ///< d_s [m], lever arm along x of V or B
+  double pitch = 0.5;                    ///< beta
+  double offset = 0.17;                  ///< d_s
   MountFrame frame = MountFrame::level;  ///< frame of pitch and offset
-  double sigmas = 0.0;  ///< standard deviations of Sight::uncertainty that the view must tolerate, >= 0
+  double sigmas = 0.0;                   ///< of Sight::uncertainty
 
+  static constexpr auto parameters() {
+    using M = SensorMount;
+    return std::tuple{parameter("frame", &M::frame, mount_frames, "of pitch and offset: V or B"),
+                      parameter("pitch", &M::pitch, "rad", mount_pitches, "> 0 looks down"),
+                      parameter("offset", &M::offset, "m", any_finite, "lever arm along x of the frame"),
+                      parameter("sigmas", &M::sigmas, "", {0.0, 6.0, "0 to 6"},
+                                "standard deviations of the observed position by which views shrink")};
+  }
   bool operator==(const SensorMount&) const = default;
 
   /// Transforms a point of G into the sensor frame S of an upright robot: p_S = T_SG p_G, (46),

@@ -80,11 +80,8 @@ void require(bool holds, std::string_view potential, std::string_view field, dou
 /// Range of the angles of a field of view.
 inline constexpr Bounds acute_angle = {std::numeric_limits<double>::min(), half_pi*(1 - 1e-16),
                                        "in (0, pi/2)"};
-/// Largest pitch of a sensor [rad]: straight down, pi/2 rounded up to four digits.
-inline constexpr double steepest_mount = 1.5708;
-inline constexpr std::string_view mount_pitches = "in [-pi/2, pi/2] rad";
 
-/// @throws std::invalid_argument unless |pitch| <= steepest_mount, the offset is finite and
+/// @throws std::invalid_argument unless the pitch is in mount_pitches, the offset is finite and
 /// `sigmas` >= 0
 void check_mount(std::string_view potential, const SensorMount& mount);
 

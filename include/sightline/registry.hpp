@@ -35,15 +35,19 @@ concept NamedPart = std::default_initializable<P> && requires {
   { P::name } -> std::convertible_to<std::string_view>;
 };
 
+/// A part as text.
+struct PartText {
+  std::string name;
+  std::vector<ParameterText> parameters;
+  std::vector<std::string> presets{};
+};
+
 /// All parts of one kind by their names. `Made` is the type made from a part: Model, Potential,
 /// Reference, Limit.
 template <class Made>
 class PartList {
  public:
-  struct Part {
-    std::string name;
-    std::vector<ParameterText> parameters;
-    std::vector<std::string> presets;
+  struct Part : PartText {
     /// @param beside  keys that the table may have beside the parameters
     std::function<Made(const ParameterSource&, std::span<const std::string_view> beside)> read;
   };
@@ -59,10 +63,8 @@ class PartList {
   template <NamedPart P>
   requires std::constructible_from<Made, P> PartList& add() {
     check_name(P::name);
-    Part part{.name = std::string(P::name),
-              .parameters = parameter_texts(P{}),
-              .presets = {},
-              .read = [](const ParameterSource& from, std::span<const std::string_view> beside) {
+    Part part{{std::string(P::name), parameter_texts(P{})},
+              [](const ParameterSource& from, std::span<const std::string_view> beside) {
                 const P read = read_part<P>(from, beside);
                 try {
                   return made(read);
@@ -214,15 +216,15 @@ struct Registry {
 /// The parts of the library, made once.
 const Registry& built_in_registry();
 
-/// The parameters of all parts as a Markdown table: `part`, `key`, default, range, meaning; as in
-/// docs/reference.md.
+/// Parameters as a Markdown table: part, key, default, range, meaning; as in docs/reference.md.
+/// @param kind  head of the first column
+std::string parameters_table(std::string_view kind, std::span<const PartText> parts);
 template <class Made>
-std::string parameters_table(const PartList<Made>& list);
-
-extern template std::string parameters_table(const PartList<Model>&);
-extern template std::string parameters_table(const PartList<Potential>&);
-extern template std::string parameters_table(const PartList<Reference>&);
-extern template std::string parameters_table(const PartList<Limit>&);
+std::string parameters_table(const PartList<Made>& list) {
+  std::vector<PartText> parts;
+  for (const auto& part : list.all()) parts.push_back(*part);
+  return parameters_table(list.kind(), parts);
+}
 
 // Reading of scenarios with links to real robots. The flight itself needs a bridge, as sightline::dds.
 

@@ -81,27 +81,40 @@ struct EvasionColumns {
 /// A robot that evades an obstacle while it observes a target, and the published values.
 struct EvasionPlan {
   std::string agent, target, obstacle;
-  double from = 0.0;        ///< the obstacle is present from this time on [s], >= 0
-  double d_obstacle = 1.0;  ///< limit of the distance to the obstacle [m], > 0
-  double d_min = 0.7;       ///< limits of the distance to the target [m], > 0
-  double d_max = 2.0;
-  double alpha = 0.5;          ///< limit of the view angle [rad], > 0
+  double from = 0.0, d_obstacle = 1.0, d_min = 0.7, d_max = 2.0, alpha = 0.5;
   EvasionColumns published{};  ///< empty: none
+
+  static constexpr auto parameters() {
+    using P = EvasionPlan;
+    return std::tuple{
+        parameter("from", &P::from, "s", from_zero, "the obstacle is present from then on"),
+        parameter("d_obstacle", &P::d_obstacle, "m", above_zero, "limit of the distance to the obstacle"),
+        parameter("d_min", &P::d_min, "m", above_zero, "least distance to the target"),
+        parameter("d_max", &P::d_max, "m", above_zero, "greatest distance to the target"),
+        parameter("alpha", &P::alpha, "rad", above_zero, "limit of the view angle")};
+  }
 };
 
 struct CampaignPlan {
-  std::string text{};      ///< of the scenario that has this plan
-  double duration = 25.0;  ///< of each run [s]
-  double view_within =
-      20.0;              ///< recovered: every observer has seen its target by this time, and sees it at the
-                         ///< end [s]
-  double d_hard = 0.0;   ///< limit of the distance of a robot to another body, if [safety] states none [m];
-                         ///< 0: not judged
-  double braking = 0.6;  ///< a run must keep d_hard if this deceleration could keep it from the start [m/s^2]
-  bool start_outside = false;  ///< allows drawn starts beyond a wall, as Safety::start_outside
+  std::string text{};  ///< of the scenario that has this plan
+  double duration = 25.0, view_within = 20.0, d_hard = 0.0, braking = 0.6;
+  bool start_outside = false;
   std::vector<StartDraw> starts{};
   std::vector<NumberDraw> draws{};
   std::optional<EvasionPlan> evasion{};  ///< reported for the first runs
+
+  static constexpr auto parameters() {
+    using P = CampaignPlan;
+    return std::tuple{
+        KeyText{"start_outside", "true or false", "allows drawn starts beyond a wall", "false"},
+        parameter("duration", &P::duration, "s", above_zero, "of each run"),
+        parameter("view_within", &P::view_within, "s", from_zero,
+                  "time by which every observer must have seen its target, which it must see at the end"),
+        parameter("d_hard", &P::d_hard, "m", from_zero,
+                  "least distance, if [safety] has none; 0: not judged"),
+        parameter("braking", &P::braking, "m/s^2", above_zero,
+                  "a run must keep d_hard if this deceleration could keep it from the start")};
+  }
 };
 
 /// Names of the numbers that are drawn for a run, in order: "uav0.range", ..., then the keys of the
@@ -313,16 +326,24 @@ struct SolverChoice {
 
 /// Settings of the closed loop and of its evaluation.
 struct Simulation {
-  double duration = 60.0;              ///< [s], > 0
-  std::uint64_t seed = 1;              ///< of all random numbers
-  double settle = 6.0;                 ///< start of the statistics of distances and views [s], >= 0
-  double rms_from = 10.0;              ///< start of the statistics of position errors [s], >= 0
-  std::vector<std::string> compare{};  ///< these solvers repeat the run afterwards; the run's own solver is
-                                       ///< skipped
+  double duration = 60.0;
+  std::uint64_t seed = 1;
+  double settle = 6.0, rms_from = 10.0;
+  std::vector<std::string> compare{};
   Disturbances disturbances{};
   std::vector<Fault> faults{};  ///< of measurements
   std::vector<LatePlan> late_plans{};
   std::vector<TimedSignal> signals{};  ///< sent from outside to events
+
+  static constexpr auto parameters() {
+    using S = Simulation;
+    return std::tuple{
+        KeyText{"seed", "an integer >= 0", "of all random numbers", "1"},
+        KeyText{"compare", "solvers", "repeat the run afterwards; the run's own solver is skipped"},
+        parameter("duration", &S::duration, "s", above_zero, "of the run"),
+        parameter("settle", &S::settle, "s", from_zero, "start of the statistics of distances and views"),
+        parameter("rms_from", &S::rms_from, "s", from_zero, "start of the statistics of position errors")};
+  }
 };
 
 /// Walls by which a flight is judged: those that the scenario states, and all if a barrier is
@@ -336,17 +357,28 @@ struct Walls {
 /// Safety functions beside the solver.
 struct Safety {
   BarrierMode barrier = BarrierMode::off;
-  double d_hard = 0.6;  ///< minimum distance of a robot to any other body, centre to centre [m], > 0
-  BarrierOptions barrier_options{};
-  double world = 100.0;  ///< greatest |p_x| and |p_y| [m], > 0
+  double d_hard = 0.6;
+  BarrierOptions barrier_options{.floor = 0.3, .ceiling = 10.0};
+  double world = 100.0;
   Walls judged{};
-  /// Allows a start beyond a wall or within d_hard: the limit is judged from the first time at
-  /// which it is kept.
   bool start_outside = false;
-  double position_sigma = 0.0;  ///< standard deviation of a measurement, each axis [m], >= 0
-  double heading_sigma = 0.0;   ///< [rad], >= 0
+  double position_sigma = 0.0, heading_sigma = 0.0;
   std::optional<SupervisorOptions> supervisor{};
   SearchOptions search{};  ///< of vision-localized robots
+
+  static constexpr auto parameters() {
+    using S = Safety;
+    return std::tuple{
+        parameter("barrier", &S::barrier, barrier_modes, "safety filter; report: applies nothing"),
+        parameter("d_hard", &S::d_hard, "m", above_zero,
+                  "least distance of a robot to any other body, centre to centre"),
+        parameter("world", &S::world, "m", above_zero, "greatest magnitude of p_x and p_y"),
+        KeyText{"start_outside", "true or false",
+                "allows a start beyond a wall or within d_hard: judged from when it is first kept", "false"},
+        parameter("position_sigma", &S::position_sigma, "m", from_zero,
+                  "standard deviation of a measurement, each axis; default: that of the simulated noise"),
+        parameter("heading_sigma", &S::heading_sigma, "rad", from_zero, "the same of the heading")};
+  }
 };
 
 /// How the controllers see a velocity; an unknown one counts as zero.
@@ -358,10 +390,20 @@ struct UncooperativeBody {
   BodyId body{};
   std::optional<Motion> motion{};  ///< none: constant velocity
   SeenVelocity velocity = SeenVelocity::measured;
-  double speed_max = 1.5;          ///< top speed that the robots assume [m/s], >= 0
-  std::optional<double> d_hard{};  ///< minimum distance to a robot [m]; none: that of the [safety] section
+  double speed_max = 1.5;
+  std::optional<double> d_hard{};
   std::string
       robot{};  ///< if another part of the team plans it as a robot: the name of its model; else empty
+
+  static constexpr auto parameters() {
+    using B = UncooperativeBody;
+    return std::tuple{
+        parameter("velocity", &B::velocity, std::array<std::string_view, 2>{"measured", "unknown"},
+                  "for the controllers; unknown: at rest"),
+        parameter("speed_max", &B::speed_max, "m/s", from_zero,
+                  "top speed that the robots assume; 0 for a body at rest in the scenario"),
+        parameter("d_hard", &B::d_hard, "m", above_zero, "distance of robots; default: that of [safety]")};
+  }
 };
 
 /// Robots that one solver plans, by name.
@@ -386,7 +428,12 @@ struct PartitionPlan {
 };
 
 struct LogOptions {
-  double prediction_period = 0.1;  ///< time between two logged predictions [s], > 0
+  double prediction_period = 0.1;
+  static constexpr auto parameters() {
+    return std::tuple{parameter("prediction_period", &LogOptions::prediction_period, "s",
+                                {1e-4, std::numeric_limits<double>::max(), ">= 1e-4"},
+                                "between two logged predictions; default: longer from 100 robots on")};
+  }
 };
 
 /// Limits of the input.

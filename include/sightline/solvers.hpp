@@ -352,14 +352,29 @@ enum class JacobianProduct {
 };
 
 struct ContinuationOptions {
-  double zeta = 10.0;  ///< decay rate of the residual [1/s], > 0; stable for zeta dt < 2, smooth to 1
-  int k_max = 30;      ///< GMRES iterations per update, >= 1
-  double alpha = 2.0;  ///< growth rate of the horizon, T (1 - e^(-alpha t)) [1/s], > 0
-  double difference_step = 1e-8;  ///< eps of the finite differences in time [s], > 0
-  double slack_weight = 0.01;     ///< k of -k s in H, > 0: how early a limit acts
+  double zeta = 10.0;
+  int k_max = 30;
+  double alpha = 2.0, difference_step = 1e-8, slack_weight = 0.01;
   JacobianProduct jacobian = JacobianProduct::exact;
-  double gmres_tolerance = 1e-8;  ///< GMRES stops at this ||b - A U'||, >= 0
-  double tolerance = 1e-3;        ///< status is `converged` up to this residual, > 0
+  double gmres_tolerance = 1e-8, tolerance = 1e-3;
+
+  static constexpr auto parameters() {
+    using O = ContinuationOptions;
+    return std::tuple{
+        parameter("k_max", &O::k_max, "", {1, 1000, "1 to 1000"}, "GMRES iterations of an update, at most"),
+        parameter("jacobian", &O::jacobian, std::array<std::string_view, 2>{"exact", "forward_difference"},
+                  "product of the Jacobian and a vector"),
+        parameter("zeta", &O::zeta, "1/s", above_zero,
+                  "decay rate of the residual; stable for zeta dt < 2, smooth to 1"),
+        parameter("alpha", &O::alpha, "1/s", above_zero, "growth rate of the horizon, T (1 - e^(-alpha t))"),
+        parameter("difference_step", &O::difference_step, "s", {1e-15, 0.1, "1e-15 to 0.1"},
+                  "eps of the finite differences in time"),
+        parameter("slack_weight", &O::slack_weight, "", above_zero, "k of -k s in H: how early a limit acts"),
+        parameter("gmres_tolerance", &O::gmres_tolerance, "", from_zero,
+                  "GMRES stops at this norm of b - A U'"),
+        parameter("tolerance", &O::tolerance, "", above_zero,
+                  "the status is `converged` up to this residual")};
+  }
 };
 
 class Continuation : public Solver {
@@ -592,19 +607,35 @@ class ThreadPool;
 enum class KernelChoice;
 
 struct NewtonRiccatiOptions {
-  int max_newton_steps = 1;   ///< per update, >= 1; the first update after a start may take `start_steps`
-  double tolerance = 1e-6;    ///< status is `converged` up to this residual [1/s], > 0
-  int max_krylov = 4;         ///< Krylov iterations, or substitution passes, per step, >= 0
-  double krylov_stop = 1e-3;  ///< stop when the correction is this small in the norm of the Hessian, >= 0
-  double step_cap =
-      0.5;  ///< a larger step of an input in its scale, or a larger residual, triggers a line search, > 0
-  double deadline = 0.0;   ///< an update ends then [s], after the step in progress, at least one; 0: none
-  int start_steps = 10;    ///< Newton steps of the first update at most, >= 1
+  int max_newton_steps = 1;
+  double tolerance = 1e-6;
+  int max_krylov = 4;
+  double krylov_stop = 1e-3, step_cap = 0.5, deadline = 0.0;
+  int start_steps = 10;
   KernelChoice kernels{};  ///< compiled if available, see KernelTable
   /// Thread pool for teams of at least `shared_from` robots; null: the calling thread alone. The
   /// result is the same.
   std::shared_ptr<ThreadPool> pool{};
   static constexpr int shared_from = 128;
+
+  static constexpr auto parameters() {
+    using O = NewtonRiccatiOptions;
+    constexpr Bounds steps = {1, 1000, "1 to 1000"};
+    return std::tuple{
+        parameter("max_newton_steps", &O::max_newton_steps, "", steps, "of an update"),
+        parameter("start_steps", &O::start_steps, "", steps, "Newton steps of the first update, at most"),
+        parameter("max_krylov", &O::max_krylov, "", {0, 1000, "0 to 1000"},
+                  "Krylov iterations, or substitution passes, of a step"),
+        parameter("tolerance", &O::tolerance, "", above_zero,
+                  "the status is `converged` up to this residual"),
+        parameter("krylov_stop", &O::krylov_stop, "", from_zero,
+                  "stop at this correction, in the norm of the Hessian"),
+        parameter("step_cap", &O::step_cap, "", above_zero,
+                  "a larger step of an input in its scale, or residual, starts a line search"),
+        parameter("deadline", &O::deadline, "",
+                  {0.0, std::numeric_limits<double>::max(), ">= 0 s, 0 for none"},
+                  "an update ends then, after the step in progress, at least one")};
+  }
 };
 
 namespace newton {

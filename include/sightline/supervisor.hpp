@@ -122,16 +122,27 @@ std::string_view to_string(FallbackLevel level);
 
 /// Greatest age of a robot's data at each level [s].
 struct LadderTimes {
-  double fresh = 0.02;      ///< younger data count as present, > 0
-  double slow_after = 0.2;  ///< >= fresh
-  double hold_after = 0.5;  ///< >= slow_after
-  double land_after = 2.0;  ///< >= hold_after
+  double fresh = 0.02, slow_after = 0.2, hold_after = 0.5, land_after = 2.0;  // do not fall
+
+  static constexpr auto parameters() {
+    using T = LadderTimes;
+    return std::tuple{parameter("fresh", &T::fresh, "s", above_zero, "younger data count as present"),
+                      parameter("slow_after", &T::slow_after, "s", above_zero, "age for `slowed`"),
+                      parameter("hold_after", &T::hold_after, "s", above_zero, "age for `hold`"),
+                      parameter("land_after", &T::land_after, "s", above_zero, "age for `land`")};
+  }
 };
 
 /// Greatest standard deviation of an estimated position [m], the root of the sum over its axes.
 struct LadderSigmas {
-  double hold = 1.0;  ///< beyond, the robot holds, > 0
-  double land = 2.0;  ///< beyond, it lands, > hold
+  double hold = 1.0, land = 2.0;  // land > hold
+
+  static constexpr auto parameters() {
+    using S = LadderSigmas;
+    return std::tuple{
+        parameter("sigma_hold", &S::hold, "m", above_zero, "deviation of an estimated position for `hold`"),
+        parameter("sigma_land", &S::land, "m", above_zero, "the same for `land`")};
+  }
 };
 
 /// Ages of the data that a robot uses [s]; infinity: no data so far.
@@ -310,15 +321,24 @@ std::string_view to_string(MeasurementFault fault);
 
 /// Bounds of plausible measurements of a body.
 struct TrackLimits {
-  double world = 100.0;         ///< of a position, each axis [m], > 0
-  double v_max = 5.0;           ///< greatest speed of a body [m/s], > 0
-  double turn_max = 4.0;        ///< greatest turn rate of a body [rad/s], > 0
+  double world = 100.0;  ///< of a position, each axis [m], > 0
+  double v_max = 5.0, turn_max = 4.0;
   double position_sigma = 0.0;  ///< of a measurement, each axis [m], >= 0
   double heading_sigma = 0.0;   ///< [rad], >= 0
-  double frozen_after = 0.3;    ///< equal measurements are a fault after this time [s], > 0
-  double oldest = 2.5;          ///< greatest age of a measurement that is predicted to the present [s], > 0
-  int accept_after = 3;         ///< good measurements in a row that clear a fault, >= 1
-  double command_delay = 0.0;   ///< from a command to its effect [s], >= 0
+  double frozen_after = 0.3;
+  double oldest = 2.5;  ///< greatest age of a measurement that is predicted to the present [s], > 0
+  int accept_after = 3;
+  double command_delay = 0.0;  ///< from a command to its effect [s], >= 0
+
+  static constexpr auto parameters() {
+    using L = TrackLimits;
+    return std::tuple{
+        parameter("v_max", &L::v_max, "m/s", above_zero, "greatest plausible speed of a body"),
+        parameter("turn_max", &L::turn_max, "rad/s", above_zero, "greatest plausible turn rate of a body"),
+        parameter("frozen_after", &L::frozen_after, "s", above_zero, "equal measurements are a fault then"),
+        parameter("accept_after", &L::accept_after, "", {1, 1000, "1 to 1000"},
+                  "good measurements in a row that clear a fault")};
+  }
 };
 
 class Track {
@@ -387,13 +407,20 @@ struct SupervisorOptions {
   LadderTimes times{};
   LadderSigmas sigmas{};
   TrackLimits limits{};
-  double slow_factor = 0.5;              ///< u* + slow_factor (u - u*) is applied when slowed, in [0, 1]
-  double land_speed = 0.3;               ///< downwards [m/s], > 0
-  double ground = 0.0;                   ///< height where landing ends [m]
-  double brake_time = 0.4;               ///< time constant of the velocity in hold and land [s], >= 0.05
+  double slow_factor = 0.5, land_speed = 0.3, ground = 0.0, brake_time = 0.4;
   double period = 0.01;                  ///< shortest time between two commands [s]; sizes the input history
   std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
 
+  static constexpr auto parameters() {
+    using O = SupervisorOptions;
+    return std::tuple{
+        parameter("slow_factor", &O::slow_factor, "", {0.0, 1.0, "0 to 1"},
+                  "u* + slow_factor (u - u*) is applied when slowed"),
+        parameter("land_speed", &O::land_speed, "m/s", above_zero, "downwards"),
+        parameter("ground", &O::ground, "m", any_finite, "height where landing ends"),
+        parameter("brake_time", &O::brake_time, "s", {0.05, std::numeric_limits<double>::max(), ">= 0.05"},
+                  "time constant of the velocity in `hold` and `land`")};
+  }
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const;
 };

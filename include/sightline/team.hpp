@@ -292,11 +292,17 @@ std::vector<double> resting_inputs(const Team& team);
 // agent and each coupled pair, once for all copies. Agents and pairs of one kind share a program.
 
 struct Horizon {
-  double T = 1.0;    ///< length [s], > 0
-  int N = 20;        ///< stages, 1..1000
-  double dt = 0.01;  ///< control period [s], >= 1e-4
+  double T = 1.0;
+  int N = 20;
+  double dt = 0.01;
 
   double h() const { return T / N; }
+  static constexpr auto parameters() {
+    return std::tuple{parameter("stages", &Horizon::N, "", {1, 1000, "1 to 1000"}, "number N of stages"),
+                      parameter("duration", &Horizon::T, "s",
+                                {std::numeric_limits<double>::min(), 1e6, "> 0 s, at most 1e6"}, "length T"),
+                      parameter("period", &Horizon::dt, "s", {1e-4, 1e3, "1e-4 to 1000"}, "of control")};
+  }
 };
 
 /// A structural nonzero of a matrix that changes along the horizon: its place, and the output that holds it.

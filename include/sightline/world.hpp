@@ -394,20 +394,29 @@ inline constexpr double longest_fault_delay = 10.0;  // [s]
 /// Wakes of hovering robots, section 7.2: each wake oscillates slowly and pushes the other robots,
 /// more at short distance.
 struct Airflow {
-  double amplitude = 0.0;  ///< acceleration at `distance` [m/s^2], >= 0
-  double distance =
-      1.5;  ///< [m], > 0; at distance / q the push is q^2 times stronger, at most `strongest` times
-  double frequency = 0.5;  ///< of the oscillation [Hz], >= 0
+  double amplitude = 0.0, distance = 1.5, frequency = 0.5;
 
   static constexpr double strongest = 4.0;
   static constexpr double wander = 0.3;  ///< of the phase [rad/sqrt(s)]: coherent over about ten seconds
+
+  static constexpr auto parameters() {
+    using A = Airflow;
+    return std::tuple{parameter("amplitude", &A::amplitude, "m/s^2", from_zero, "acceleration at `distance`"),
+                      parameter("distance", &A::distance, "m", above_zero,
+                                "at distance / q the push is q^2 times stronger, at most 4 times"),
+                      parameter("frequency", &A::frequency, "Hz", from_zero, "of the oscillation")};
+  }
 };
 
 /// Standard deviations of the white noise of a measurement.
 struct Noise {
-  double position = 0.0;  ///< each axis [m], >= 0
-  double heading = 0.0;   ///< [rad], >= 0
-  double velocity = 0.0;  ///< each axis [m/s], >= 0
+  double position = 0.0, heading = 0.0, velocity = 0.0;
+
+  static constexpr auto parameters() {
+    return std::tuple{parameter("position", &Noise::position, "m", from_zero, "of each axis"),
+                      parameter("heading", &Noise::heading, "rad", from_zero, "of the heading"),
+                      parameter("velocity", &Noise::velocity, "m/s", from_zero, "of each axis")};
+  }
 };
 
 /// Errors of the robots' own odometry, besides the white noise. A measurement has the error
@@ -450,19 +459,30 @@ struct Odometry {
 
 /// All disturbances of a simulated flight. The default is none.
 struct Disturbances {
-  Vec3<double> wind{};             ///< steady acceleration in G [m/s^2]
-  double gust_sigma = 0.0;         ///< of each horizontal and vertical axis [m/s^2], >= 0
-  double gust_time = 1.0;          ///< correlation time of the gusts [s], > 0
-  Airflow airflow{};               ///< between each pair of robots
-  double input_delay = 0.0;        ///< from command to effect [s], in [0, 1]
-  double yaw_lag = 0.0;            ///< time constant of the input u_psi [s], 0 or >= 1e-3
-  double input_gain = 1.0;         ///< model error: true input effect over the model's, > 0
-  double slip = 0.0;               ///< of wheels: lost fraction of a rover's translation and turn, in [0,
-                                   ///< 0.9]
-  Noise noise{};                   ///< of the measurement
-  Odometry odometry{};             ///< of robots
-  double measurement_delay = 0.0;  ///< from state to measurement [s], in [0, 1]
+  Vec3<double> wind{};      ///< steady acceleration in G [m/s^2]
+  double gust_sigma = 0.0;  ///< of each horizontal and vertical axis [m/s^2], >= 0
+  double gust_time = 1.0;   ///< correlation time of the gusts [s], > 0
+  Airflow airflow{};        ///< between each pair of robots
+  double input_delay = 0.0, yaw_lag = 0.0, input_gain = 1.0, slip = 0.0;
+  Noise noise{};        ///< of the measurement
+  Odometry odometry{};  ///< of robots
+  double measurement_delay = 0.0;
 
+  static constexpr auto parameters() {
+    using D = Disturbances;
+    constexpr Bounds delay = {0.0, 1.0, "0 to 1"};
+    return std::tuple{
+        KeyText{"wind", "[x, y, z] or { size, direction }", "steady acceleration [m/s^2]", "none"},
+        KeyText{"gust", "{ sigma, time }", "of each axis [m/s^2], >= 0; correlation time [s], > 0", "0, 1"},
+        parameter("input_delay", &D::input_delay, "s", delay, "from command to effect"),
+        parameter("yaw_lag", &D::yaw_lag, "s",
+                  {1e-3, std::numeric_limits<double>::max(), "0 or >= 0.001", true},
+                  "time constant of the input u_psi"),
+        parameter("input_gain", &D::input_gain, "", above_zero, "true effect of an input over the model's"),
+        parameter("slip", &D::slip, "", {0.0, 0.9, "0 to 0.9"},
+                  "of wheels: lost fraction of a rover's translation and turn"),
+        parameter("delay", &D::measurement_delay, "s", delay, "from state to measurement")};
+  }
   /// Whether measurements differ from the true states.
   bool spoil_measurements() const;
   /// @throws std::invalid_argument naming the field, its value and its range
@@ -599,39 +619,58 @@ class InputDelay {
 // Each motion sets the velocity that is held over the next step. A body without a motion keeps its
 // velocity.
 
+/// The key `agent` of a motion.
+inline constexpr KeyText approached_robot = {"agent", "a robot", "to which it moves", "must be given"};
+
 /// Straight lines from point to point at constant speed.
 struct PathMotion {
   enum class End {
     rest,   ///< stays at the last point
     round,  ///< continues to the first point, and repeats
   };
-  std::vector<Vec3<double>> points;  ///< [m], two or more
-  double speed = 0.5;                ///< [m/s], > 0
+  std::vector<Vec3<double>> points;
+  double speed = 0.5;
   End end = End::rest;
 
   static constexpr std::string_view name = "path";
+  static constexpr auto parameters() {
+    using M = PathMotion;
+    return std::tuple{
+        ListParameter<M, Vec3<double>>{"points", &M::points, "m", "two or more"},
+        parameter("speed", &M::speed, "m/s", above_zero, "along the path"),
+        parameter("end", &M::end, std::array<std::string_view, 2>{"rest", "round"}, "round: begins again")};
+  }
   void check() const;
 };
 
 /// Horizontal circle: centre + radius (cos a, sin a, 0), a = phase + rate t.
 struct CircleMotion {
-  Vec3<double> centre{};  ///< [m]
-  double radius = 1.0;    ///< [m], >= 0
-  double rate = 0.3;      ///< [rad/s]
-  double phase = 0.0;     ///< [rad]
+  Vec3<double> centre{};
+  double radius = 1.0, rate = 0.3, phase = 0.0;
 
   static constexpr std::string_view name = "circle";
-  void check() const;
+  static constexpr auto parameters() {
+    using M = CircleMotion;
+    return std::tuple{needed(parameter("centre", &M::centre, "m", any_finite, "of the circle")),
+                      parameter("radius", &M::radius, "m", from_zero, "of the circle"),
+                      parameter("rate", &M::rate, "rad/s", any_finite, "angular velocity"),
+                      parameter("phase", &M::phase, "rad", any_finite, "angle at the start")};
+  }
+  void check() const { check_parameters(*this); }
 };
 
 /// Moves straight to the robot's current position; stops while it is closer than the standoff.
 struct ChaseMotion {
   AgentId agent{};
-  double speed = 0.5;     ///< [m/s], > 0
-  double standoff = 0.0;  ///< [m], >= 0
+  double speed = 0.5, standoff = 0.0;
 
   static constexpr std::string_view name = "chase";
-  void check() const;
+  static constexpr auto parameters() {
+    using M = ChaseMotion;
+    return std::tuple{approached_robot, parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
+                      parameter("standoff", &M::standoff, "m", from_zero, "distance to the robot")};
+  }
+  void check() const { check_parameters(*this); }
 };
 
 /// Rests until a time, then flies along one straight line that is not updated. The line passes
@@ -640,25 +679,35 @@ struct ChaseMotion {
 /// instead.
 struct CrossMotion {
   AgentId agent{};
-  double at = 0.0;     ///< [s], >= 0
-  double speed = 1.0;  ///< [m/s], > 0
-  double miss = 0.0;   ///< [m]; negative: to the right
+  double at = 0.0, speed = 1.0, miss = 0.0;
 
   static constexpr std::string_view name = "cross";
-  void check() const;
+  static constexpr auto parameters() {
+    using M = CrossMotion;
+    return std::tuple{approached_robot, parameter("at", &M::at, "s", from_zero, "start of the motion"),
+                      parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
+                      parameter("miss", &M::miss, "m", any_finite, "to the left; negative: to the right")};
+  }
+  void check() const { check_parameters(*this); }
 };
 
 /// An obstacle carried by hand, as in section 7.3. It rests at its start until a time, then jumps
 /// to `from` and approaches the robot up to a standoff. It follows a robot that evades.
 struct HandMotion {
   AgentId agent{};
-  double at = 15.0;       ///< [s], >= 0
-  Vec3<double> from{};    ///< [m]
-  double speed = 0.2;     ///< [m/s], > 0
-  double standoff = 0.9;  ///< [m], >= 0
+  double at = 15.0;
+  Vec3<double> from{};
+  double speed = 0.2, standoff = 0.9;
 
   static constexpr std::string_view name = "hand";
-  void check() const;
+  static constexpr auto parameters() {
+    using M = HandMotion;
+    return std::tuple{approached_robot, parameter("at", &M::at, "s", from_zero, "time of the jump"),
+                      needed(parameter("from", &M::from, "m", any_finite, "place after the jump")),
+                      parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
+                      parameter("standoff", &M::standoff, "m", from_zero, "distance to the robot")};
+  }
+  void check() const { check_parameters(*this); }
 };
 
 /// Changes direction at intervals: straight to the robot with probability `aim`, else at random.
@@ -666,13 +715,20 @@ struct HandMotion {
 struct AdversaryMotion {
   enum class Within { plane, space };
   AgentId agent{};
-  double speed = 1.5;  ///< maximum [m/s], > 0
-  double every = 0.5;  ///< [s], >= 1e-3
-  double aim = 0.5;    ///< in [0, 1]
+  double speed = 1.5, every = 0.5, aim = 0.5;
   Within within = Within::plane;
 
   static constexpr std::string_view name = "adversary";
-  void check() const;
+  static constexpr auto parameters() {
+    using M = AdversaryMotion;
+    return std::tuple{
+        approached_robot, parameter("speed", &M::speed, "m/s", above_zero, "greatest speed of the body"),
+        parameter("every", &M::every, "s", {1e-3, std::numeric_limits<double>::max(), ">= 0.001"},
+                  "between two turns"),
+        parameter("aim", &M::aim, "", {0.0, 1.0, "in [0, 1]"}, "probability of a turn to the robot"),
+        parameter("within", &M::within, std::array<std::string_view, 2>{"plane", "space"}, "of the motion")};
+  }
+  void check() const { check_parameters(*this); }
 };
 
 using Motion = std::variant<PathMotion, CircleMotion, ChaseMotion, CrossMotion, HandMotion, AdversaryMotion>;

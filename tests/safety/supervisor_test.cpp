@@ -384,7 +384,7 @@ TEST(Supervisor, RefusesOptionsOutOfTheirRangeByName) {
   EXPECT_EQ(refusal({.slow_factor = 1.5}), "supervisor.slow_factor = 1.5, expected 0 to 1");
   EXPECT_EQ(refusal({.sigmas = {.hold = 0.0}}), "supervisor.sigma_hold = 0, expected > 0 m");
   EXPECT_EQ(refusal({.sigmas = {.hold = 2.0}}), "supervisor.sigma_land = 2, expected > sigma_hold");
-  EXPECT_EQ(refusal({.limits = {.accept_after = 0}}), "supervisor.accept_after = 0, expected >= 1");
+  EXPECT_EQ(refusal({.limits = {.accept_after = 0}}), "supervisor.accept_after = 0, expected 1 to 1000");
   EXPECT_EQ(refusal({}), "accepted");
 }
 

@@ -120,7 +120,7 @@ TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
   EXPECT_EQ(couple("{ gaze = { alpha = true } }"),
             "a:9: couple[0].potential.gaze.alpha = true, expected a number, in (0, pi/2) rad");
   EXPECT_EQ(couple("{ gaze = { kappa = 1e12 } }"),
-            "a:9: couple[0].potential.gaze.kappa = 1000000000000, expected finite, at most 1e9 either way");
+            "a:9: couple[0].potential.gaze.kappa = 1000000000000, expected > 0, at most 1e9");
   EXPECT_EQ(couple("{ gazes = {} }"),
             "a:9: couple[0].potential.gazes = {}, expected a known key, the nearest is \"gaze\"");
   EXPECT_THAT(refusal_of<std::exception>([] { read("", Registry{}); }),

@@ -198,16 +198,7 @@ struct Ocp::Traced {
 
 Ocp::Ocp(Team team, const Horizon& horizon)
     : team_(std::move(team)), horizon_(horizon), traced_(std::make_shared<Traced>()) {
-  if (!(horizon.T > 0) || !(horizon.T <= 1e6)) {
-    throw std::invalid_argument(
-        fmt::format("horizon.duration = {}, expected > 0 s, at most 1e6 s", horizon.T));
-  }
-  if (horizon.N < 1 || horizon.N > 1000) {
-    throw std::invalid_argument(fmt::format("horizon.stages = {}, expected 1 to 1000", horizon.N));
-  }
-  if (!(horizon.dt >= 1e-4) || !(horizon.dt <= 1e6)) {
-    throw std::invalid_argument(fmt::format("horizon.period = {}, expected 1e-4 to 1e6 s", horizon.dt));
-  }
+  check_parameters(horizon, "horizon");
   if (team_.agents().empty())
     throw std::invalid_argument("the team has no agent, expected at least one robot");
 

@@ -14,7 +14,8 @@ void require(bool holds, std::string_view potential, std::string_view field, dou
 }
 
 void check_mount(std::string_view potential, const SensorMount& mount) {
-  require(std::fabs(mount.pitch) <= steepest_mount, potential, "mount.pitch", mount.pitch, mount_pitches);
+  require(mount_pitches.hold(mount.pitch), potential, "mount.pitch", mount.pitch,
+          mount_pitches.expected("rad"));
   require(std::isfinite(mount.offset), potential, "mount.offset", mount.offset, "a finite length, m");
   require(mount.sigmas >= 0, potential, "mount.sigmas", mount.sigmas, ">= 0");
 }

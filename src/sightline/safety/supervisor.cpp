@@ -29,24 +29,18 @@ void SupervisorOptions::check() const {
   const auto expect = [](bool holds, std::string_view field, double value, std::string_view expected) {
     require(holds, "supervisor", field, value, expected);
   };
-  expect(times.fresh > 0, "fresh", times.fresh, "> 0 s");
+  check_parameters(times, "supervisor");
+  check_parameters(sigmas, "supervisor");
+  check_parameters(limits, "supervisor");
+  check_parameters(*this, "supervisor");
   expect(times.slow_after >= times.fresh, "slow_after", times.slow_after, ">= fresh");
   expect(times.hold_after >= times.slow_after, "hold_after", times.hold_after, ">= slow_after");
   expect(times.land_after >= times.hold_after && times.land_after <= 60, "land_after", times.land_after,
          ">= hold_after, at most 60 s");
-  expect(sigmas.hold > 0, "sigma_hold", sigmas.hold, "> 0 m");
   expect(sigmas.land > sigmas.hold, "sigma_land", sigmas.land, "> sigma_hold");
   expect(limits.world > 0, "world", limits.world, "> 0 m");
-  expect(limits.v_max > 0, "v_max", limits.v_max, "> 0 m/s");
-  expect(limits.turn_max > 0, "turn_max", limits.turn_max, "> 0 rad/s");
   expect(limits.position_sigma >= 0, "position_sigma", limits.position_sigma, ">= 0 m");
   expect(limits.heading_sigma >= 0, "heading_sigma", limits.heading_sigma, ">= 0 rad");
-  expect(limits.frozen_after > 0, "frozen_after", limits.frozen_after, "> 0 s");
-  expect(limits.accept_after >= 1, "accept_after", limits.accept_after, ">= 1");
-  expect(slow_factor >= 0 && slow_factor <= 1, "slow_factor", slow_factor, "0 to 1");
-  expect(land_speed > 0, "land_speed", land_speed, "> 0 m/s");
-  expect(std::isfinite(ground), "ground", ground, "finite m");
-  expect(brake_time >= 0.05, "brake_time", brake_time, ">= 0.05 s");
   expect(period >= 1e-4, "period", period, ">= 1e-4 s");
 }
 

@@ -72,14 +72,7 @@ std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, 
 
 std::optional<SensorMount> read_mount(const TomlTable& agent) {
   if (!agent.has("sensor")) return std::nullopt;
-  constexpr Range pitch = {-steepest_mount, steepest_mount, mount_pitches}, sigmas = {0.0, 6.0, "0 to 6"};
-  SensorMount mount;
-  const TomlTable sensor = agent.table("sensor");
-  sensor.read({{"pitch", &mount.pitch, pitch}, {"offset", &mount.offset}, {"sigmas", &mount.sigmas, sigmas}},
-              {"frame"});
-  if (sensor.has("frame") && sensor.word("frame", mount_frames) == mount_frames[1])
-    mount.frame = MountFrame::body;
-  return mount;
+  return read_part<SensorMount>(TableSource(agent.table("sensor")));
 }
 
 void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,

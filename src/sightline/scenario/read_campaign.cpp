@@ -206,13 +206,7 @@ EvasionColumns read_columns(const TomlTable& at) {
 
 EvasionPlan read_evasion(const TomlTable& at, const Team& team) {
   EvasionPlan plan;
-  constexpr Range length = positive("> 0 m");
-  at.read({{"from", &plan.from, time_range},
-           {"d_obstacle", &plan.d_obstacle, length},
-           {"d_min", &plan.d_min, length},
-           {"d_max", &plan.d_max, length},
-           {"alpha", &plan.alpha, positive("> 0 rad")}},
-          {"agent", "target", "obstacle", "published"});
+  read_keys(at, {"agent", "target", "obstacle", "published"}, plan);
   plan.agent = read_name(at, "agent", team, Among::robots, "a robot");
   plan.target = read_name(at, "target", team, Among::bodies, "another body");
   plan.obstacle = read_name(at, "obstacle", team, Among::bodies, "another body");
@@ -226,11 +220,7 @@ CampaignPlan read_plan(const TomlDocument& document, ScenarioNumbers numbers, co
                        const std::function<void(const std::vector<std::string>& set)>& try_set) {
   CampaignPlan plan;
   const TomlTable at = TomlTable(document).table("campaign");
-  at.read({{"duration", &plan.duration, positive("> 0 s")},
-           {"view_within", &plan.view_within, time_range},
-           {"d_hard", &plan.d_hard, not_negative(">= 0 m")},
-           {"braking", &plan.braking, positive("> 0 m/s^2")}},
-          {"start", "draw", "evasion", "start_outside"});
+  read_keys(at, {"start", "draw", "evasion"}, plan);
   if (at.has("start_outside")) plan.start_outside = at.boolean("start_outside");
   if (at.has("evasion")) plan.evasion = read_evasion(at.table("evasion"), team);
   PlanReader reader(std::move(numbers), team);

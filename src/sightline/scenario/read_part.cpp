@@ -51,9 +51,11 @@ double read_weight(const TomlTable& at) {
 }  // namespace
 
 double TableSource::number(std::string_view key, const Bounds& bounds, std::string_view unit) const {
-  const std::string expected = bounds.expected(unit), a_number = fmt::format("a number, {}", expected);
-  if (!at_.value(key, a_number).is_number()) at_.throw_invalid(key, a_number);
-  const double v = at_.number(key);  // finite, within the range of a scenario's numbers
+  const std::string expected = bounds.expected(unit);
+  const double low = bounds.or_zero ? 0.0 : std::max(bounds.low, -largest_number);
+  const double v = at_.number(key, bounds.words == any_finite.words
+                                       ? any_number()
+                                       : Range{low, std::min(bounds.high, largest_number), expected});
   if (!bounds.hold(v)) at_.throw_invalid(key, expected);
   return v;
 }

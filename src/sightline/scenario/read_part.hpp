@@ -37,6 +37,18 @@ class TableSource final : public ParameterSource {
   const TomlTable& at_;
 };
 
+/// Reads the described keys of several parts from one table, whose only other keys are `beside`.
+template <class... Part>
+void read_keys(const TomlTable& at, std::initializer_list<std::string_view> beside, Part&... parts) {
+  std::vector<std::string_view> known(beside);
+  const auto add = [&](const std::vector<std::string_view>& keys) {
+    known.insert(known.end(), keys.begin(), keys.end());
+  };
+  (add(parameter_keys<Part>()), ...);
+  at.expect_only(known);
+  (read_parameters(TableSource(at), parts), ...);
+}
+
 /// The part of that name, with the parameters in the table; `beside` are further keys that the
 /// table may have.
 template <class Made>

@@ -17,23 +17,8 @@ namespace {
 
 SupervisorOptions read_supervisor(const TomlTable& at) {
   SupervisorOptions o;
-  LadderTimes& times = o.times;
-  TrackLimits& limits = o.limits;
-  at.read({{"fresh", &times.fresh, positive("> 0 s")},
-           {"slow_after", &times.slow_after, positive("> 0 s")},
-           {"hold_after", &times.hold_after, positive("> 0 s")},
-           {"land_after", &times.land_after, positive("> 0 s")},
-           {"sigma_hold", &o.sigmas.hold, positive("> 0 m")},
-           {"sigma_land", &o.sigmas.land, positive("> 0 m")},
-           {"slow_factor", &o.slow_factor, {0.0, 1.0, "0 to 1"}},
-           {"land_speed", &o.land_speed, positive("> 0 m/s")},
-           {"ground", &o.ground},
-           {"brake_time", &o.brake_time, {0.05, largest_number, ">= 0.05 s"}},
-           {"v_max", &limits.v_max, positive("> 0 m/s")},
-           {"turn_max", &limits.turn_max, positive("> 0 rad/s")},
-           {"frozen_after", &limits.frozen_after, positive("> 0 s")}},
-          {"accept_after"});
-  if (at.has("accept_after")) limits.accept_after = static_cast<int>(at.integer("accept_after", 1, 1000));
+  const LadderTimes& times = o.times;
+  read_keys(at, {}, o.times, o.sigmas, o, o.limits);
   const auto rising = [&](std::string_view key, double value, std::string_view below, double than) {
     if (value < than) at.throw_invalid(key, fmt::format(">= {} = {} s", below, than));
   };
@@ -115,25 +100,10 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
   const TomlTable at = root.table("safety");
   Safety safety{.position_sigma = disturbances.noise.position, .heading_sigma = disturbances.noise.heading};
   BarrierOptions& barrier = safety.barrier_options;
-  barrier.floor = 0.3;
-  barrier.ceiling = 10.0;
-  at.read({{"d_hard", &safety.d_hard, positive("> 0 m")},
-           {"floor", &barrier.floor},
-           {"ceiling", &barrier.ceiling},
-           {"world", &safety.world, positive("> 0 m")},
-           {"margin", &barrier.margin, not_negative(">= 0 m")},
-           {"wall_margin", &barrier.wall_margin, not_negative(">= 0 m")},
-           {"position_sigma", &safety.position_sigma, not_negative(">= 0 m")},
-           {"heading_sigma", &safety.heading_sigma, not_negative(">= 0 rad")}},
-          {"barrier", "supervisor", "search", "start_outside"});
+  read_keys(at, {"supervisor", "search"}, safety, barrier);
   if (barrier.ceiling <= barrier.floor)
     at.throw_invalid("ceiling", fmt::format("> floor = {} m", barrier.floor));
   barrier.world = safety.world;
-  constexpr std::array<std::string_view, 3> modes = {"off", "on", "report"};
-  if (at.has("barrier")) {
-    const auto mode = std::find(modes.begin(), modes.end(), at.word("barrier", modes)) - modes.begin();
-    safety.barrier = static_cast<BarrierMode>(mode);
-  }
   const bool all = safety.barrier != BarrierMode::off;
   if (all || at.has("floor")) safety.judged.floor = barrier.floor;
   if (all || at.has("ceiling")) safety.judged.ceiling = barrier.ceiling;

@@ -11,22 +11,10 @@ namespace {
 
 ContinuationOptions read_continuation(const TomlTable& at, const Horizon& horizon) {
   ContinuationOptions o;
-  at.read({{"zeta", &o.zeta, positive("> 0 1/s")},
-           {"alpha", &o.alpha, positive("> 0 1/s")},
-           {"difference_step", &o.difference_step, {1e-15, 0.1, "1e-15 to 0.1 s"}},
-           {"slack_weight", &o.slack_weight, positive("> 0")},
-           {"gmres_tolerance", &o.gmres_tolerance, not_negative(">= 0")},
-           {"tolerance", &o.tolerance, positive("> 0")}},
-          {"name", "k_max", "jacobian"});
+  read_keys(at, {"name"}, o);
   if (!(o.zeta * horizon.dt < 2)) {
     at.throw_invalid("zeta", fmt::format("less than 2 / horizon.period = {} 1/s, beyond which it oscillates",
                                          2 / horizon.dt));
-  }
-  if (at.has("k_max")) o.k_max = static_cast<int>(at.integer("k_max", 1, 1000));
-  constexpr std::array<std::string_view, 2> products = {"exact", "forward_difference"};
-  if (at.has("jacobian")) {
-    o.jacobian = at.word("jacobian", products) == "exact" ? JacobianProduct::exact
-                                                          : JacobianProduct::forward_difference;
   }
   return o;
 }
@@ -40,15 +28,7 @@ SolverChoice read_cgmres(const TomlTable& at, const Horizon& horizon) {
 
 SolverChoice read_newton_riccati(const TomlTable& at, const Horizon&) {
   NewtonRiccatiOptions o;
-  at.read({{"tolerance", &o.tolerance, positive("> 0")},
-           {"krylov_stop", &o.krylov_stop, not_negative(">= 0")},
-           {"step_cap", &o.step_cap, positive("> 0")},
-           {"deadline", &o.deadline, not_negative(">= 0 s, 0 for none")}},
-          {"name", "max_newton_steps", "start_steps", "max_krylov"});
-  if (at.has("max_newton_steps"))
-    o.max_newton_steps = static_cast<int>(at.integer("max_newton_steps", 1, 1000));
-  if (at.has("start_steps")) o.start_steps = static_cast<int>(at.integer("start_steps", 1, 1000));
-  if (at.has("max_krylov")) o.max_krylov = static_cast<int>(at.integer("max_krylov", 0, 1000));
+  read_keys(at, {"name"}, o);
   return {"newton_riccati", o};
 }
 

@@ -95,30 +95,23 @@ void check_part_name(std::string_view kind, std::string_view name, const std::ve
     throw_invalid("a {} is called \"{}\", expected a name of its own, another has this one", kind, name);
 }
 
-template <class Made>
-std::string parameters_table(const PartList<Made>& list) {
+std::string parameters_table(std::string_view kind, std::span<const PartText> parts) {
   std::string text =
-      fmt::format("| `{}` | parameter | default | range | meaning |\n|---|---|---|---|---|\n", list.kind());
-  const auto with_unit = [](std::string_view value, std::string_view unit) {
-    return unit.empty() ? std::string(value) : fmt::format("{} {}", value, unit);
-  };
-  for (const auto& part : list.all()) {
-    if (!part->presets.empty()) {
-      text += fmt::format("| `{}` | `preset` | {} | one of {} | the start for all others |\n", part->name,
-                          part->presets.front(), fmt::join(part->presets, ", "));
+      fmt::format("| `{}` | parameter | default | range | meaning |\n|---|---|---|---|---|\n", kind);
+  for (const PartText& part : parts) {
+    if (!part.presets.empty()) {
+      text += fmt::format("| `{}` | `preset` | {} | one of {} | the start for all others |\n", part.name,
+                          part.presets.front(), fmt::join(part.presets, ", "));
     }
-    for (const ParameterText& p : part->parameters) {
-      const std::string missing = p.must_be_given ? "must be given" : "none";
-      text += fmt::format("| `{}` | `{}` | {} | {} | {} |\n", part->name, p.key,
-                          p.fallback.empty() ? missing : with_unit(p.fallback, p.unit), p.range, p.meaning);
+    for (const ParameterText& p : part.parameters) {
+      const std::string_view missing = p.must_be_given ? "must be given" : "none";
+      text += fmt::format("| `{}` | `{}` | {}{}{} | {} | {} |\n", part.name, p.key,
+                          p.fallback.empty() ? missing : p.fallback,
+                          p.fallback.empty() || p.unit.empty() ? "" : " ", p.fallback.empty() ? "" : p.unit,
+                          p.range, p.meaning);
     }
   }
   return text;
 }
-
-template std::string parameters_table(const PartList<Model>&);
-template std::string parameters_table(const PartList<Potential>&);
-template std::string parameters_table(const PartList<Reference>&);
-template std::string parameters_table(const PartList<Limit>&);
 
 }  // namespace sightline

@@ -51,7 +51,7 @@ class Reader {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
                        "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign",
                        "estimate", "partition"});
-    read_horizon();
+    read_keys(root_.table_or_empty("horizon"), {}, scenario_.horizon);
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
     read_simulation();
@@ -96,21 +96,12 @@ class Reader {
 
   void read_log() {
     const TomlTable at = root_.table_or_empty("log");
-    at.read({{"prediction_period", &scenario_.log.prediction_period, {1e-4, largest_number, ">= 1e-4 s"}}});
+    read_keys(at, {}, scenario_.log);
     constexpr double predictions_max = 1000.0;  // per second, of all robots together
     if (!at.has("prediction_period"))
       scenario_.log.prediction_period =
           std::max(scenario_.log.prediction_period,
                    static_cast<double>(scenario_.team.agents().size()) / predictions_max);
-  }
-
-  void read_horizon() {
-    const TomlTable at = root_.table_or_empty("horizon");
-    Horizon& horizon = scenario_.horizon;
-    at.read({{"duration", &horizon.T, {std::numeric_limits<double>::min(), 1e6, "> 0 s, at most 1e6 s"}},
-             {"period", &horizon.dt, {1e-4, 1e3, "1e-4 to 1000 s"}}},
-            {"stages"});
-    if (at.has("stages")) horizon.N = static_cast<int>(at.integer("stages", 1, 1000));
   }
 
   void read_world() {
@@ -134,10 +125,7 @@ class Reader {
   void read_simulation() {
     const TomlTable at = root_.table_or_empty("simulation");
     Simulation& s = scenario_.simulation;
-    at.read({{"duration", &s.duration, positive("> 0 s")},
-             {"settle", &s.settle, not_negative(">= 0 s")},
-             {"rms_from", &s.rms_from, not_negative(">= 0 s")}},
-            {"seed", "compare", "disturbance", "fault", "signal"});
+    read_keys(at, {"disturbance", "fault", "signal"}, s);
     s.signals = read_signals(at);
     if (at.has("compare")) read_compare(at);
     if (at.has("seed")) {
@@ -220,13 +208,8 @@ class Reader {
 
   void read_compensation(const TomlTable& at, BodyId robot) {
     if (!at.has("command_delay") && !at.has("disturbance_time") && !at.has("feed_forward")) return;
-    constexpr Range delay = {0.0, Compensation::longest_delay, "0 to 1 s"},
-                    time = {Compensation::least_time, Compensation::longest_time, "0.05 to 60 s"};
     RobotCompensation of{robot};
-    if (at.has("command_delay")) of.command_delay = at.number("command_delay", delay);
-    if (at.has("disturbance_time")) of.disturbance_time = at.number("disturbance_time", time);
-    if (at.has("feed_forward") && at.word("feed_forward", feed_forwards) == feed_forwards[1])
-      of.feed_forward = FeedForwardFrom::reference;
+    read_parameters(TableSource(at), of);
     at.checked([&] { validate(scenario_.team, std::vector{of}); });
     scenario_.compensations.push_back(of);
   }

@@ -23,18 +23,10 @@ void Disturbances::check() const {
   for (const double w : {wind.x, wind.y, wind.z}) expect(true, "wind", w, "finite m/s^2");
   expect(gust_sigma >= 0, "gust.sigma", gust_sigma, ">= 0 m/s^2");
   expect(gust_time > 0, "gust.time", gust_time, "> 0 s");
-  expect(airflow.amplitude >= 0, "airflow.amplitude", airflow.amplitude, ">= 0 m/s^2");
-  expect(airflow.distance > 0, "airflow.distance", airflow.distance, "> 0 m");
-  expect(airflow.frequency >= 0, "airflow.frequency", airflow.frequency, ">= 0 Hz");
-  expect(input_delay >= 0 && input_delay <= 1, "input_delay", input_delay, "0 to 1 s");
-  expect(yaw_lag == 0 || yaw_lag >= 1e-3, "yaw_lag", yaw_lag, "0 or >= 0.001 s");
-  expect(input_gain > 0, "input_gain", input_gain, "> 0");
-  expect(slip >= 0 && slip <= 0.9, "slip", slip, "0 to 0.9");
-  expect(noise.position >= 0, "noise.position", noise.position, ">= 0 m");
-  expect(noise.heading >= 0, "noise.heading", noise.heading, ">= 0 rad");
-  expect(noise.velocity >= 0, "noise.velocity", noise.velocity, ">= 0 m/s");
+  check_parameters(airflow, "disturbance.airflow");
+  check_parameters(noise, "disturbance.noise");
   check_parameters(odometry, "disturbance.odometry");
-  expect(measurement_delay >= 0 && measurement_delay <= 1, "delay", measurement_delay, "0 to 1 s");
+  check_parameters(*this, "disturbance");
 }
 
 RandomStream::RandomStream(std::uint64_t seed, StreamId purpose, int body) : state_(seed) {

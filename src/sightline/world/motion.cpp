@@ -62,44 +62,10 @@ AgentId followed_by(const Motion& motion) {
 
 void PathMotion::check() const {
   if (points.size() < 2) throw std::invalid_argument("path.points has fewer than two, expected two or more");
-  for (const Vec3<double>& p : points) {
-    for (const double c : {p.x, p.y, p.z}) require(true, name, "points", c, "finite numbers, m");
-  }
-  require(speed > 0, name, "speed", speed, "> 0 m/s");
+  check_parameters(*this);
   double length = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
   require(length > 0, name, "points", length, "points that are not all the same, a length > 0 m");
-}
-
-void CircleMotion::check() const {
-  for (const double c : {centre.x, centre.y, centre.z}) require(true, name, "centre", c, "finite numbers, m");
-  require(radius >= 0, name, "radius", radius, ">= 0 m");
-  require(true, name, "rate", rate, "a finite rate, rad/s");
-  require(true, name, "phase", phase, "a finite angle, rad");
-}
-
-void ChaseMotion::check() const {
-  require(speed > 0, name, "speed", speed, "> 0 m/s");
-  require(standoff >= 0, name, "standoff", standoff, ">= 0 m");
-}
-
-void CrossMotion::check() const {
-  require(at >= 0, name, "at", at, ">= 0 s");
-  require(speed > 0, name, "speed", speed, "> 0 m/s");
-  require(true, name, "miss", miss, "a finite distance, m");
-}
-
-void HandMotion::check() const {
-  require(at >= 0, name, "at", at, ">= 0 s");
-  for (const double c : {from.x, from.y, from.z}) require(true, name, "from", c, "finite numbers, m");
-  require(speed > 0, name, "speed", speed, "> 0 m/s");
-  require(standoff >= 0, name, "standoff", standoff, ">= 0 m");
-}
-
-void AdversaryMotion::check() const {
-  require(speed > 0, name, "speed", speed, "> 0 m/s");
-  require(every >= 1e-3, name, "every", every, ">= 0.001 s");
-  require(aim >= 0 && aim <= 1, name, "aim", aim, "in [0, 1]");
 }
 
 std::optional<Vec3<double>> start_of(const Motion& motion) {

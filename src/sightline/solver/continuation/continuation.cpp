@@ -11,22 +11,6 @@
 namespace sightline {
 namespace {
 
-void check(bool holds, std::string_view option, double value, std::string_view expected) {
-  if (holds && std::isfinite(value)) return;
-  throw std::invalid_argument(fmt::format("solver.{} = {}, expected {}", option, value, expected));
-}
-
-ContinuationOptions checked(const ContinuationOptions &o) {
-  check(o.zeta > 0, "zeta", o.zeta, "> 0 1/s");
-  check(o.k_max >= 1 && o.k_max <= 1000, "k_max", o.k_max, "1 to 1000");
-  check(o.alpha > 0, "alpha", o.alpha, "> 0 1/s");
-  check(o.difference_step > 0 && o.difference_step < 1, "difference_step", o.difference_step, "in (0, 1) s");
-  check(o.slack_weight > 0, "slack_weight", o.slack_weight, "> 0");
-  check(o.gmres_tolerance >= 0, "gmres_tolerance", o.gmres_tolerance, ">= 0");
-  check(o.tolerance > 0, "tolerance", o.tolerance, "> 0");
-  return o;
-}
-
 /// Rejects rate costs: the unknowns of one stage do not include the inputs of the previous stage.
 Ocp without_rate_costs(Ocp ocp) {
   for (const Agent &agent : ocp.team().agents()) {
@@ -64,7 +48,7 @@ double largest(std::span<const double> values) noexcept {
 
 Continuation::Continuation(Ocp ocp, const ContinuationOptions &options)
     : ocp_(without_rate_costs(with_steady_weights(std::move(ocp)))),
-      options_(checked(options)),
+      options_(check_parameters(options, "solver")),
       N_(ocp_.horizon().N),
       nx_(ocp_.nx()),
       nu_(ocp_.nu()),

@@ -1,33 +1,12 @@
 #include "sightline/solver/newton/workspace.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
 
 #include "sightline/base.hpp"
 #include "sightline/solver/newton/stages.hpp"
 
 namespace sightline::newton {
 namespace {
-
-void check(bool holds, std::string_view option, double value, std::string_view expected) {
-  if (holds && std::isfinite(value)) return;
-  throw std::invalid_argument(fmt::format("solver.{} = {}, expected {}", option, value, expected));
-}
-
-NewtonRiccatiOptions checked(const NewtonRiccatiOptions& o) {
-  check(o.max_newton_steps >= 1 && o.max_newton_steps <= 1000, "max_newton_steps", o.max_newton_steps,
-        "1 to 1000");
-  check(o.tolerance > 0, "tolerance", o.tolerance, "> 0 1/s");
-  check(o.max_krylov >= 0 && o.max_krylov <= 1000, "max_krylov", o.max_krylov, "0 to 1000");
-  check(o.krylov_stop >= 0, "krylov_stop", o.krylov_stop, ">= 0");
-  check(o.step_cap > 0, "step_cap", o.step_cap, "> 0");
-  check(o.deadline >= 0, "deadline", o.deadline, ">= 0 s");
-  check(o.start_steps >= 1 && o.start_steps <= 1000, "start_steps", o.start_steps, "1 to 1000");
-  return o;
-}
 
 /// Threads pay above a team size; below it the calling thread does all work.
 std::shared_ptr<ThreadPool> pool_for(const Ocp& ocp, const NewtonRiccatiOptions& options) {
@@ -48,7 +27,7 @@ Rows room_for_c(const Layout& layout, const ThreadPool& pool, bool has_swarms) {
 
 Workspace::Workspace(Ocp problem, const NewtonRiccatiOptions& chosen)
     : ocp(std::move(problem)),
-      options(checked(chosen)),
+      options(check_parameters(chosen, "solver")),
       potentials(
           trace_potentials(ocp, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
       swarms(trace_swarms(ocp, [](const Program& p) { return find_formula(p, native_width) != nullptr; })),
