@@ -16,6 +16,7 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/judge/summary.hpp"
+#include "sightline/judge/summary_keys.hpp"
 #include "sightline/log.hpp"
 #include "sightline/report.hpp"
 #include "sightline/run/realtime.hpp"
@@ -78,14 +79,15 @@ LoopOutcome fly_linked(LinkedFlight& linked, ClosedLoop& loop, Sink<Sample>& sin
 std::string with_timing(const std::string& summary, const LinkTiming& timing) {
   using Ordered = nlohmann::ordered_json;
   const auto us = [](const LinkTiming::Delay& delay) {
-    return Ordered{{"median", 1e6 * delay.median}, {"p99", 1e6 * delay.p99}, {"max", 1e6 * delay.most}};
+    return Ordered{
+        {"median"_key, 1e6 * delay.median}, {"p99"_key, 1e6 * delay.p99}, {"max"_key, 1e6 * delay.most}};
   };
   Ordered json = Ordered::parse(summary);
-  json["real_time"] = {{"periods", timing.periods},
-                       {"missed", timing.missed},
-                       {"wake_us", us(timing.wake)},
-                       {"arrival_us", us(timing.arrival)},
-                       {"cpu", timing.cpu}};
+  json["real_time"_key] = {{"periods"_key, timing.periods},
+                           {"missed"_key, timing.missed},
+                           {"wake_us"_key, us(timing.wake)},
+                           {"arrival_us"_key, us(timing.arrival)},
+                           {"cpu"_key, timing.cpu}};
   return json_text(json, 2) + "\n";
 }
 

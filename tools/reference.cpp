@@ -10,6 +10,7 @@
 #include "bridges/dds/fleet/link_fault.hpp"
 #include "cli/arguments.hpp"
 #include "sightline/estimator.hpp"
+#include "sightline/judge/summary_keys.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/sensors.hpp"
@@ -89,6 +90,7 @@ std::string reference() {
          kinds("Links", "[agent.NAME.link]", LinkKind{}) +
          section("Partition", {keys("[partition.exchange]", ExchangeOptions{})}) +
          "### Faults of links\n\n`[[fleet.fault]]`\n\n" + link_fault_table() +
+         "\n## Keys of summary.json\n\n" + std::string(summary_keys) +
          "\n## Commands\n\n" + commands();
 }
 

@@ -6,6 +6,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
+#include "sightline/judge/summary_keys.hpp"
 
 namespace sightline {
 namespace {
@@ -83,16 +84,16 @@ std::string LocalizationSummary::json() const {
   if (robots_.empty()) return {};
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const RobotLocalization& robot : robots())
-    list.push_back({{"agent", robot.name},
-                    {"known_from", robot.known_from},
-                    {"rmse", robot.rmse},
-                    {"heading_rmse", robot.heading_rmse},
-                    {"anees", robot.anees},
-                    {"sigma_max", robot.sigma_max},
-                    {"detections", robot.detections},
-                    {"rejected", robot.rejected},
-                    {"restarts", robot.restarts},
-                    {"longest_without_sight", robot.longest_without_sight}});
+    list.push_back({{"agent"_key, robot.name},
+                    {"known_from"_key, robot.known_from},
+                    {"rmse"_key, robot.rmse},
+                    {"heading_rmse"_key, robot.heading_rmse},
+                    {"anees"_key, robot.anees},
+                    {"sigma_max"_key, robot.sigma_max},
+                    {"detections"_key, robot.detections},
+                    {"rejected"_key, robot.rejected},
+                    {"restarts"_key, robot.restarts},
+                    {"longest_without_sight"_key, robot.longest_without_sight}});
   return json_text(list);
 }
 

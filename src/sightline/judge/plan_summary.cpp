@@ -6,6 +6,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
+#include "sightline/judge/summary_keys.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
@@ -45,10 +46,10 @@ std::vector<std::string> PlanSummary::failures() const {
 
 std::string PlanSummary::json() const {
   const PlanGap gap = longest();
-  Json json = {{"longest", gap.longest}, {"from", nullptr}, {"status", nullptr}};
+  Json json = {{"longest"_key, gap.longest}, {"from"_key, nullptr}, {"status"_key, nullptr}};
   if (gap.longest > 0) {
-    json["from"] = gap.from;
-    json["status"] = to_string(gap.status);
+    json["from"_key] = gap.from;
+    json["status"_key] = to_string(gap.status);
   }
   return json_text(json);
 }

@@ -11,6 +11,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
+#include "sightline/judge/summary_keys.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -295,44 +296,44 @@ std::string SafetySummary::json() const {
   const std::vector<Bound> bounds = by_excess();
   if (pairs.empty() && bounds_.empty() && mode_ == BarrierMode::off) return "";
   Json json;
-  json["barrier"] = modes[static_cast<std::size_t>(mode_)];
-  if (unseen_ > 0) json["unseen_periods"] = unseen_;
+  json["barrier"_key] = modes[static_cast<std::size_t>(mode_)];
+  if (unseen_ > 0) json["unseen_periods"_key] = unseen_;
   const auto add_times = [](Json& to, const LimitRecord& limit) {
-    to["broken_for"] = limit.kept() ? 0.0 : limit.broken_for();
-    if (limit.outside_at_start() > 0) to["outside_at_start"] = limit.outside_at_start();
+    to["broken_for"_key] = limit.kept() ? 0.0 : limit.broken_for();
+    if (limit.outside_at_start() > 0) to["outside_at_start"_key] = limit.outside_at_start();
   };
-  json["hard_distances"] = Json::array();
+  json["hard_distances"_key] = Json::array();
   for (const Pair& pair : pairs) {
     const LimitRecord& limit = pair.limit;
-    Json& one = json["hard_distances"].emplace_back(
-        Json{{"a", names_[at(pair.a)]},
-             {"b", names_[at(pair.b)]},
-             {"d_hard", pair.d_hard},
-             {"least", limit.empty() ? Json() : Json(pair.d_hard - limit.worst().value)},
-             {"time", limit.worst().time},
-             {"kept", limit.kept()}});
+    Json& one = json["hard_distances"_key].emplace_back(
+        Json{{"a"_key, names_[at(pair.a)]},
+             {"b"_key, names_[at(pair.b)]},
+             {"d_hard"_key, pair.d_hard},
+             {"least"_key, limit.empty() ? Json() : Json(pair.d_hard - limit.worst().value)},
+             {"time"_key, limit.worst().time},
+             {"kept"_key, limit.kept()}});
     add_times(one, limit);
     if (!pair.in_force.is_whole(static_cast<double>(samples_) * period_))
-      one["in_force"] = Json::parse(pair.in_force.json());
+      one["in_force"_key] = Json::parse(pair.in_force.json());
   }
-  json["walls"] = Json::array();
+  json["walls"_key] = Json::array();
   for (const Bound& bound : bounds) {
-    Json& one = json["walls"].emplace_back(Json{{"name", names_[at(bound.robot)]},
-                                                {"wall", name_of(bound.of)},
-                                                {"limit", bound.value},
-                                                {"worst", bound.worst()},
-                                                {"time", bound.limit.worst().time},
-                                                {"kept", bound.limit.kept()}});
+    Json& one = json["walls"_key].emplace_back(Json{{"name"_key, names_[at(bound.robot)]},
+                                                    {"wall"_key, name_of(bound.of)},
+                                                    {"limit"_key, bound.value},
+                                                    {"worst"_key, bound.worst()},
+                                                    {"time"_key, bound.limit.worst().time},
+                                                    {"kept"_key, bound.limit.kept()}});
     add_times(one, bound.limit);
   }
-  json["agents"] = Json::array();
+  json["agents"_key] = Json::array();
   const auto share = [&](std::int64_t part) {
     return samples_ > 0 ? static_cast<double>(part) / static_cast<double>(samples_) : 0.0;
   };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    json["agents"].push_back({{"name", names_[i]},
-                              {"barrier_active", share(robots_[i].active)},
-                              {"barrier_conflict", share(robots_[i].conflicts)}});
+    json["agents"_key].push_back({{"name"_key, names_[i]},
+                                  {"barrier_active"_key, share(robots_[i].active)},
+                                  {"barrier_conflict"_key, share(robots_[i].conflicts)}});
   }
   return json_text(json);
 }

@@ -7,6 +7,7 @@
 #include "sightline/base/text_file.hpp"
 #include "sightline/config.hpp"
 #include "sightline/judge/summary.hpp"
+#include "sightline/judge/summary_keys.hpp"
 
 namespace sightline {
 namespace {
@@ -18,102 +19,108 @@ using Json = nlohmann::ordered_json;
 std::string Summary::json() const {
   const SummaryValues v = values();
   const auto add_time = [&](Json& to, const TimeInForce& time) {
-    if (!time.is_whole(end_)) to["in_force"] = Json::parse(time.json());
+    if (!time.is_whole(end_)) to["in_force"_key] = Json::parse(time.json());
   };
   Json json;
-  json["scenario"] = scenario_.name;
-  json["seed"] = scenario_.simulation.seed;
-  json["version"] = version;
-  json["solver"] = scenario_.solver.name;
-  json["settle"] = scenario_.simulation.settle;
-  json["updates"] = v.updates;
-  json["cost"] = v.cost;
-  json["solve_us"] = {{"mean", v.solve_us.mean},
-                      {"median", v.solve_us.median},
-                      {"p99", v.solve_us.p99},
-                      {"max", v.solve_us.max}};
-  json["allocations_per_update"] = v.allocations_per_update;
+  json["scenario"_key] = scenario_.name;
+  json["seed"_key] = scenario_.simulation.seed;
+  json["version"_key] = version;
+  json["solver"_key] = scenario_.solver.name;
+  json["settle"_key] = scenario_.simulation.settle;
+  json["updates"_key] = v.updates;
+  json["cost"_key] = v.cost;
+  json["solve_us"_key] = {{"mean"_key, v.solve_us.mean},
+                          {"median"_key, v.solve_us.median},
+                          {"p99"_key, v.solve_us.p99},
+                          {"max"_key, v.solve_us.max}};
+  json["allocations_per_update"_key] = v.allocations_per_update;
   for (int i = 0; i < status_count; ++i) {
-    json["status"][std::string(to_string(static_cast<Status>(i)))] = v.statuses[static_cast<std::size_t>(i)];
+    json["status"_key][std::string(to_string(static_cast<Status>(i)))] =
+        v.statuses[static_cast<std::size_t>(i)];
   }
-  json["without_plan"] = Json::parse(plans_.json());
-  json["not_finite"] = v.not_finite;
-  json["input_violations"] = v.input_violations;
-  json["applied_violations"] = v.applied_violations;
-  json["max_abs_input"] = v.max_abs_input;
-  json["min_distance"] = v.min_distance;
+  json["without_plan"_key] = Json::parse(plans_.json());
+  json["not_finite"_key] = v.not_finite;
+  json["input_violations"_key] = v.input_violations;
+  json["applied_violations"_key] = v.applied_violations;
+  json["max_abs_input"_key] = v.max_abs_input;
+  json["min_distance"_key] = v.min_distance;
   if (!scenario_.team.swarms().empty()) {
-    json["pairs_active_max"] = v.pairs_active_max;
-    json["pairs_left_out_max"] = v.pairs_left_out_max;
+    json["pairs_active_max"_key] = v.pairs_active_max;
+    json["pairs_left_out_max"_key] = v.pairs_left_out_max;
   }
   for (const char* list : {"pairs", "agents", "limits", "chatter", "drift", "events"})
     json[list] = Json::array();
   for (const auto& pair : v.pairs) {
-    json["pairs"].push_back({{"observer", pair.observer},
-                             {"target", pair.target},
-                             {"distance", {{"min", pair.distance_min}, {"max", pair.distance_max}}},
-                             {"view_angle_max", pair.view_angle_max},
-                             {"in_view_from", pair.in_view_from},
-                             {"in_view_fraction", pair.in_view_fraction}});
+    json["pairs"_key].push_back(
+        {{"observer"_key, pair.observer},
+         {"target"_key, pair.target},
+         {"distance"_key, {{"min"_key, pair.distance_min}, {"max"_key, pair.distance_max}}},
+         {"view_angle_max"_key, pair.view_angle_max},
+         {"in_view_from"_key, pair.in_view_from},
+         {"in_view_fraction"_key, pair.in_view_fraction}});
     if (pair.from_leaning) {
-      Json& seen = json["pairs"].back();
-      seen["view_angle_mean"] = pair.view_angle_mean;
-      seen["planned_view_angle"] = {
-          {"ahead", PlannedView::ahead}, {"mean", pair.planned_view_mean}, {"rms", pair.planned_view_rms}};
+      Json& seen = json["pairs"_key].back();
+      seen["view_angle_mean"_key] = pair.view_angle_mean;
+      seen["planned_view_angle"_key] = {{"ahead"_key, PlannedView::ahead},
+                                        {"mean"_key, pair.planned_view_mean},
+                                        {"rms"_key, pair.planned_view_rms}};
     }
-    add_time(json["pairs"].back(), pair.in_force);
+    add_time(json["pairs"_key].back(), pair.in_force);
   }
   for (const auto& idle : v.idle_observers) {
-    json["idle_observers"].push_back(
-        {{"observer", idle.observer}, {"in_force", Json::parse(idle.time.json())}});
+    json["idle_observers"_key].push_back(
+        {{"observer"_key, idle.observer}, {"in_force"_key, Json::parse(idle.time.json())}});
   }
   for (const auto& robot : v.robots) {
-    json["agents"].push_back(
-        {{"name", robot.name}, {"rms_position_error", robot.rms_position_error}, {"energy", robot.energy}});
+    json["agents"_key].push_back({{"name"_key, robot.name},
+                                  {"rms_position_error"_key, robot.rms_position_error},
+                                  {"energy"_key, robot.energy}});
     if (!std::isnan(robot.rms_position_error)) {
-      json["agents"].back()["position_offset"] = robot.position_offset;
-      json["agents"].back()["tracking_error"] = robot.tracking_error;
+      json["agents"_key].back()["position_offset"_key] = robot.position_offset;
+      json["agents"_key].back()["tracking_error"_key] = robot.tracking_error;
     }
     if (!std::isnan(robot.rms_heading_error))
-      json["agents"].back()["rms_heading_error"] = robot.rms_heading_error;
+      json["agents"_key].back()["rms_heading_error"_key] = robot.rms_heading_error;
     if (!std::isnan(robot.tilt_max)) {
-      json["agents"].back()["tilt_max"] = robot.tilt_max;
-      json["agents"].back()["planned_tilt"] = {
-          {"ahead", PlannedTilt::ahead}, {"max", robot.planned_tilt_max}, {"rms", robot.planned_tilt_rms}};
+      json["agents"_key].back()["tilt_max"_key] = robot.tilt_max;
+      json["agents"_key].back()["planned_tilt"_key] = {{"ahead"_key, PlannedTilt::ahead},
+                                                       {"max"_key, robot.planned_tilt_max},
+                                                       {"rms"_key, robot.planned_tilt_rms}};
     }
     if (!std::isnan(robot.input_rate_ratio))
-      json["agents"].back()["input_rate_ratio"] = robot.input_rate_ratio;
+      json["agents"_key].back()["input_rate_ratio"_key] = robot.input_rate_ratio;
   }
   for (const auto& limit : v.limits) {
-    json["limits"].push_back({{"name", limit.name},
-                              {"fraction", limit.fraction},
-                              {"longest", limit.longest},
-                              {"worst", limit.worst},
-                              {"unit", limit.unit}});
-    add_time(json["limits"].back(), limit.in_force);
+    json["limits"_key].push_back({{"name"_key, limit.name},
+                                  {"fraction"_key, limit.fraction},
+                                  {"longest"_key, limit.longest},
+                                  {"worst"_key, limit.worst},
+                                  {"unit"_key, limit.unit}});
+    add_time(json["limits"_key].back(), limit.in_force);
   }
   for (const auto& c : v.chatter) {
-    json["chatter"].push_back({{"agent", c.agent},
-                               {"input", c.input},
-                               {"from", c.from},
-                               {"share", c.share},
-                               {"jump", c.jump},
-                               {"region", c.region}});
+    json["chatter"_key].push_back({{"agent"_key, c.agent},
+                                   {"input"_key, c.input},
+                                   {"from"_key, c.from},
+                                   {"share"_key, c.share},
+                                   {"jump"_key, c.jump},
+                                   {"region"_key, c.region}});
   }
   if (!v.drift) {
-    json["drift"] = nullptr;
+    json["drift"_key] = nullptr;
   } else {
     for (const auto& d : *v.drift) {
-      json["drift"].push_back({{"agent", d.agent},
-                               {"speed", norm(d.v)},
-                               {"velocity", {d.v.x, d.v.y, d.v.z}},
-                               {"from_reference", d.from_reference}});
+      json["drift"_key].push_back({{"agent"_key, d.agent},
+                                   {"speed"_key, norm(d.v)},
+                                   {"velocity"_key, {d.v.x, d.v.y, d.v.z}},
+                                   {"from_reference"_key, d.from_reference}});
     }
   }
-  for (const auto& event : v.events) json["events"].push_back({{"time", event.time}, {"name", event.name}});
+  for (const auto& event : v.events)
+    json["events"_key].push_back({{"time"_key, event.time}, {"name"_key, event.name}});
   if (const std::string localization = localization_.json(); !localization.empty())
-    json["localization"] = Json::parse(localization);
-  if (const std::string safety = safety_.json(); !safety.empty()) json["safety"] = Json::parse(safety);
+    json["localization"_key] = Json::parse(localization);
+  if (const std::string safety = safety_.json(); !safety.empty()) json["safety"_key] = Json::parse(safety);
   return json_text(json, 2) + "\n";
 }
 

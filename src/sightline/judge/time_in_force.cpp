@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/base/json_text.hpp"
+#include "sightline/judge/summary_keys.hpp"
 
 namespace sightline {
 
@@ -20,7 +21,7 @@ bool TimeInForce::is_whole(double end) const {
 }
 
 std::string TimeInForce::json() const {
-  return json_text(nlohmann::ordered_json{{"from", from}, {"to", to}, {"total", total}});
+  return json_text(nlohmann::ordered_json{{"from"_key, from}, {"to"_key, to}, {"total"_key, total}});
 }
 
 std::string time_words(std::string_view json) {
