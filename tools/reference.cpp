@@ -11,6 +11,7 @@
 #include "cli/arguments.hpp"
 #include "sightline/estimator.hpp"
 #include "sightline/judge/summary_keys.hpp"
+#include "sightline/record/log_table.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/sensors.hpp"
@@ -40,6 +41,13 @@ std::string section(std::string_view title, const std::vector<PartText>& tables)
 template <class... Kind>
 std::string kinds(std::string_view title, std::string_view table, const std::variant<Kind...>&) {
   return section(title, {keys(fmt::format("{} {}", table, Kind::name), Kind{})...});
+}
+
+std::string topics_table() {
+  std::string text = "| topic | schema | fields | meaning |\n|---|---|---|---|\n";
+  for (const LogTopic& one : log_topics)
+    text += fmt::format("| `{}` | `{}` | {} | {} |\n", one.topic, one.schema, one.fields, one.meaning);
+  return text;
 }
 
 std::string commands() {
@@ -91,6 +99,7 @@ std::string reference() {
          section("Partition", {keys("[partition.exchange]", ExchangeOptions{})}) +
          "### Faults of links\n\n`[[fleet.fault]]`\n\n" + link_fault_table() +
          "\n## Keys of summary.json\n\n" + std::string(summary_keys) +
+         "\n## Topics of run.mcap\n\nA message in JSON also has its `time` [s].\n\n" + topics_table() +
          "\n## Commands\n\n" + commands();
 }
 

@@ -341,8 +341,8 @@ class LogMessage {
   std::string text_;
 };
 
-/// Schema of a message {time, ...}: each property with its type; "numbers" is a list of numbers.
-std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties);
+/// Schema of a message {time, ...} with more fields: "number, list[], word: string".
+std::string json_schema(std::string_view fields);
 
 /// Reads the flat JSON object of a message into reused memory; trusts no byte of the text.
 class LogText {
@@ -431,21 +431,11 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
 
 // Measurements and commands of a flight in its log: a writer, and a world that replays them.
 //
-// Topics of run.mcap; /BODY/measurement has one message per period, the others as data arrives:
-//
-//     /BODY/measurement   {time, stamp, x}: the measured state that the controllers receive, all
-//                         numbers exact, and its time; null in x: a number that was not finite;
-//                         null stamp: a body that was never measured
-//     /OBSERVER/detection {time, stamp, arrival, target, tags, p, q, covariance}: detection of
-//                         another body by the observer's camera, in order
-//     /AGENT/goal         {time, after, p, heading}: goal that a person sent, as successive
-//                         waypoints
-//     /team               {time}: a requested team took effect in this period or was rejected
-//
-// A replay also uses the topics of localization (localization_log.hpp), /BODY/state (the truth),
-// /AGENT/input (the command) and /events (missed periods). Nothing depends on wall-clock time.
+// /BODY/measurement has one message per period, the others as data arrives. A replay uses them, the
+// topics of localization, /BODY/state (the truth), /ROBOT/input (the command) and /events (missed
+// periods). Nothing depends on wall-clock time.
 
-/// Writes the four topics above; the others belong to LocalizationLog and LogTopics.
+/// Writes measurements, detections, goals and changes of the team (record/log_table.hpp).
 class MeasurementLog {
  public:
   MeasurementLog(const Team& team, MessageSink& sink, const std::vector<RobotGoals>& goals = {});

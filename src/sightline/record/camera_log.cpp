@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sightline/log.hpp"
+#include "sightline/record/log_table.hpp"
 
 namespace sightline {
 namespace {
@@ -89,11 +90,10 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes) {
 
 CameraLog::CameraLog(const Scenario& scenario, MessageSink& to) : cameras_(scenario.vision.cameras), to_(to) {
   if (cameras_.empty()) return;
-  const RosSchema ros = camera_info_schema();
-  const SchemaId schema = to.schema(ros.name, "ros2msg", ros.text);
+  constexpr LogTopic topic = log_topic("/OBSERVER/camera_info");
+  const SchemaId schema = topic.add_schema(to, camera_info_schema().text);
   for (const RobotCamera& one : cameras_)
-    channels_.push_back(
-        {to.channel(schema, fmt::format("/{}/camera_info", scenario.team.name(one.observer)), "cdr", {})});
+    channels_.push_back(topic.open(to, schema, scenario.team.name(one.observer)));
 }
 
 void CameraLog::add(double time) {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "sightline/record/cdr.hpp"
+#include "sightline/record/log_table.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 
 namespace sightline {
@@ -40,51 +41,20 @@ LocalizationLog::LocalizationLog(const Scenario& scenario, MessageSink& sink)
     : team_(scenario.team), sink_(sink), message_(sink) {
   const TelemetryOptions telemetry = telemetry_options(scenario);
   if (telemetry.robots.empty()) return;
-  const SchemaId motion = sink.schema("sightline.Motion", "jsonschema",
-                                      json_schema({{"t", "number"},
-                                                   {"dt", "number"},
-                                                   {"v", "numbers"},
-                                                   {"yaw_rate", "number"},
-                                                   {"roll", "number"},
-                                                   {"pitch", "number"},
-                                                   {"gyro", "numbers"},
-                                                   {"force", "numbers"},
-                                                   {"compass", "number"}}));
-  const SchemaId broadcast = sink.schema("sightline.Broadcast", "jsonschema",
-                                         json_schema({{"stamp", "number"},
-                                                      {"p", "numbers"},
-                                                      {"v", "numbers"},
-                                                      {"heading", "number"},
-                                                      {"yaw_rate", "number"},
-                                                      {"covariance", "numbers"}}));
-  const SchemaId localization = sink.schema("sightline.Localization", "jsonschema",
-                                            json_schema({{"stamp", "number"},
-                                                         {"accepted", "number"},
-                                                         {"p", "numbers"},
-                                                         {"v", "numbers"},
-                                                         {"heading", "number"},
-                                                         {"yaw_rate", "number"},
-                                                         {"covariance", "numbers"}}));
-  const SchemaId innovation = sink.schema("sightline.Innovation", "jsonschema",
-                                          json_schema({{"target", "string"},
-                                                       {"stamp", "number"},
-                                                       {"verdict", "string"},
-                                                       {"dimension", "integer"},
-                                                       {"squared", "number"},
-                                                       {"y", "numbers"}}));
-  const RosSchema ros = estimate_schema();
-  const SchemaId estimate = sink.schema(ros.name, "ros2msg", ros.text);
-  const auto open = [&](SchemaId schema, BodyId body, std::string_view what,
-                        std::string_view encoding) -> McapChannel {
-    return {sink.channel(schema, fmt::format("/{}/{}", team_.name(body), what), encoding, {})};
-  };
-  for (const MovingRobot& one : telemetry.robots)
-    robots_.push_back({one.robot, open(motion, one.robot, "motion", "json"),
-                       open(estimate, one.robot, "estimate", "cdr"),
-                       open(localization, one.robot, "localization", "json"),
-                       open(innovation, one.robot, "innovation", "json")});
+  constexpr LogTopic motion = log_topic("/ROBOT/motion"), broadcast = log_topic("/BODY/broadcast"),
+                     localization = log_topic("/ROBOT/localization"),
+                     innovation = log_topic("/ROBOT/innovation"), estimate = log_topic("/ROBOT/estimate");
+  const SchemaId motions = motion.add_schema(sink), broadcasts = broadcast.add_schema(sink),
+                 localizations = localization.add_schema(sink), innovations = innovation.add_schema(sink);
+  const SchemaId estimates = estimate.add_schema(sink, estimate_schema().text);
+  for (const MovingRobot& one : telemetry.robots) {
+    const std::string_view name = team_.name(one.robot);
+    robots_.push_back({one.robot, motion.open(sink, motions, name), estimate.open(sink, estimates, name),
+                       localization.open(sink, localizations, name),
+                       innovation.open(sink, innovations, name)});
+  }
   for (const BodyId body : telemetry.broadcasters)
-    senders_.push_back({body, open(broadcast, body, "broadcast", "json")});
+    senders_.push_back({body, broadcast.open(sink, broadcasts, team_.name(body))});
 }
 
 LocalizationLog::Robot* LocalizationLog::robot(BodyId body) {

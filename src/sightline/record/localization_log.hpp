@@ -1,22 +1,5 @@
 /// Log of vision-localized robots: inputs and estimates of their filters.
 ///
-/// Topics of run.mcap, in JSON unless stated, all numbers exact:
-///
-///     /ROBOT/motion        {time, t, dt, v, yaw_rate, roll, pitch, gyro, force}: motion
-///                          over [t, t + dt] as the autopilot reports it (MotionSample);
-///                          `compass` if the autopilot reports a heading
-///     /BODY/broadcast      {time, stamp, p, v, heading, yaw_rate, covariance}: the body's
-///                          pose as received by radio; covariance of (p, heading), upper
-///                          triangle row by row
-///     /ROBOT/estimate      geometry_msgs/PoseWithCovarianceStamped in G, upright; without
-///                          information on roll and pitch
-///     /ROBOT/localization  {time, stamp, accepted, p, v, heading, yaw_rate, covariance}:
-///                          the estimate with velocity; accepted: stamp of the last
-///                          accepted measurement
-///     /ROBOT/innovation    {time, target, stamp, verdict, dimension, squared, y}: fit of
-///                          the detection with this exposure (DetectionFit), in the order
-///                          of arrival
-///
 /// Before a robot is localized there is no estimate, so neither /ROBOT/estimate nor
 /// /ROBOT/localization. A replay reads motions, broadcasts and detections (RecordedFlight) and
 /// compares its estimates with /ROBOT/localization.
@@ -33,7 +16,7 @@
 
 namespace sightline {
 
-/// Writes the topics above.
+/// Writes motions, broadcasts, estimates, localizations and innovations (log_table.hpp).
 class LocalizationLog {
  public:
   /// @param sink  receives the messages; must outlive this object

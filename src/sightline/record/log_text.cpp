@@ -55,15 +55,18 @@ void LogMessage::send(McapChannel& channel, double time) {
   to_.message(channel.id, channel.sequence++, nanoseconds(time), std::as_bytes(std::span(end())));
 }
 
-std::string json_schema(std::initializer_list<std::pair<const char*, std::string_view>> properties) {
+std::string json_schema(std::string_view fields) {
   nlohmann::ordered_json schema = {{"type", "object"}, {"properties", {{"time", {{"type", "number"}}}}}};
-  for (const auto& [name, type] : properties) {
-    nlohmann::ordered_json& property = schema["properties"][name];
-    if (type == "numbers") {
+  while (!fields.empty()) {
+    const std::string_view field = fields.substr(0, fields.find(", ")),
+                           name = field.substr(0, field.find_first_of("[:"));
+    nlohmann::ordered_json& property = schema["properties"][std::string(name)];
+    if (field.ends_with("[]")) {
       property = {{"type", "array"}, {"items", {{"type", "number"}}}};
     } else {
-      property = {{"type", type}};
+      property = {{"type", field == name ? "number" : field.substr(name.size() + 2)}};
     }
+    fields.remove_prefix(std::min(fields.size(), field.size() + 2));
   }
   return json_text(schema);
 }

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <span>
 #include <utility>
 
 #include "sightline/base.hpp"
 #include "sightline/judge/tracking_error.hpp"
+#include "sightline/record/log_table.hpp"
 
 namespace sightline {
 namespace {
@@ -31,36 +31,22 @@ double turn_rate(const Model& model, const StateRoles& roles, const double* x, c
 
 LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageSink& to)
     : team_(scenario.team), to_(to), no_input_(size(team_.nu())) {
-  const auto ros = [&](const RosSchema& schema) { return to_.schema(schema.name, "ros2msg", schema.text); };
-  const auto json = [&](std::string_view name,
-                        std::initializer_list<std::pair<const char*, std::string_view>> properties) {
-    return to_.schema(name, "jsonschema", json_schema(properties));
-  };
-  schemas_.pose = ros(pose_schema());
-  schemas_.twist = ros(twist_schema());
-  schemas_.path = ros(path_schema());
-  schemas_.state = json("sightline.State", {{"x", "numbers"}});
-  schemas_.input = json("sightline.Input", {{"u", "numbers"}, {"raw", "numbers"}});
-  schemas_.reference = json("sightline.Reference", {{"p", "numbers"}, {"d", "numbers"}});
-  constexpr std::string_view record = "sightline.Solver";
-  schemas_.solver =
-      team_.swarms().empty()
-          ? json(
-                record,
-                {{"status", "string"}, {"residual", "number"}, {"iterations", "integer"}, {"cost", "number"}})
-          : json(record, {{"status", "string"},
-                          {"residual", "number"},
-                          {"iterations", "integer"},
-                          {"pairs", "integer"},
-                          {"cost", "number"}});
-  schemas_.event =
-      json("sightline.Event", {{"kind", "string"}, {"controller", "integer"}, {"value", "number"}});
+  schemas_.pose = log_topic("/BODY/pose").add_schema(to_, pose_schema().text);
+  schemas_.twist = log_topic("/BODY/twist").add_schema(to_, twist_schema().text);
+  schemas_.path = log_topic("/ROBOT/path").add_schema(to_, path_schema().text);
+  schemas_.state = log_topic("/BODY/state").add_schema(to_);
+  schemas_.input = log_topic("/ROBOT/input").add_schema(to_);
+  schemas_.reference = log_topic("/ROBOT/reference").add_schema(to_);
+  LogTopic solver = log_topic("/solver");
+  std::string fields(solver.fields);
+  constexpr std::string_view pairs = "pairs: integer, ";
+  if (team_.swarms().empty()) fields.erase(fields.find(pairs), pairs.size());
+  solver.fields = fields;
+  schemas_.solver = solver.add_schema(to_);
+  schemas_.event = log_topic("/events").add_schema(to_);
 
   const bool has_barrier = scenario.safety && scenario.safety->barrier != BarrierMode::off;
-  if (has_barrier) {
-    schemas_.barrier =
-        json("sightline.Barrier", {{"active", "boolean"}, {"conflict", "boolean"}, {"reserve", "number"}});
-  }
+  if (has_barrier) schemas_.barrier = log_topic("/ROBOT/barrier").add_schema(to_);
   const bool is_measured = scenario.simulation.disturbances.spoil_measurements() ||
                            !scenario.simulation.faults.empty() ||
                            std::any_of(scenario.vehicles.begin(), scenario.vehicles.end(), has_imu);
@@ -68,8 +54,8 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
   open_attitudes(scenario);
   for (std::size_t c = 0; c < controllers; ++c)
     solvers_.push_back(
-        open(schemas_.solver, controllers > 1 ? fmt::format("/controller{}/solver", c) : "/solver", "json"));
-  events_ = open(schemas_.event, "/events", "json");
+        solver.open(to_, schemas_.solver, controllers > 1 ? fmt::format("controller{}", c) : ""));
+  events_ = log_topic("/events").open(to_, schemas_.event);
   measurements_.emplace(team_, to_, scenario.goals);
   localization_.emplace(scenario, to_);
   cameras_.emplace(scenario, to_);
@@ -77,19 +63,21 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
 }
 
 void LogTopics::open_body(BodyId body, bool is_measured, bool has_barrier) {
-  const std::string topic = fmt::format("/{}/", team_.name(body));
-  BodyChannels channels{body, roles_of(team_.model(body)), open(schemas_.state, topic + "state", "json"),
-                        open(schemas_.pose, topic + "pose", "cdr"),
-                        open(schemas_.twist, topic + "twist", "cdr")};
-  if (is_measured) channels.measured = open(schemas_.pose, topic + "measured", "cdr");
+  const auto open = [&](SchemaId schema, const LogTopic& topic) {
+    return topic.open(to_, schema, team_.name(body));
+  };
+  BodyChannels channels{body, roles_of(team_.model(body)), open(schemas_.state, log_topic("/BODY/state")),
+                        open(schemas_.pose, log_topic("/BODY/pose")),
+                        open(schemas_.twist, log_topic("/BODY/twist"))};
+  if (is_measured) channels.measured = open(schemas_.pose, log_topic("/BODY/measured"));
   if (team_.is_agent(body)) {
-    channels.input = open(schemas_.input, topic + "input", "json");
-    channels.path = open(schemas_.path, topic + "path", "cdr");
-    if (has_barrier) channels.barrier = open(schemas_.barrier, topic + "barrier", "json");
+    channels.input = open(schemas_.input, log_topic("/ROBOT/input"));
+    channels.path = open(schemas_.path, log_topic("/ROBOT/path"));
+    if (has_barrier) channels.barrier = open(schemas_.barrier, log_topic("/ROBOT/barrier"));
     channels.robot = robots_++;
     const Agent& agent = team_.agent(body);
     if (tracks_position(agent, channels.roles) || tracks_heading(agent, channels.roles)) {
-      channels.reference = open(schemas_.reference, topic + "reference", "json");
+      channels.reference = open(schemas_.reference, log_topic("/ROBOT/reference"));
     }
   }
   bodies_.push_back(channels);
@@ -100,12 +88,9 @@ void LogTopics::open_attitudes(const Scenario& scenario) {
   const std::vector<bool> leans = leaning_bodies(scenario);
   for (BodyChannels& channels : bodies_) {
     if (!leans[size(channels.body.index)]) continue;
-    if (!schemas_.attitude) {
-      const RosSchema schema = attitude_schema();
-      schemas_.attitude = to_.schema(schema.name, "ros2msg", schema.text);
-    }
-    channels.attitude =
-        open(*schemas_.attitude, fmt::format("/{}/attitude", team_.name(channels.body)), "cdr");
+    constexpr LogTopic topic = log_topic("/BODY/attitude");
+    if (!schemas_.attitude) schemas_.attitude = topic.add_schema(to_, attitude_schema().text);
+    channels.attitude = topic.open(to_, *schemas_.attitude, team_.name(channels.body));
   }
 }
 

@@ -19,7 +19,7 @@
 
 namespace sightline {
 
-/// Converts samples to the messages of run.mcap (listed in log.hpp), for the log and for
+/// Converts samples to the messages of run.mcap (log_table.hpp), for the log and for
 /// subscribers.
 class LogTopics {
  public:
@@ -46,9 +46,6 @@ class LogTopics {
   };
 
   void open_body(BodyId body, bool is_measured, bool has_barrier);
-  McapChannel open(SchemaId schema, const std::string& topic, std::string_view encoding) {
-    return {to_.channel(schema, topic, encoding, {})};
-  }
   void send_bytes(McapChannel& channel, double time) {
     to_.message(channel.id, channel.sequence++, nanoseconds(time), bytes_);
   }

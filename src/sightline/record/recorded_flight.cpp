@@ -12,44 +12,27 @@
 #include "sightline/base.hpp"
 #include "sightline/log.hpp"
 #include "sightline/record/localization_log.hpp"
+#include "sightline/record/log_table.hpp"
 #include "sightline/record/period_order.hpp"
 
 namespace sightline {
-namespace {
-
-std::string topic_of(const Team& team, BodyId body, std::string_view what) {
-  return fmt::format("/{}/{}", team.name(body), what);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 MeasurementLog::MeasurementLog(const Team& team, MessageSink& sink, const std::vector<RobotGoals>& goals)
     : team_(team), sink_(sink), message_(sink), detections_(size(team.bodies())) {
-  const SchemaId measurement = sink.schema("sightline.Measurement", "jsonschema",
-                                           json_schema({{"stamp", "number"}, {"x", "numbers"}}));
+  constexpr LogTopic measurement = log_topic("/BODY/measurement"), goal = log_topic("/ROBOT/goal"),
+                     team_answer = log_topic("/team");
+  const SchemaId measurements = measurement.add_schema(sink);
   for (int i = 0; i < team.bodies(); ++i)
-    bodies_.push_back({sink.channel(measurement, topic_of(team, BodyId{i}, "measurement"), "json", {})});
-  for (const RobotGoals& robot : goals) {
-    const SchemaId goal =
-        sink.schema("sightline.Goal", "jsonschema",
-                    json_schema({{"after", "numbers"}, {"p", "numbers"}, {"heading", "numbers"}}));
-    goals_.push_back({robot.track, {sink.channel(goal, topic_of(team, robot.robot, "goal"), "json", {})}});
-  }
-  changes_ = {
-      sink.channel(sink.schema("sightline.TeamAnswer", "jsonschema", json_schema({})), "/team", "json", {})};
+    bodies_.push_back(measurement.open(sink, measurements, team.name(BodyId{i})));
+  for (const RobotGoals& robot : goals)
+    goals_.push_back({robot.track, goal.open(sink, goal.add_schema(sink), team.name(robot.robot))});
+  changes_ = team_answer.open(sink, team_answer.add_schema(sink));
 }
 
 /// Schema of detections, added with the first detection.
 SchemaId MeasurementLog::detection() {
-  if (!detection_)
-    detection_ = sink_.schema("sightline.Detection", "jsonschema",
-                              json_schema({{"stamp", "number"},
-                                           {"arrival", "number"},
-                                           {"target", "string"},
-                                           {"tags", "number"},
-                                           {"p", "numbers"},
-                                           {"q", "numbers"},
-                                           {"covariance", "numbers"}}));
+  if (!detection_) detection_ = log_topic("/OBSERVER/detection").add_schema(sink_);
   return *detection_;
 }
 
@@ -96,7 +79,7 @@ void MeasurementLog::add(const Sample& sample) {
     message_.put("covariance", seen.covariance);
     auto& channel = detections_[at(seen.observer)];
     if (!channel)
-      channel = {sink_.channel(detection(), topic_of(team_, seen.observer, "detection"), "json", {})};
+      channel = log_topic("/OBSERVER/detection").open(sink_, detection(), team_.name(seen.observer));
     message_.send(*channel, sample.time);
   }
   if (!sample.team_answered) return;
@@ -111,40 +94,42 @@ class RecordedFlight::Reader {
     const Team& team = flight.team_;
     for (int i = 0; i < team.bodies(); ++i) {
       const BodyId body{i};
-      takes_[topic_of(team, body, "state")] = [this, body](const McapMessage&) {
+      takes_[log_topic("/BODY/state").of(team.name(body))] = [this, body](const McapMessage&) {
         if (at(body) == 0) begin_period();
         take_turn(states_, body.index, "state");
         copy_state(body, period().truth);
       };
-      takes_[topic_of(team, body, "measurement")] = [this, body](const McapMessage&) {
+      takes_[log_topic("/BODY/measurement").of(team.name(body))] = [this, body](const McapMessage&) {
         take_turn(measurements_, body.index, "measurement");
         copy_state(body, period().measured);
         const double stamp = text_.number("stamp");
         period().stamps[at(body)] = std::isnan(stamp) ? -std::numeric_limits<double>::infinity() : stamp;
       };
-      takes_[topic_of(team, body, "detection")] = [this, body](const McapMessage&) { detect(body); };
-      takes_[topic_of(team, body, "broadcast")] = [this, body](const McapMessage&) {
+      takes_[log_topic("/OBSERVER/detection").of(team.name(body))] = [this, body](const McapMessage&) {
+        detect(body);
+      };
+      takes_[log_topic("/BODY/broadcast").of(team.name(body))] = [this, body](const McapMessage&) {
         period().broadcasts.push_back({body, broadcast_of(text_)});
         raise(flight_.most_.broadcasts, period().broadcasts.size());
       };
       if (!team.is_agent(body)) continue;
-      takes_[topic_of(team, body, "input")] = [this, body, number = agents_++](const McapMessage&) {
+      takes_[log_topic("/ROBOT/input").of(team.name(body))] = [this, body,
+                                                               number = agents_++](const McapMessage&) {
         take_turn(inputs_, number, "input");
         const std::span<const double> u = text_.numbers("u");
         copy(u, flight_.team_.model(body).nu(), flight_.team_.input_offset(body), period().u);
       };
-      takes_[topic_of(team, body, "motion")] = [this, body](const McapMessage&) {
+      takes_[log_topic("/ROBOT/motion").of(team.name(body))] = [this, body](const McapMessage&) {
         period().motions.push_back({body, motion_of(text_)});
         raise(flight_.most_.motions, period().motions.size());
       };
-      takes_[topic_of(team, body, "localization")] = [this, body](const McapMessage&) {
+      takes_[log_topic("/ROBOT/localization").of(team.name(body))] = [this, body](const McapMessage&) {
         period().estimates.push_back({body, estimate_of(text_)});
       };
     }
     for (const RobotGoals& robot : flight.goals_)
-      takes_[topic_of(team, robot.robot, "goal")] = [this, track = robot.track](const McapMessage&) {
-        read_goal(track);
-      };
+      takes_[log_topic("/ROBOT/goal").of(team.name(robot.robot))] =
+          [this, track = robot.track](const McapMessage&) { read_goal(track); };
     takes_["/team"] = [this](const McapMessage&) { period().team_answered = true; };
     takes_["/events"] = [this](const McapMessage&) {
       if (text_.word("kind") == to_string(EventKind::missed_period))

@@ -12,11 +12,12 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/log.hpp"
+#include "sightline/record/log_table.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr std::string_view tuned_topic = "/tuned";
+constexpr LogTopic tuned_topic = log_topic("/tuned");
 
 nlohmann::json json_of(const McapMessage& message) {
   return nlohmann::json::parse(
@@ -28,10 +29,7 @@ nlohmann::json json_of(const McapMessage& message) {
 TunedLog::TunedLog(const Scenario& scenario, MessageSink& to)
     : tuned_(scenario.tuned), script_(scenario.script.events.size()), to_(to) {
   if (tuned_ == nullptr) return;
-  channel_ = {
-      to.channel(to.schema("sightline.Tuned", "jsonschema",
-                           json_schema({{"number", "integer"}, {"name", "string"}, {"text", "string"}})),
-                 tuned_topic, "json", {})};
+  channel_ = tuned_topic.open(to, tuned_topic.add_schema(to));
 }
 
 void TunedLog::add(const Sample& sample) {
@@ -57,7 +55,7 @@ std::string tuned_events(const std::filesystem::path& log) {
   std::size_t script = 0;
   try {
     mcap.visit([&](const McapMessage& message) {
-      if (message.topic == tuned_topic) {
+      if (message.topic == tuned_topic.topic) {
         const nlohmann::json reported = json_of(message);
         texts[reported.at("number").get<std::size_t>()] = {reported.at("time").get<double>(),
                                                            reported.at("text").get<std::string>()};
