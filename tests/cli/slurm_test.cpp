@@ -1,4 +1,4 @@
-#include "cli/slurm.hpp"
+#include "cli/campaign/slurm.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
