@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "sightline/base.hpp"
 #include "sightline/loop.hpp"
@@ -15,6 +14,7 @@ namespace sightline::stages {
 namespace {
 
 constexpr std::int64_t no_paths = std::numeric_limits<std::int64_t>::max();
+constexpr double end_after_stop = 1.0;  // longest wait of the last sample after a stop request [s]
 
 std::array<std::size_t, 11> sizes_of(const Sample& s) {
   return {s.x.size(),          s.attitudes.size(), s.path.size(),       s.solvers.size(),
@@ -54,18 +54,25 @@ Log::Log(Sink<Sample>& sink, const Clock& clock, const LoopOptions& options, con
   p.events.reserve(64 + 2 * p.u.size() + 2 * spare_.solvers.size() + spare_.events.size());
 }
 
-void Log::open(Period& p) noexcept {
+Sample* Log::wait_for(Claim claim, double after_stop) noexcept {
   constexpr timespec nap = {0, 100'000};
   // Counted in sleeps, so that a suspended process does not count its pause as a wait for the log.
-  const auto naps_max = static_cast<std::int64_t>(options_.log_patience / 1e-4);
-  Sample* slot = sink_.claim();
+  constexpr double nap_length = 1e-4;
+  Sample* slot = (sink_.*claim)();
   for (std::int64_t naps = 0; slot == nullptr && clock_.waits_for_log() && !is_stuck_; ++naps) {
-    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) break;
-    is_stuck_ = naps >= naps_max || sink_.is_abandoned();
+    const double waited = static_cast<double>(naps) * nap_length;
+    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed) && waited >= after_stop)
+      break;
+    is_stuck_ = waited >= options_.log_patience || sink_.is_abandoned();
     ::nanosleep(&nap, nullptr);
-    slot = sink_.claim();
+    slot = (sink_.*claim)();
   }
   if (slot != nullptr) is_stuck_ = false;
+  return slot;
+}
+
+void Log::open(Period& p) noexcept {
+  Sample* const slot = wait_for(&Sink<Sample>::claim, 0.0);
   p.sample = slot != nullptr ? slot : &spare_;
   p.sample->of = Sample::Of::update;
   p.sample->has_path = p.k >= next_path_;
@@ -99,11 +106,7 @@ void Log::show_end(Period& p, World& world) noexcept {
   std::span<const double> x = world.truth();
   const bool is_truth = !x.empty();
   if (!sink_.takes_between() || (!is_truth && (!p.outcome.finite || options_.localizer != nullptr))) return;
-  Sample* slot = sink_.claim_between();
-  while (slot == nullptr && clock_.waits_for_log()) {
-    std::this_thread::yield();
-    slot = sink_.claim_between();
-  }
+  Sample* const slot = wait_for(&Sink<Sample>::claim_between, end_after_stop);
   if (slot == nullptr) return;
   if (!is_truth) x = world.measure(p.t).measured;
   fill(p, p.t, x, is_truth, *slot);

@@ -24,6 +24,10 @@ class Log {
   void show_end(Period& period, World& world) noexcept;
 
  private:
+  using Claim = Sample* (Sink<Sample>::*)() noexcept;
+  /// In simulated time waits for room: log_patience, `after_stop` [s] after a stop request, and not
+  /// for an abandoned sink. nullptr: no room.
+  Sample* wait_for(Claim claim, double after_stop) noexcept;
   void fill(const Period& period, double t, std::span<const double> x, bool is_truth,
             Sample& sample) const noexcept;
 
