@@ -237,6 +237,8 @@ bool DdsWorld::in_our_hands() const {
 
 void DdsWorld::report_changes(const PrintMessage& print) {
   for (Robot& robot : robots_) {
+    if (const std::string reply = robot.end->reply(); !reply.empty())
+      print(fmt::format("{}: {}", robot.name, reply));
     const LinkState state = robot.machine.state();
     if (state == robot.reported) continue;
     robot.reported = state;
@@ -355,7 +357,6 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
       steps_until(LinkOrder::land, interrupts, print, [&] { return !in_our_hands() && each_is({S::done}); });
       return false;
     }
-    for (Robot& robot : robots_) robot.end->stop_examining();
     calls_.is_at(FlightPhase::taking_off);
     steps_until(LinkOrder::take_off, interrupts, print, [&] {
       return out() || std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
@@ -364,6 +365,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
     });
     if (!out())
       steps_until(LinkOrder::hold, interrupts, print, [&] { return out() || each_is({S::holding}); });
+    for (Robot& robot : robots_) robot.end->stop_examining();
     const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);
     if (!out())
       steps_until(LinkOrder::hold, interrupts, print,

@@ -147,6 +147,26 @@ TEST(DdsWorld, AnotherFlightOfTheSameVehicleIsAsTheFirst) {
   }
 }
 
+TEST(DdsWorld, RequestsThatAreLostAreRepeatedAndEachReplyIsReported) {
+  Rig rig(row_of({"1.16", "1.18"}, 0.5));
+  for (const std::size_t i : {0u, 1u}) rig.faults(i).begin(Kind::request_lost, 0.3);
+  rig.fly();
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_GT(rig.faults(0).counts().requests_lost + rig.faults(1).counts().requests_lost, 0);
+  for (const char* request : {"arm", "take off", "offboard", "land"})
+    EXPECT_THAT(rig.reported, Contains(fmt::format("uav1: the request to {} is accepted", request)));
+  for (const std::size_t i : {0u, 1u}) EXPECT_FALSE(rig.vehicle(i).armed()) << i;
+  expect_well_treated(rig);
+}
+
+TEST(DdsWorld, AVehicleThatReceivesNoRequestIsGivenUpAfterFour) {
+  Rig rig(row_of({"1.16"}, 1.0));
+  rig.faults(0).begin(Kind::request_lost, 1.0);
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_THAT(rig.world->faults(), Contains("uav0: it did not arm in time"));
+  EXPECT_EQ(rig.faults(0).counts().requests_lost, 4);
+}
+
 TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   Rig rig(row_of({"1.16", "1.15"}, 20.0));
   const LoopOutcome outcome = rig.fly(0.7, [&] { rig.faults(0).begin(Kind::pilot); });

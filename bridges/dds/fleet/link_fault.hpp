@@ -31,6 +31,7 @@ enum class LinkFaultKind : std::uint8_t {
   estimator_invalid,
   wrong_release,
   blind,
+  request_lost,
 };
 
 /// Robots that can have a fault.
@@ -51,7 +52,7 @@ struct LinkFaultText {
 };
 
 inline constexpr Bounds share_bounds = {0.0, 1.0, "0 to 1"};
-inline constexpr std::size_t link_fault_kinds = 16;
+inline constexpr std::size_t link_fault_kinds = 17;
 inline constexpr std::array<std::string_view, 1> px4_alone = {"px4"};
 inline constexpr std::array<std::string_view, 2> with_battery = {"px4", "crazyswarm2"};
 /// In the order of LinkFaultKind.
@@ -92,6 +93,7 @@ inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
        0.0,
        "it begins anew with the firmware 1.N; 0: the next one"},
       {"blind", 'c', {.camera = true}, "", {}, 0.0, "its camera finds no tags"},
+      {"request_lost", 'q', px4, "share", share_bounds, 0.2, "requests to it are lost"},
   }};
 }();
 

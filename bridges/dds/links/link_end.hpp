@@ -34,8 +34,11 @@ class LinkEnd {
   /// Findings before a flight: the topics the robot is flown by, and the reasons that prevent
   /// arming. Runs on the examining thread; may allocate.
   virtual void examine(const Surroundings& around, FindingList& to) = 0;
-  /// Ends the readers and writers that only examine() needs; called before arming.
+  /// Ends the readers and writers that only examine() and reply() need; called before the task.
   virtual void stop_examining() {}
+  /// The robot's reply to a request since the last call, as text; empty: none. Control thread, not
+  /// during the task; allocates.
+  virtual std::string reply() { return {}; }
   /// Subscriber of the robot's pose and motion.
   virtual PoseSubscriber& subscriber() noexcept = 0;
   /// Geodetic origin of its local frame, if the robot reports one.

@@ -1,6 +1,7 @@
 #include "bridges/dds/links/link_machine.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace sightline::dds {
 namespace {
@@ -72,7 +73,7 @@ std::string_view to_string(LinkReason reason) {
 }
 
 struct LinkMachine::Row {
-  LinkState from;
+  unsigned from;  // a set of states, one bit each
   When when;
   LinkState to;
   LinkReason why;
@@ -113,7 +114,7 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::not_offboard:
       return f.mode != AutopilotMode::offboard;
     case When::offboard:
-      return requested(Request::offboard) && f.mode == AutopilotMode::offboard;
+      return requested_ == Request::offboard && f.mode == AutopilotMode::offboard;
     case When::restarted:
       return f.restarted;
     case When::contested:
@@ -125,7 +126,7 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::late:
       return t - since_ >= longest(state_);
     case When::unanswered:
-      return requested(Request::offboard) && t - requested_at_ >= times_.offboard;
+      return requested_ == Request::offboard && t - first_requested_at_ >= times_.offboard;
   }
   return false;
 }
@@ -151,88 +152,67 @@ double LinkMachine::longest(LinkState state) const noexcept {
   }
 }
 
-void LinkMachine::request(Request request, double t, LinkOutput& output) noexcept {
-  requested_[static_cast<std::size_t>(request)] = true;
+void LinkMachine::request(Request request, double t, const LinkFacts& facts, LinkOutput& output) noexcept {
+  const bool anew = std::exchange(requested_, request) != request,
+             over = request != Request::land && (facts.answered || attempts_ == times_.attempts);
+  if (anew) attempts_ = 0, first_requested_at_ = t;
+  if (!anew && (over || t - requested_at_ < times_.again)) return;
+  ++attempts_;
   requested_at_ = t;
   output.request = request;
 }
 
-// The first row whose condition holds is taken. No row leaves done or pilot.
-const std::array<LinkMachine::Row, 65> LinkMachine::table = [] {
+// The first row of the state whose condition holds is taken. No row leaves done or pilot.
+const std::array<LinkMachine::Row, 36> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
-  return std::array<Row, 65>{{
-      {S::waiting, When::emergency, S::done, R::as_requested},
-      {S::waiting, When::handed_over, S::done, R::handed_over},
-      {S::waiting, When::to_land, S::done, R::as_requested},
-      {S::waiting, When::ready, S::ready, R::as_requested},
-      {S::waiting, When::late, S::done, R::not_ready},
+  constexpr auto bit = [](S state) { return 1U << static_cast<unsigned>(state); };
+  constexpr unsigned waiting = bit(S::waiting), ready = bit(S::ready), arming = bit(S::arming),
+                     taking_off = bit(S::taking_off), holding = bit(S::holding), flying = bit(S::flying),
+                     landing = bit(S::landing), steered = holding | flying, in_air = taking_off | steered,
+                     unarmed = waiting | ready, ours = arming | in_air | landing;
+  return std::array<Row, 36>{{
+      {unarmed, When::emergency, S::done, R::as_requested},
+      {ours, When::emergency, S::done, R::emergency},
+      {unarmed | ours, When::handed_over, S::done, R::handed_over},
+      {unarmed, When::to_land, S::done, R::as_requested},
+      {ours, When::restarted, S::done, R::restarted},
 
-      {S::ready, When::emergency, S::done, R::as_requested},
-      {S::ready, When::handed_over, S::done, R::handed_over},
-      {S::ready, When::to_land, S::done, R::as_requested},
-      {S::ready, When::lost, S::done, R::silent},
-      {S::ready, When::armed, S::pilot, R::pilot},
-      {S::ready, When::contested, S::done, R::contested},
-      {S::ready, When::to_take_off, S::arming, R::as_requested},
-      {S::ready, When::late, S::done, R::no_task},
+      {waiting, When::ready, S::ready, R::as_requested},
+      {waiting, When::late, S::done, R::not_ready},
 
-      {S::arming, When::emergency, S::done, R::emergency},
-      {S::arming, When::handed_over, S::done, R::handed_over},
-      {S::arming, When::restarted, S::done, R::restarted},
-      {S::arming, When::armed_to_land, S::landing, R::as_requested},
-      {S::arming, When::armed, S::taking_off, R::as_requested},
-      {S::arming, When::refused, S::done, R::arming_refused},
-      {S::arming, When::late, S::done, R::no_answer},
+      {ready, When::lost, S::done, R::silent},
+      {ready, When::armed, S::pilot, R::pilot},
+      {ready, When::contested, S::done, R::contested},
+      {ready, When::to_take_off, S::arming, R::as_requested},
+      {ready, When::late, S::done, R::no_task},
 
-      {S::taking_off, When::emergency, S::done, R::emergency},
-      {S::taking_off, When::handed_over, S::done, R::handed_over},
-      {S::taking_off, When::restarted, S::done, R::restarted},
-      {S::taking_off, When::disarmed, S::done, R::disarmed},
-      {S::taking_off, When::failsafe, S::pilot, R::failsafe},
-      {S::taking_off, When::taken_after_takeoff, S::pilot, R::pilot},
-      {S::taking_off, When::to_land, S::landing, R::as_requested},
-      {S::taking_off, When::refused, S::landing, R::refused},
-      {S::taking_off, When::contested, S::landing, R::contested},
-      {S::taking_off, When::unfit, S::landing, R::as_requested},
-      {S::taking_off, When::lost, S::landing, R::silent},
-      {S::taking_off, When::offboard, S::holding, R::as_requested},
-      {S::taking_off, When::unanswered, S::landing, R::refused},
-      {S::taking_off, When::late, S::landing, R::too_long},
+      {arming, When::armed_to_land, S::landing, R::as_requested},
+      {arming, When::armed, S::taking_off, R::as_requested},
+      {arming, When::refused, S::done, R::arming_refused},
+      {arming, When::late, S::done, R::no_answer},
 
-      {S::holding, When::emergency, S::done, R::emergency},
-      {S::holding, When::handed_over, S::done, R::handed_over},
-      {S::holding, When::restarted, S::done, R::restarted},
-      {S::holding, When::disarmed, S::done, R::disarmed},
-      {S::holding, When::failsafe, S::pilot, R::failsafe},
-      {S::holding, When::not_offboard, S::pilot, R::pilot},
-      {S::holding, When::to_land, S::landing, R::as_requested},
-      {S::holding, When::contested, S::landing, R::contested},
-      {S::holding, When::unfit, S::landing, R::as_requested},
-      {S::holding, When::lost, S::landing, R::silent},
-      {S::holding, When::to_task, S::flying, R::as_requested},
-      {S::holding, When::late, S::landing, R::no_task},
+      {in_air, When::disarmed, S::done, R::disarmed},
+      {in_air, When::failsafe, S::pilot, R::failsafe},
+      {taking_off, When::taken_after_takeoff, S::pilot, R::pilot},
+      {steered, When::not_offboard, S::pilot, R::pilot},
+      {in_air, When::to_land, S::landing, R::as_requested},
+      {taking_off, When::refused, S::landing, R::refused},
+      {in_air, When::contested, S::landing, R::contested},
+      {in_air, When::unfit, S::landing, R::as_requested},
+      {in_air, When::lost, S::landing, R::silent},
+      {taking_off, When::offboard, S::holding, R::as_requested},
+      {taking_off, When::unanswered, S::landing, R::refused},
+      {taking_off, When::late, S::landing, R::too_long},
+      {holding, When::to_task, S::flying, R::as_requested},
+      {holding, When::late, S::landing, R::no_task},
+      {flying, When::to_hold, S::holding, R::as_requested},
+      {flying, When::late, S::landing, R::no_end},
 
-      {S::flying, When::emergency, S::done, R::emergency},
-      {S::flying, When::handed_over, S::done, R::handed_over},
-      {S::flying, When::restarted, S::done, R::restarted},
-      {S::flying, When::disarmed, S::done, R::disarmed},
-      {S::flying, When::failsafe, S::pilot, R::failsafe},
-      {S::flying, When::not_offboard, S::pilot, R::pilot},
-      {S::flying, When::to_land, S::landing, R::as_requested},
-      {S::flying, When::contested, S::landing, R::contested},
-      {S::flying, When::unfit, S::landing, R::as_requested},
-      {S::flying, When::lost, S::landing, R::silent},
-      {S::flying, When::to_hold, S::holding, R::as_requested},
-      {S::flying, When::late, S::landing, R::no_end},
-
-      {S::landing, When::emergency, S::done, R::emergency},
-      {S::landing, When::handed_over, S::done, R::handed_over},
-      {S::landing, When::restarted, S::done, R::restarted},
-      {S::landing, When::disarmed_on_ground, S::done, R::as_requested},
-      {S::landing, When::disarmed, S::done, R::disarmed},
-      {S::landing, When::taken, S::pilot, R::pilot},
-      {S::landing, When::late, S::done, R::did_not_land},
+      {landing, When::disarmed_on_ground, S::done, R::as_requested},
+      {landing, When::disarmed, S::done, R::disarmed},
+      {landing, When::taken, S::pilot, R::pilot},
+      {landing, When::late, S::done, R::did_not_land},
   }};
 }();
 
@@ -241,26 +221,30 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
   begun_ = true;
   took_off_ |= state_ == LinkState::taking_off && facts.mode == AutopilotMode::takeoff;
   LinkOutput output;
-  const auto row = std::find_if(table.begin(), table.end(),
-                                [&](const Row& r) { return r.from == state_ && holds(r, facts, order, t); });
+  const auto row =
+      std::find_if(table.begin(), table.end(), [&, here = 1U << static_cast<unsigned>(state_)](const Row& r) {
+        return (r.from & here) != 0 && holds(r, facts, order, t);
+      });
   if (row != table.end()) {
-    if (row->why == LinkReason::emergency) request(Request::emergency, t, output);
+    if (row->why == LinkReason::emergency) output.request = Request::emergency;
     state_ = row->to;
     since_ = t;
     if (reason_ == LinkReason::as_requested) reason_ = row->when == When::unfit ? facts.unfit : row->why;
-    if (state_ == LinkState::arming) request(Request::arm, t, output);
-    if (state_ == LinkState::taking_off) request(Request::take_off, t, output);
-    if (state_ == LinkState::landing) request(Request::land, t, output);
   }
   const bool offboard = facts.mode == AutopilotMode::offboard;
   switch (state_) {
+    case LinkState::arming:
+      request(Request::arm, t, facts, output);
+      break;
     case LinkState::taking_off:
-      if (facts.airborne && order >= LinkOrder::hold && !requested(Request::offboard))
-        request(Request::offboard, t, output);
+      if (requested_ == Request::offboard || (facts.airborne && order >= LinkOrder::hold))
+        request(Request::offboard, t, facts, output);
+      else if (requested_ != Request::take_off || facts.landed)
+        request(Request::take_off, t, facts, output);
       break;
     case LinkState::landing:
-      if (facts.mode != AutopilotMode::land && t - requested_at_ >= times_.land_again)
-        request(Request::land, t, output);
+      if (facts.mode != AutopilotMode::land || requested_ != Request::land)
+        request(Request::land, t, facts, output);
       if (offboard) output.setpoint = Setpoint::zero;
       break;
     case LinkState::holding:

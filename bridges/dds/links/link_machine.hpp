@@ -64,6 +64,7 @@ struct LinkFacts {
   bool armed = false;
   bool airborne = false;  ///< at the height where its take-off ends
   bool landed = true;
+  bool answered = true;  ///< it acknowledged or rejected the last request, or no request is lost
   bool refused = false;  ///< it rejected the last request
   bool failsafe = false;
   bool contested = false;                       ///< another program writes set-points to it
@@ -95,22 +96,23 @@ struct LinkOutput {
 
 /// Time limits of the state machine [s].
 struct LinkTimes {
-  double ready = 10.0;      ///< waiting: maximum time until ready
-  double listened = 1.5;    ///< minimum observation before findings count: battery messages come at 1 Hz
-  double received = 1.2;    ///< ready: minimum time; PX4 requires a heartbeat for more than 1 s
-  double called = 3600.0;   ///< ready: maximum time until the take-off order
-  double arming = 2.0;      ///< from the arm request until armed
-  double takeoff = 30.0;    ///< until it can accept set-points
-  double offboard = 2.0;    ///< from the set-point request until it follows set-points
-  double holding = 30.0;    ///< maximum
-  double task = 3600.0;     ///< maximum
-  double landing = 60.0;    ///< maximum
-  double land_again = 0.5;  ///< between two land requests
+  double ready = 10.0;     ///< waiting: maximum time until ready
+  double listened = 1.5;   ///< minimum observation before findings count: battery messages come at 1 Hz
+  double received = 1.2;   ///< ready: minimum time; PX4 requires a heartbeat for more than 1 s
+  double called = 3600.0;  ///< ready: maximum time until the take-off order
+  double arming = 2.0;     ///< from the arm request until armed
+  double takeoff = 30.0;   ///< until it can accept set-points
+  double offboard = 2.0;   ///< from the set-point request until it follows set-points
+  double holding = 30.0;   ///< maximum
+  double task = 3600.0;    ///< maximum
+  double landing = 60.0;   ///< maximum
+  double again = 0.5;      ///< between two requests for the same
+  int attempts = 4;        ///< maximum number of requests for the same; land: no limit
 };
 
 /// State machine of one robot. step() runs each period and takes at most one row of the table.
-/// In its lifetime it sends one request each for arming, take-off, set-points and emergency; it
-/// repeats the land request. It sends set-points only while the autopilot accepts them.
+/// It sends each request again until it is acknowledged, at most `attempts` times; land until the
+/// autopilot lands, emergency once. It sends set-points only while the autopilot accepts them.
 class LinkMachine {
  public:
   explicit LinkMachine(const LinkTimes& times = {}) : times_(times) {}
@@ -129,18 +131,18 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 65> table;
+  static const std::array<Row, 36> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
-  bool requested(Request request) const noexcept { return requested_[static_cast<std::size_t>(request)]; }
-  void request(Request request, double t, LinkOutput& output) noexcept;
+  void request(Request request, double t, const LinkFacts& facts, LinkOutput& output) noexcept;
 
   LinkTimes times_;
   LinkState state_ = LinkState::waiting;
   LinkReason reason_ = LinkReason::as_requested;
   bool begun_ = false, took_off_ = false;
-  double since_ = 0.0, requested_at_ = 0.0;
-  std::array<bool, 6> requested_{};  // indexed by Request
+  double since_ = 0.0, requested_at_ = 0.0, first_requested_at_ = 0.0;
+  Request requested_ = Request::none;  // the last, sent attempts_ times
+  int attempts_ = 0;
 };
 
 }  // namespace sightline::dds

@@ -25,6 +25,11 @@ constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
 constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
 constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
+// In the order of the result of an acknowledgement, and of Request.
+constexpr std::array<std::string_view, 7> ack_results = {
+    "accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress", "cancelled"};
+constexpr std::array<std::string_view, 6> request_names = {"nothing",  "arm",  "take off",
+                                                           "offboard", "land", "stop its motors"};
 constexpr std::uint8_t our_system = 200, our_component = 191;  // component ID of a companion computer
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 
@@ -98,10 +103,11 @@ void Px4LinkEnd::read_state(dds_entity_t participant) {
     };
   });
   ends_->ack = read("VehicleCommandAck", {.depth = 8}, [this](const Px4Layout& in) {
-    return
-        [this, command = in.place("command"), result = in.place("result")](const void* m, const Arrival& a) {
-          ack_.put({a.monotonic, read_at<std::uint32_t>(m, command), read_at<Byte>(m, result)});
-        };
+    return [this, command = in.place("command"), result = in.place("result"),
+            system = in.place("target_system")](const void* m, const Arrival& a) {
+      ack_.put({a.monotonic, read_at<std::uint32_t>(m, command), read_at<Byte>(m, result),
+                read_at<Byte>(m, system)});
+    };
   });
   ends_->position = read("VehicleLocalPosition", of_sensors, [this](const Px4Layout& in) {
     return [this, valid = in.place("xy_valid"), xy = in.place("xy_global"), z = in.place("z_global"),
@@ -231,10 +237,21 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   const bool high = poses().newest().motion.p.z - origin_.p.z > least_height;
   facts.airborne =
       (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.landed);
-  facts.refused = last_ack_.arrived > requested_at_ &&
-                  last_ack_.command == static_cast<std::uint32_t>(requested_) &&
-                  last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
+  facts.answered = last_ack_.arrived > requested_at_ && last_ack_.system == our_system &&
+                   last_ack_.command == static_cast<std::uint32_t>(requested_by_);
+  facts.refused = facts.answered && last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
+  if (facts.answered && last_ack_.arrived > replied_at_)
+    replied_ = requested_, replied_at_ = last_ack_.arrived;
   return facts;
+}
+
+std::string Px4LinkEnd::reply() {
+  if (replied_ == Request::none) return {};
+  const std::size_t result = last_ack_.result;
+  return fmt::format("the request to {} is {}{}",
+                     request_names[static_cast<std::size_t>(std::exchange(replied_, Request::none))],
+                     result < ack_results.size() ? ack_results[result] : "answered by an unknown result",
+                     result == ack_accepted || result == ack_in_progress || !aside_ ? "" : aside_->failing());
 }
 
 /// Heading of its estimator minus the externally observed one, anticlockwise [rad]; 0 if one of
@@ -250,9 +267,8 @@ std::uint64_t Px4LinkEnd::stamp() const noexcept {
   return stamps_ == Stamps::of_this_machine ? static_cast<std::uint64_t>(realtime_now() / 1000) : 0;
 }
 
-void Px4LinkEnd::command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept {
-  requested_ = which;
-  requested_at_ = now;
+void Px4LinkEnd::command(Px4Command which, float param1, float param2) noexcept {
+  requested_by_ = which;
   const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
   // NaN: the current position, and the configured altitude.
   const float rest = takes_off ? px4_nan : 0.0F;
@@ -303,25 +319,27 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       ++held_back_;
     }
   }
+  const bool repeated = output.request == Request::none || output.request == requested_;
+  if (!repeated) requested_ = output.request, requested_at_ = now;
   switch (output.request) {
     case Request::none:
       break;
     case Request::arm:
-      speakers_ = ends_->status->writers_came();
+      if (!repeated) speakers_ = ends_->status->writers_came();
       anchor_.hold();
-      command(Px4Command::arm_disarm, 1.0F, 0.0F, now);
+      command(Px4Command::arm_disarm, 1.0F, 0.0F);
       break;
     case Request::take_off:
-      command(Px4Command::takeoff, 0.0F, 0.0F, now);
+      command(Px4Command::takeoff, 0.0F, 0.0F);
       break;
     case Request::offboard:
-      command(Px4Command::set_mode, px4_custom_mode, px4_mode_offboard, now);
+      command(Px4Command::set_mode, px4_custom_mode, px4_mode_offboard);
       break;
     case Request::land:
-      command(Px4Command::land, 0.0F, 0.0F, now);
+      command(Px4Command::land, 0.0F, 0.0F);
       break;
     case Request::emergency:
-      command(Px4Command::arm_disarm, 0.0F, px4_force, now);
+      command(Px4Command::arm_disarm, 0.0F, px4_force);
       break;
   }
 }

@@ -46,6 +46,7 @@ class Px4LinkEnd final : public LinkEnd {
   PoseSubscriber& subscriber() noexcept override { return poses(); }
   std::optional<GeoPoint> reference() const override;
   void stop_examining() override { aside_.reset(); }
+  std::string reply() override;
   std::string counts() const override;
   const DelayHistogram* arrivals() const noexcept override {
     return stamps_ == Stamps::of_this_machine ? &latency_ : nullptr;
@@ -78,7 +79,7 @@ class Px4LinkEnd final : public LinkEnd {
   struct Ack {
     Nanoseconds arrived = 0;
     std::uint32_t command = 0;
-    std::uint8_t result = 0;
+    std::uint8_t result = 0, system = 0;  // system: that of the request
   };
   struct Ends;
 
@@ -96,7 +97,7 @@ class Px4LinkEnd final : public LinkEnd {
   void examine_estimator(FindingList& to) const;
   void examine_state(FindingList& to);
   std::uint64_t stamp() const noexcept;
-  void command(Px4Command which, float param1, float param2, Nanoseconds now) noexcept;
+  void command(Px4Command which, float param1, float param2) noexcept;
 
   Px4Link px4_;
   PosesFrom from_;
@@ -128,8 +129,10 @@ class Px4LinkEnd final : public LinkEnd {
   Landed last_landed_{};
   Px4Battery last_battery_{};
   Ack last_ack_{};
-  Px4Command requested_{};
-  Nanoseconds requested_at_ = 0, beat_at_ = 0;
+  Request requested_ = Request::none;  // the last, sent since requested_at_
+  Request replied_ = Request::none;    // that of the last reply; none: reported
+  Px4Command requested_by_{};
+  Nanoseconds requested_at_ = 0, replied_at_ = 0, beat_at_ = 0;
   std::uint64_t answered_ = 0;                        // sampled_ of the pose that the next command answers
   std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
   int speakers_ = -1;  // status writers matched at the arm request; -1: none requested yet

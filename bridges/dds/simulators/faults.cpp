@@ -28,6 +28,14 @@ void Faults::end(LinkFaultKind kind) {
   ++of(kind).changes;
 }
 
+bool Faults::loses_request() {
+  const std::scoped_lock lock(lock_);
+  const bool lost =
+      on(LinkFaultKind::request_lost) && of_requests_.uniform() <= size(LinkFaultKind::request_lost);
+  counts_.requests_lost += lost ? 1 : 0;
+  return lost;
+}
+
 bool Faults::changed(LinkFaultKind kind) {
   One& one = of(kind);
   return std::exchange(one.seen, one.changes.load()) != one.seen;
@@ -64,7 +72,7 @@ std::string in_words(const FaultCounts& n) {
     if (count > 0) words.push_back(fmt::format("{} {}", count, what));
   };
   add(n.dropped, "messages lost"), add(n.duplicated, "sent twice"), add(n.reordered, "out of order"),
-      add(n.not_finite, "poses not finite");
+      add(n.not_finite, "poses not finite"), add(n.requests_lost, "requests lost");
   return fmt::format("{}", fmt::join(words, ", "));
 }
 

@@ -19,14 +19,15 @@ class FaultyWriter;
 
 /// Number of messages affected by each fault.
 struct FaultCounts {
-  std::int64_t dropped = 0, duplicated = 0, reordered = 0, not_finite = 0;
+  std::int64_t dropped = 0, duplicated = 0, reordered = 0, not_finite = 0, requests_lost = 0;
   bool operator==(const FaultCounts&) const = default;
 };
 
 /// Faults of one simulated robot. Equal seeds, faults and messages give equal counts.
 class Faults {
  public:
-  explicit Faults(std::uint64_t seed) : seed_(seed), random_(seed, StreamId::fault, 0) {}
+  explicit Faults(std::uint64_t seed)
+      : seed_(seed), random_(seed, StreamId::fault, 0), of_requests_(seed, StreamId::fault, -1) {}
   Faults(const Faults&) = delete;
   Faults& operator=(const Faults&) = delete;
 
@@ -35,6 +36,8 @@ class Faults {
   void begin(LinkFaultKind kind) { begin(kind, text_of(kind).fallback); }
   void end(LinkFaultKind kind);
   bool on(LinkFaultKind kind) const { return of(kind).on; }
+  /// Whether the request that has come now is lost.
+  bool loses_request();
   double size(LinkFaultKind kind) const { return of(kind).size; }
 
   // Stepping thread only.
@@ -65,6 +68,7 @@ class Faults {
   std::optional<Motion> frozen_;
   int resets_ = 0;
   mutable std::mutex lock_;  // guards the members below
+  RandomStream of_requests_;
   std::vector<FaultyWriter*> writers_;
   int writers_made_ = 0;
   FaultCounts counts_;

@@ -91,6 +91,7 @@ void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, s
                             std::uint8_t source) {
   const std::scoped_lock lock(lock_);
   if (target != 0 && target != setup_.system) return;  // for another system: no acknowledgement
+  if (faults_.loses_request()) return;
   const bool ready = checks_ && monotonic_now() - booted_ > checks_take;
   std::uint8_t result = unsupported;
   switch (static_cast<Px4Command>(command)) {
