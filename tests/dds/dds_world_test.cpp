@@ -167,6 +167,29 @@ TEST(DdsWorld, AVehicleThatReceivesNoRequestIsGivenUpAfterFour) {
   EXPECT_EQ(rig.faults(0).counts().requests_lost, 4);
 }
 
+// A vehicle that lands by its failsafe stays in offboard, where it does not pass its checks without heartbeats.
+TEST(DdsWorld, AVehicleThatWasLeftInOffboardFliesAgain) {
+  Rig rig(row_of({"1.16"}, 1.0));
+  std::atomic<int> nav{0};
+  std::atomic<bool> passes{true};
+  RawReader status(rig.domain->another_participant(), px4_msgs_msg_dds__VehicleStatus_16__desc,
+                   "/px4_0/fmu/out/vehicle_status_v1", of_sensors, std::nullopt, Writers::all,
+                   [&](const void* m, const Arrival&) {
+                     const auto& s = *static_cast<const px4_msgs_msg_dds__VehicleStatus_16_*>(m);
+                     nav = s.nav_state, passes = s.pre_flight_checks_pass;
+                   });
+  ASSERT_TRUE(rig.take_off());
+  rig.world.reset();
+  ASSERT_TRUE(test::eventually([&] { return !rig.vehicle(0).armed() && nav == 14 && !passes; },
+                               std::chrono::seconds(20)));
+  rig.world = std::make_unique<DdsWorld>(rig.scenario, rig.domain, of_vehicle_simulators({}));
+  EXPECT_TRUE(rig.take_off()) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_THAT(rig.reported, Contains("uav0: the request to hold is accepted"));
+  rig.land();
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  EXPECT_TRUE(test::eventually([&] { return nav == 4 && passes; }));
+}
+
 TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   Rig rig(row_of({"1.16", "1.15"}, 20.0));
   const LoopOutcome outcome = rig.fly(0.7, [&] { rig.faults(0).begin(Kind::pilot); });

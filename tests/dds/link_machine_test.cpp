@@ -16,6 +16,7 @@ constexpr double machine_tick = 0.01;  // [s]
 struct Obedient {
   LinkFacts facts{.there = true, .checked = true};
   bool deaf = false;
+  AutopilotMode after_landing = AutopilotMode::land;
 
   void take(Request request) {
     if (deaf) return;
@@ -23,7 +24,8 @@ struct Obedient {
     if (request == Request::take_off)
       facts.mode = AutopilotMode::takeoff, facts.airborne = true, facts.landed = false;
     if (request == Request::offboard) facts.mode = AutopilotMode::offboard;
-    if (request == Request::land) facts.mode = AutopilotMode::land, facts.armed = false, facts.landed = true;
+    if (request == Request::hold) facts.mode = AutopilotMode::takeoff;
+    if (request == Request::land) facts.mode = after_landing, facts.armed = false, facts.landed = true;
   }
 };
 
@@ -175,6 +177,23 @@ TEST(LinkMachine, AnEmergencyStopsWhatItHadArmedOnceAndNothingElse) {
   }
 }
 
+// PX4 restores the mode from before the landing, in which it does not arm without heartbeats.
+TEST(LinkMachine, ARobotOnTheGroundIsBroughtOutOfOffboard) {
+  for (const bool deaf : {false, true}) {
+    LinkMachine machine;
+    Obedient robot{.facts = {.there = true, .checked = true, .mode = AutopilotMode::offboard},
+                   .after_landing = AutopilotMode::offboard};
+    double t = until(LinkState::flying, machine, robot, LinkOrder::task, 0.0);
+    ASSERT_EQ(machine.state(), LinkState::flying);
+    robot.take(machine.step(t, robot.facts, LinkOrder::land).request);
+    robot.deaf = deaf;
+    EXPECT_NEAR(until(LinkState::done, machine, robot, LinkOrder::land, t) - t,
+                deaf ? LinkTimes{}.offboard : 0.0, 5 * machine_tick);
+    EXPECT_EQ(robot.facts.mode, deaf ? AutopilotMode::offboard : AutopilotMode::takeoff);
+    EXPECT_EQ(machine.reason(), LinkReason::as_requested);
+  }
+}
+
 TEST(LinkMachine, ARequestIsRepeatedUntilItIsAnswered) {
   struct Case {
     LinkState state;
@@ -260,7 +279,11 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
           << to_string(state);
       ASSERT_TRUE(out.setpoint != Setpoint::task || state == LinkState::flying);
       ASSERT_TRUE(!out.heartbeat || (state >= LinkState::ready && state <= LinkState::landing));
-      if (out.request == Request::emergency) {
+      ASSERT_TRUE(state != LinkState::ready || before == state || f.mode != AutopilotMode::offboard);
+      if (out.request == Request::hold) {
+        ASSERT_TRUE(!f.armed && f.landed && f.mode == AutopilotMode::offboard);
+        ASSERT_TRUE(state == LinkState::waiting || state == LinkState::landing);
+      } else if (out.request == Request::emergency) {
         ASSERT_TRUE(before >= LinkState::arming && before <= LinkState::landing && state == LinkState::done);
         ++stopped;
       } else {
@@ -277,6 +300,7 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
       if (out.request == Request::arm && obeys) f.armed = true, f.landed = false;
       if (out.request == Request::take_off && obeys) f.mode = AutopilotMode::takeoff, f.airborne = true;
       if (out.request == Request::offboard && obeys) f.mode = AutopilotMode::offboard;
+      if (out.request == Request::hold && obeys) f.mode = AutopilotMode::takeoff;
       if (out.request == Request::land && chance(0.5)) f.mode = AutopilotMode::land;
     }
   }

@@ -100,6 +100,7 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
   if (request != Request::none) requested_at_ = now;
   switch (request) {
     case Request::none:
+    case Request::hold:
       break;
     case Request::arm: {
       speakers_ = status_reader_->writers_came();

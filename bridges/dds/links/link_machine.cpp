@@ -94,15 +94,17 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::to_task:
       return order == LinkOrder::task;
     case When::ready:
-      return f.there && f.checked && !f.armed && !f.contested;
+      return f.there && f.checked && !f.armed && !f.contested && f.mode != AutopilotMode::offboard;
     case When::armed:
       return f.armed;
     case When::armed_to_land:
       return f.armed && order == LinkOrder::land;
     case When::disarmed:
-      return !f.armed;
+      return !f.armed && (state_ != LinkState::landing || !f.landed);
     case When::disarmed_on_ground:
-      return !f.armed && f.landed;
+      return !f.armed && f.landed &&
+             (f.mode != AutopilotMode::offboard ||
+              (requested_ == Request::hold && t - first_requested_at_ >= times_.offboard));
     case When::refused:
       return f.refused;
     case When::failsafe:
@@ -232,7 +234,11 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
     if (reason_ == LinkReason::as_requested) reason_ = row->when == When::unfit ? facts.unfit : row->why;
   }
   const bool offboard = facts.mode == AutopilotMode::offboard;
+  const bool idle = !facts.armed && facts.landed;
   switch (state_) {
+    case LinkState::waiting:
+      if (facts.there && idle && offboard && !facts.contested) request(Request::hold, t, facts, output);
+      break;
     case LinkState::arming:
       request(Request::arm, t, facts, output);
       break;
@@ -243,9 +249,9 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
         request(Request::take_off, t, facts, output);
       break;
     case LinkState::landing:
-      if (facts.mode != AutopilotMode::land || requested_ != Request::land)
-        request(Request::land, t, facts, output);
-      if (offboard) output.setpoint = Setpoint::zero;
+      if (idle || facts.mode != AutopilotMode::land || requested_ != Request::land)
+        request(idle ? Request::hold : Request::land, t, facts, output);
+      if (offboard && !idle) output.setpoint = Setpoint::zero;
       break;
     case LinkState::holding:
       output.setpoint = Setpoint::zero;

@@ -85,7 +85,7 @@ enum class LinkOrder : std::uint8_t {
 };
 
 enum class Setpoint : std::uint8_t { none, zero, task };
-enum class Request : std::uint8_t { none, arm, take_off, offboard, land, emergency };
+enum class Request : std::uint8_t { none, arm, take_off, offboard, hold, land, emergency };
 
 /// Output of one period.
 struct LinkOutput {
@@ -102,7 +102,7 @@ struct LinkTimes {
   double called = 3600.0;  ///< ready: maximum time until the take-off order
   double arming = 2.0;     ///< from the arm request until armed
   double takeoff = 30.0;   ///< until it can accept set-points
-  double offboard = 2.0;   ///< from the set-point request until it follows set-points
+  double offboard = 2.0;   ///< from the request for a mode until it is in that mode
   double holding = 30.0;   ///< maximum
   double task = 3600.0;    ///< maximum
   double landing = 60.0;   ///< maximum
@@ -111,6 +111,7 @@ struct LinkTimes {
 };
 
 /// State machine of one robot. step() runs each period and takes at most one row of the table.
+/// It brings a robot that waits or has landed out of the mode offboard, where it may not arm.
 /// It sends each request again until it is acknowledged, at most `attempts` times; land until the
 /// autopilot lands, emergency once. It sends set-points only while the autopilot accepts them.
 class LinkMachine {

@@ -19,7 +19,7 @@ constexpr int requested_most = 5;
 constexpr Nanoseconds battery_old = 5'000'000'000;
 constexpr std::string_view transmitter_flag = "manual_control_signal_lost";
 // Flags that are set before every offboard flight, or are irrelevant to one.
-constexpr std::array<std::string_view, 4> usual_flags = {transmitter_flag, "offboard_control_signal_lost",
+constexpr std::array<std::string_view, 4> usual_flags = {transmitter_flag, px4_offboard_flag,
                                                          "auto_mission_missing", "gcs_connection_lost"};
 constexpr std::array<std::string_view, 5> warnings = {"none", "low", "critical", "an emergency", "failed"};
 
@@ -212,12 +212,13 @@ void Px4Diagnostics::examine(const Surroundings& around, const Px4Battery& batte
     to.add(Aspect::pilot, Light::green, "it receives a pilot's transmitter");
 }
 
-std::string Px4Diagnostics::failing() const {
+std::string Px4Diagnostics::failing(std::string_view needed) const {
   Flags flags;
   if (!flags_.look(flags)) return "";
   std::vector<std::string_view> set;
   for (std::size_t i = 0; i < flag_names_.size(); ++i)
-    if (flags.set[i] && !is_usual(flag_names_[i])) set.emplace_back(flag_names_[i]);
+    if (flags.set[i] && (flag_names_[i] == needed || !is_usual(flag_names_[i])))
+      set.emplace_back(flag_names_[i]);
   return set.empty() ? "" : fmt::format(" ({})", fmt::join(set, ", "));
 }
 

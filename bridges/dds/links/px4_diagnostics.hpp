@@ -18,6 +18,9 @@
 
 namespace sightline::dds {
 
+/// Failsafe flag without heartbeats of a flyer.
+inline constexpr std::string_view px4_offboard_flag = "offboard_control_signal_lost";
+
 /// Battery state as the vehicle reports it; `arrived` 0: nothing received yet.
 struct Px4Battery {
   Nanoseconds arrived = 0;
@@ -35,8 +38,9 @@ class Px4Diagnostics {
   /// Adds findings about release, battery and pilot. Each call requests the vehicle's message
   /// layouts, at most five times; the vehicle does not act on these requests.
   void examine(const Surroundings& around, const Px4Battery& battery, FindingList& to);
-  /// Failsafe flags that are set, " (mag_invalid, ..)"; empty: none.
-  std::string failing() const;
+  /// Failsafe flags that are set, " (mag_invalid, ..)"; empty: none. Of those that are usual before
+  /// a flight, only `needed`.
+  std::string failing(std::string_view needed) const;
 
  private:
   static constexpr std::size_t flags_most = 48;

@@ -28,10 +28,12 @@ constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 // In the order of the result of an acknowledgement, and of Request.
 constexpr std::array<std::string_view, 7> ack_results = {
     "accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress", "cancelled"};
-constexpr std::array<std::string_view, 6> request_names = {"nothing",  "arm",  "take off",
-                                                           "offboard", "land", "stop its motors"};
+constexpr std::array<std::string_view, 7> request_names = {"nothing", "arm",  "take off",       "offboard",
+                                                           "hold",    "land", "stop its motors"};
 constexpr std::uint8_t our_system = 200, our_component = 191;  // component ID of a companion computer
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
+// The current position, and the configured altitude.
+constexpr std::array<float, 3> px4_unset = {px4_nan, px4_nan, px4_nan};
 
 Vec3<double> px4_vec(const float* v) { return {v[0], v[1], v[2]}; }
 
@@ -217,7 +219,6 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   (void)battery_.look(last_battery_);
   (void)ack_.look(last_ack_);
   const Status& s = last_status_;
-  const auto is = [&](NavState nav) { return s.nav == static_cast<std::uint8_t>(nav); };
   const bool says_landed = now - last_landed_.arrived < status_old;
   LinkFacts facts;
   facts.there = poses().is_fresh(now, odometry_old) && now - s.arrived < status_old;
@@ -230,13 +231,13 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
   facts.failsafe = s.failsafe;
-  facts.mode = is(NavState::offboard)                        ? AutopilotMode::offboard
-               : is(NavState::takeoff) || is(NavState::hold) ? AutopilotMode::takeoff
-               : is(NavState::land)                          ? AutopilotMode::land
-                                                             : AutopilotMode::other;
+  facts.mode = is_in(NavState::offboard)                           ? AutopilotMode::offboard
+               : is_in(NavState::takeoff) || is_in(NavState::hold) ? AutopilotMode::takeoff
+               : is_in(NavState::land)                             ? AutopilotMode::land
+                                                                   : AutopilotMode::other;
   const bool high = poses().newest().motion.p.z - origin_.p.z > least_height;
   facts.airborne =
-      (is(NavState::hold) || is(NavState::offboard)) && high && !(says_landed && last_landed_.landed);
+      (is_in(NavState::hold) || is_in(NavState::offboard)) && high && !(says_landed && last_landed_.landed);
   facts.answered = last_ack_.arrived > requested_at_ && last_ack_.system == our_system &&
                    last_ack_.command == static_cast<std::uint32_t>(requested_by_);
   facts.refused = facts.answered && last_ack_.result != ack_accepted && last_ack_.result != ack_in_progress;
@@ -251,7 +252,11 @@ std::string Px4LinkEnd::reply() {
   return fmt::format("the request to {} is {}{}",
                      request_names[static_cast<std::size_t>(std::exchange(replied_, Request::none))],
                      result < ack_results.size() ? ack_results[result] : "answered by an unknown result",
-                     result == ack_accepted || result == ack_in_progress || !aside_ ? "" : aside_->failing());
+                     result == ack_accepted || result == ack_in_progress ? "" : failing());
+}
+
+std::string Px4LinkEnd::failing() const {
+  return aside_ ? aside_->failing(is_in(NavState::offboard) ? px4_offboard_flag : "") : "";
 }
 
 /// Heading of its estimator minus the externally observed one, anticlockwise [rad]; 0 if one of
@@ -267,16 +272,13 @@ std::uint64_t Px4LinkEnd::stamp() const noexcept {
   return stamps_ == Stamps::of_this_machine ? static_cast<std::uint64_t>(realtime_now() / 1000) : 0;
 }
 
-void Px4LinkEnd::command(Px4Command which, float param1, float param2) noexcept {
+void Px4LinkEnd::command(Px4Command which, const std::array<float, 3>& params) noexcept {
   requested_by_ = which;
-  const bool takes_off = which == Px4Command::takeoff || which == Px4Command::land;
-  // NaN: the current position, and the configured altitude.
-  const float rest = takes_off ? px4_nan : 0.0F;
+  const float rest = std::isnan(params[0]) ? px4_nan : 0.0F;
   Px4Message& c = ends_->order;
   c.set("timestamp", stamp());
-  c.set("param1", takes_off ? px4_nan : param1);
-  c.set("param2", takes_off ? px4_nan : param2);
-  for (const std::string_view param : {"param3", "param4", "param7"}) c.set(param, rest);
+  c.set("param1", params[0]), c.set("param2", params[1]), c.set("param3", params[2]);
+  for (const std::string_view param : {"param4", "param7"}) c.set(param, rest);
   for (const std::string_view param : {"param5", "param6"}) c.set(param, double{rest});
   c.set("command", static_cast<std::uint32_t>(which));
   c.set("target_system", last_status_.system);
@@ -327,19 +329,22 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     case Request::arm:
       if (!repeated) speakers_ = ends_->status->writers_came();
       anchor_.hold();
-      command(Px4Command::arm_disarm, 1.0F, 0.0F);
+      command(Px4Command::arm_disarm, {1.0F});
       break;
     case Request::take_off:
-      command(Px4Command::takeoff, 0.0F, 0.0F);
+      command(Px4Command::takeoff, px4_unset);
       break;
     case Request::offboard:
-      command(Px4Command::set_mode, px4_custom_mode, px4_mode_offboard);
+      command(Px4Command::set_mode, {px4_custom_mode, px4_mode_offboard});
+      break;
+    case Request::hold:
+      command(Px4Command::set_mode, {px4_custom_mode, px4_mode_auto, px4_auto_loiter});
       break;
     case Request::land:
-      command(Px4Command::land, 0.0F, 0.0F);
+      command(Px4Command::land, px4_unset);
       break;
     case Request::emergency:
-      command(Px4Command::arm_disarm, 0.0F, px4_force);
+      command(Px4Command::arm_disarm, {0.0F, px4_force});
       break;
   }
 }
@@ -413,8 +418,8 @@ void Px4LinkEnd::examine_state(FindingList& to) {
     to.add(Aspect::system, Light::red, "it is system {}, expected {}", s.system, px4_.target_system);
   to.add_green(Aspect::system, "system {}", s.system);
   if (!s.preflight)
-    to.add(Aspect::checks, Light::red, "its own checks before a flight do not pass{}", aside_->failing());
-  if (s.failsafe) to.add(Aspect::checks, Light::red, "its failsafe acts{}", aside_->failing());
+    to.add(Aspect::checks, Light::red, "its own checks before a flight do not pass{}", failing());
+  if (s.failsafe) to.add(Aspect::checks, Light::red, "its failsafe acts{}", failing());
   to.add_green(Aspect::checks, "its own checks before a flight pass");
   if (f.armed) to.add(Aspect::state, Light::red, "it is armed already");
   if (!f.landed) to.add(Aspect::state, Light::red, "it is not on the ground");

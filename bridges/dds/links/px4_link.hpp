@@ -22,7 +22,8 @@ namespace sightline::dds {
 enum class NavState : std::uint8_t { position = 2, hold = 4, takeoff = 17, land = 18, offboard = 14 };
 inline constexpr std::uint8_t px4_disarmed = 1, px4_armed = 2;
 enum class Px4Command : std::uint32_t { land = 21, takeoff = 22, set_mode = 176, arm_disarm = 400 };
-inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F;
+inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F, px4_mode_auto = 4.0F,
+                       px4_auto_loiter = 3.0F;
 inline constexpr float px4_force = 21196.0F;  // param2 of arm_disarm: also in the air
 inline constexpr std::uint8_t px4_frame_ned = 1, px4_velocity_body = 3;
 inline constexpr std::uint8_t px4_battery_good = 0, px4_battery_critical = 2;  // BatteryStatus.warning
@@ -97,7 +98,9 @@ class Px4LinkEnd final : public LinkEnd {
   void examine_estimator(FindingList& to) const;
   void examine_state(FindingList& to);
   std::uint64_t stamp() const noexcept;
-  void command(Px4Command which, float param1, float param2) noexcept;
+  bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
+  std::string failing() const;
+  void command(Px4Command which, const std::array<float, 3>& params) noexcept;
 
   Px4Link px4_;
   PosesFrom from_;

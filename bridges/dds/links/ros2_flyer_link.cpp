@@ -109,6 +109,7 @@ LinkFacts Ros2FlyerLinkEnd::facts(Nanoseconds now) noexcept {
 void Ros2FlyerLinkEnd::send(const LinkOutput& output, const Command& command, Nanoseconds) noexcept {
   switch (output.request) {
     case Request::none:
+    case Request::hold:
       break;
     case Request::arm:
       phase_ = Phase::ours;

@@ -64,9 +64,10 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
   send_status();  // readers from before its start learn at once that it is disarmed
   ends_->command = reader("VehicleCommand", 16, [this](const Px4Layout& in) {
     return [this, command = in.place("command"), param1 = in.place("param1"), param2 = in.place("param2"),
-            target = in.place("target_system"),
+            param3 = in.place("param3"), target = in.place("target_system"),
             source = in.place("source_system")](const void* m, const Arrival&) {
-      on_command(read_at<std::uint32_t>(m, command), read_at<float>(m, param1), read_at<float>(m, param2),
+      on_command(read_at<std::uint32_t>(m, command),
+                 {read_at<float>(m, param1), read_at<float>(m, param2), read_at<float>(m, param3)},
                  read_at<std::uint8_t>(m, target), read_at<std::uint8_t>(m, source));
     };
   });
@@ -84,22 +85,30 @@ Px4Vehicle::~Px4Vehicle() = default;
 
 void Px4Vehicle::set_nav(NavState nav) {
   nav_ = nav;
+  if (nav != NavState::land && nav != NavState::takeoff) disarmed_nav_ = nav;
   send_status();
 }
 
-void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
+bool Px4Vehicle::hears_offboard() const { return monotonic_now() - heartbeat_at_ < offboard_loss; }
+
+bool Px4Vehicle::may_arm() const {
+  return checks_ && monotonic_now() - booted_ > checks_take &&
+         (nav_ != NavState::offboard || hears_offboard());
+}
+
+void Px4Vehicle::on_command(std::uint32_t command, const std::array<float, 3>& params, std::uint8_t target,
                             std::uint8_t source) {
+  const auto [param1, param2, param3] = params;
   const std::scoped_lock lock(lock_);
   if (target != 0 && target != setup_.system) return;  // for another system: no acknowledgement
   if (faults_.loses_request()) return;
-  const bool ready = checks_ && monotonic_now() - booted_ > checks_take;
   std::uint8_t result = unsupported;
   switch (static_cast<Px4Command>(command)) {
     case Px4Command::arm_disarm:
       if (param1 > 0.5F) {
         ++reported_.arm_requests;
-        result = ready ? accepted : temporarily_rejected;
-        if (ready) arming_ = px4_armed;
+        result = may_arm() ? accepted : temporarily_rejected;
+        if (result == accepted) arming_ = px4_armed;
       } else {
         const bool forced = param2 == px4_force;
         reported_.kills += forced ? 1 : 0;
@@ -114,9 +123,11 @@ void Px4Vehicle::on_command(std::uint32_t command, float param1, float param2, s
     case Px4Command::set_mode:
       if (param1 == px4_custom_mode && param2 == px4_mode_offboard) {
         ++reported_.offboard_requests;
-        const bool received = monotonic_now() - heartbeat_at_ < offboard_loss;
-        result = received ? accepted : temporarily_rejected;
-        if (received) nav_ = NavState::offboard, v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
+        result = hears_offboard() ? accepted : temporarily_rejected;
+        if (result == accepted) set_nav(NavState::offboard), v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
+      } else if (param1 == px4_custom_mode && param2 == px4_mode_auto && param3 == px4_auto_loiter) {
+        result = accepted;
+        set_nav(NavState::hold);
       }
       break;
     case Px4Command::land:
@@ -174,7 +185,7 @@ void Px4Vehicle::move() {
   if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
     arming_ = px4_disarmed;
     failsafe_ = false;
-    nav_ = NavState::hold;  // as before take-off: PX4 does not arm in the land mode
+    nav_ = disarmed_nav_;
     send_slow();
     send_status();
   }
@@ -192,6 +203,7 @@ void Px4Vehicle::step(std::int64_t number) {
   move();
   if (number % 20 == 0) send_status();
   if (number % 10 == 5) send_slow();
+  aside_.lose_offboard(!hears_offboard());
   if (number % 100 == 50) aside_.send();
 }
 
@@ -236,7 +248,7 @@ void Px4Vehicle::send_status() {
   m.set("system_id", setup_.system);
   m.set("component_id", std::uint8_t{1});
   m.set("failsafe", failsafe_);
-  m.set("pre_flight_checks_pass", checks_ && monotonic_now() - booted_ > checks_take);
+  m.set("pre_flight_checks_pass", may_arm());
   ends_->status->write(m.data());
 }
 

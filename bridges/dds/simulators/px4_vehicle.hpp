@@ -62,8 +62,10 @@ class Px4Vehicle final : public VehicleSimulator {
   struct Ends;
 
   void set_nav(NavState nav);
-  void on_command(std::uint32_t command, float param1, float param2, std::uint8_t target,
+  void on_command(std::uint32_t command, const std::array<float, 3>& params, std::uint8_t target,
                   std::uint8_t source);
+  bool hears_offboard() const;
+  bool may_arm() const;
   void on_setpoint(const void* message);
   void on_heartbeat(bool velocity);
   void move();
@@ -79,7 +81,8 @@ class Px4Vehicle final : public VehicleSimulator {
   Px4VehicleCounts reported_;
   DelayHistogram answers_;
   std::uint8_t arming_ = px4_disarmed;
-  NavState nav_ = NavState::hold;
+  // The mode, and that after it disarms: the last that allows arming.
+  NavState nav_ = NavState::hold, disarmed_nav_ = NavState::hold;
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
   SimulatedBody body_;

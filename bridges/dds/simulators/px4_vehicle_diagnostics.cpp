@@ -66,7 +66,7 @@ void Px4VehicleDiagnostics::send() {
   flags.set("manual_control_signal_lost", transmitter_lost_.load());
   flags.set("local_position_invalid", faults_.on(LinkFaultKind::estimator_invalid));
   flags.set("battery_warning", warning);
-  flags.set("offboard_control_signal_lost", true);
+  flags.set(px4_offboard_flag, offboard_lost_.load());
   flags_writer_->write(flags.data());
   Px4Message estimator(estimator_);
   estimator.set("timestamp", real_microseconds());
