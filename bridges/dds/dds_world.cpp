@@ -111,8 +111,15 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
   for (const Link& link : fleet_of(scenario_).links) {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
-    std::unique_ptr<LinkEnd> end =
-        made_end({{domain_->participant(), publish}, link, name, model, fleet_of(scenario_).network});
+    const GoalSpace space = goal_space(scenario_, model);
+    const std::vector<double> rest(size(model.nu()));
+    const double height = model.sight(&start_[size(team_.state_offset(link.robot))], rest.data()).p.z;
+    std::unique_ptr<LinkEnd> end = made_end({{domain_->participant(), publish},
+                                             link,
+                                             name,
+                                             model,
+                                             fleet_of(scenario_).network,
+                                             std::max(height, space.floor)});
     robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
                       size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
@@ -120,8 +127,7 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
                                     [&](const RobotGoals& of) { return of.robot == link.robot; });
     if (goals == scenario_.goals.end()) continue;
     robots.back().track = goals->track;
-    robots.back().goals =
-        std::make_unique<GoalSubscriber>(domain_->participant(), link.goals, goal_space(scenario_, model));
+    robots.back().goals = std::make_unique<GoalSubscriber>(domain_->participant(), link.goals, space);
   }
   return robots;
 }
@@ -364,7 +370,11 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
              });
     });
     if (!out())
-      steps_until(LinkOrder::hold, interrupts, print, [&] { return out() || each_is({S::holding}); });
+      steps_until(LinkOrder::hold, interrupts, print, [&] {
+        return out() || (each_is({S::holding}) && std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
+                           return r.end->facts(monotonic_now()).risen;
+                         }));
+      });
     for (Robot& robot : robots_) robot.end->stop_examining();
     const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);
     if (!out())

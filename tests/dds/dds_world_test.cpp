@@ -190,6 +190,36 @@ TEST(DdsWorld, AVehicleThatWasLeftInOffboardFliesAgain) {
   EXPECT_TRUE(test::eventually([&] { return nav == 4 && passes; }));
 }
 
+// PX4 holds from half the altitude of its take-off on. The start is above that altitude, or the floor is.
+TEST(DdsWorld, TheTaskBeginsAtItsStartHeightAboveTheFloor) {
+  for (const auto& [start, floor] : {std::pair(1.6, 0.2), std::pair(0.6, 1.2)}) {
+    Scenario scenario = row_of({"1.16"}, 0.5);
+    scenario.x0[2] = start, scenario.safety->barrier_options.floor = floor;
+    Rig rig(scenario);
+    std::atomic<float> downwards{-1.0F};
+    std::atomic<double> held_at{0.0};
+    const dds_entity_t other = rig.domain->another_participant();
+    RawReader status(other, px4_msgs_msg_dds__VehicleStatus_16__desc, "/px4_0/fmu/out/vehicle_status_v1",
+                     of_sensors, std::nullopt, Writers::all, [&](const void* m, const Arrival&) {
+                       const auto nav = static_cast<const px4_msgs_msg_dds__VehicleStatus_16_*>(m)->nav_state;
+                       const double height = rig.vehicle(0).motion().p.z;
+                       if (nav == static_cast<std::uint8_t>(NavState::hold) && held_at < 0.1)
+                         held_at = height;
+                     });
+    RawReader setpoints(
+        other, px4_msgs_msg_dds__TrajectorySetpoint__desc, "/px4_0/fmu/in/trajectory_setpoint", of_sensors,
+        std::nullopt, Writers::all, [&](const void* m, const Arrival&) {
+          const float v = static_cast<const px4_msgs_msg_dds__TrajectorySetpoint_*>(m)->velocity[2];
+          downwards = std::max(downwards.load(), v);
+        });
+    EXPECT_TRUE(rig.take_off()) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+    EXPECT_NEAR(rig.vehicle(0).motion().p.z, std::max(start, floor), 0.15);
+    EXPECT_NEAR(held_at, start / 2, 0.1);
+    EXPECT_LE(downwards, 0.0F);
+    rig.land();
+  }
+}
+
 TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   Rig rig(row_of({"1.16", "1.15"}, 20.0));
   const LoopOutcome outcome = rig.fly(0.7, [&] { rig.faults(0).begin(Kind::pilot); });

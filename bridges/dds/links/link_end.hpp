@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -57,6 +58,7 @@ struct EndSetup {
   std::string_view name;  ///< of the robot
   const Model& model;
   const FleetNetwork& network;
+  double height = -std::numeric_limits<double>::infinity();  ///< where the task begins, in G [m]
 };
 inline std::unique_ptr<LinkEnd> made_end(const EndSetup& setup) {
   return std::visit([&](const auto& kind) { return kind.end(setup); }, setup.link.kind);

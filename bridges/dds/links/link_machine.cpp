@@ -254,9 +254,10 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
       if (offboard && !idle) output.setpoint = Setpoint::zero;
       break;
     case LinkState::holding:
-      output.setpoint = Setpoint::zero;
+      output.setpoint = flown_ ? Setpoint::zero : Setpoint::climb;
       break;
     case LinkState::flying:
+      flown_ = true;
       output.setpoint = Setpoint::task;
       break;
     default:

@@ -14,7 +14,7 @@ enum class LinkState : std::uint8_t {
   arming,      ///< arm request sent
   taking_off,  ///< take-off request sent, then the set-point request
   flying,      ///< flies the task
-  holding,     ///< flies with zero velocity
+  holding,     ///< flies with zero velocity; before its task climbs to the height where that begins
   landing,     ///< land request sent
   done,        ///< nothing is sent any more
   pilot,       ///< another operator or a failsafe controls it; nothing is sent any more
@@ -63,6 +63,7 @@ struct LinkFacts {
   bool checked = false;  ///< its messages allow arming
   bool armed = false;
   bool airborne = false;  ///< at the height where its take-off ends
+  bool risen = true;      ///< at the height where its task begins
   bool landed = true;
   bool answered = true;  ///< it acknowledged or rejected the last request, or no request is lost
   bool refused = false;  ///< it rejected the last request
@@ -84,7 +85,8 @@ enum class LinkOrder : std::uint8_t {
   emergency,  ///< stop the motors of robots in our control, once, then stop sending
 };
 
-enum class Setpoint : std::uint8_t { none, zero, task };
+/// climb: zero velocity, and upwards as far as the height where the task begins.
+enum class Setpoint : std::uint8_t { none, zero, climb, task };
 enum class Request : std::uint8_t { none, arm, take_off, offboard, hold, land, emergency };
 
 /// Output of one period.
@@ -140,7 +142,7 @@ class LinkMachine {
   LinkTimes times_;
   LinkState state_ = LinkState::waiting;
   LinkReason reason_ = LinkReason::as_requested;
-  bool begun_ = false, took_off_ = false;
+  bool begun_ = false, took_off_ = false, flown_ = false;
   double since_ = 0.0, requested_at_ = 0.0, first_requested_at_ = 0.0;
   Request requested_ = Request::none;  // the last, sent attempts_ times
   int attempts_ = 0;

@@ -24,6 +24,8 @@ constexpr Nanoseconds newcomers_wait = 50'000'000;
 constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
 constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
 constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
+constexpr double near_height = 0.1;             // below height_, where the climb is over [m]
+constexpr double rise_gain = 1.5, rise_most = 1.0;  // [1/s], [m/s]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 // In the order of the result of an acknowledgement, and of Request.
 constexpr std::array<std::string_view, 7> ack_results = {
@@ -66,12 +68,13 @@ struct Px4LinkEnd::Ends {
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
 };
 
-Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps)
+Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height)
     : px4_(std::get<Px4Link>(link.kind)),
       from_(link.poses),
       origin_(link.origin),
       release_(px4_first + static_cast<int>(px4_.release)),
       stamps_(stamps),
+      height_(height),
       odometry_(link.origin),
       aside_(std::make_unique<Px4Diagnostics>(participant, px4_)),
       ends_(std::make_unique<Ends>(release_)) {
@@ -235,7 +238,9 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                : is_in(NavState::takeoff) || is_in(NavState::hold) ? AutopilotMode::takeoff
                : is_in(NavState::land)                             ? AutopilotMode::land
                                                                    : AutopilotMode::other;
-  const bool high = poses().newest().motion.p.z - origin_.p.z > least_height;
+  const double height = poses().newest().motion.p.z;
+  const bool high = height - origin_.p.z > least_height;
+  facts.risen = height > height_ - near_height;
   facts.airborne =
       (is_in(NavState::hold) || is_in(NavState::offboard)) && high && !(says_landed && last_landed_.landed);
   facts.answered = last_ack_.arrived > requested_at_ && last_ack_.system == our_system &&
@@ -311,8 +316,11 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       for (std::size_t k = 0; k < 3; ++k)
         s.velocity[k] = static_cast<float>(vs[k]), s.acceleration[k] = static_cast<float>(as[k]);
       s.yawspeed = static_cast<float>(-c.r);
-      if (stamps_ == Stamps::of_this_machine) s.timestamp = answered_;
+    } else if (output.setpoint == Setpoint::climb) {
+      const double below = height_ - poses().newest().motion.p.z;
+      s.velocity[2] = static_cast<float>(-std::clamp(rise_gain * below, 0.0, rise_most));
     }
+    if (output.setpoint != Setpoint::zero && stamps_ == Stamps::of_this_machine) s.timestamp = answered_;
     // A newer status may report another mode since the period began.
     if (says_offboard_) {
       ++sent_;
@@ -462,6 +470,6 @@ std::string Px4LinkEnd::counts() const {
 
 std::unique_ptr<sightline::dds::LinkEnd> sightline::Px4Link::end(const dds::EndSetup& setup) const {
   const bool loopback = setup.network.interfaces == std::vector<std::string>{"lo"};
-  return std::make_unique<dds::Px4LinkEnd>(setup.at, setup.link,
-                                           loopback ? dds::Stamps::of_this_machine : dds::Stamps::none);
+  return std::make_unique<dds::Px4LinkEnd>(
+      setup.at, setup.link, loopback ? dds::Stamps::of_this_machine : dds::Stamps::none, setup.height);
 }

@@ -35,8 +35,9 @@ class Px4LinkEnd final : public LinkEnd {
  public:
   /// @param stamps  of_this_machine if the agent runs on this machine; PX4 treats a message without
   ///   stamp as current
+  /// @param height  where the task begins, in G [m]
   /// @throws std::runtime_error if a topic cannot be created
-  Px4LinkEnd(Port participant, const Link& link, Stamps stamps);
+  Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height);
   ~Px4LinkEnd() override;
 
   bool look(SeenMotion& seen) noexcept override;
@@ -107,6 +108,7 @@ class Px4LinkEnd final : public LinkEnd {
   LinkOrigin origin_;
   int release_;
   Stamps stamps_;
+  double height_;
 
   // Filled by the receive thread.
   Mailbox<Status> status_;

@@ -173,14 +173,15 @@ void Px4Vehicle::move() {
   double r = 0.0;
   const double height = body_.motion().p.z;
   if (nav_ == NavState::offboard) v = v_sp_, a = a_sp_, r = r_sp_;
-  if (nav_ == NavState::takeoff) v.z = takeoff_speed(height, setup_.altitude);
+  if (nav_ == NavState::takeoff || (nav_ == NavState::hold && !landed_))
+    v.z = takeoff_speed(height, setup_.altitude);
   if (nav_ == NavState::land) v.z = landing_speed(height);
   if (arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0))
     body_.rest();
   else
     body_.follow(v, a, r);
   landed_ = body_.on_ground() && nav_ != NavState::takeoff;
-  if (arming_ == px4_armed && nav_ == NavState::takeoff && body_.motion().p.z > setup_.altitude - 0.05)
+  if (arming_ == px4_armed && nav_ == NavState::takeoff && body_.motion().p.z > setup_.altitude / 2)
     set_nav(NavState::hold);
   if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
     arming_ = px4_disarmed;

@@ -37,7 +37,7 @@ class Px4Vehicle final : public VehicleSimulator {
     LinkOrigin origin{};
     Vec3<double> p{};  ///< position in G, on the ground [m]
     double heading = 0.0;
-    double altitude = 1.0;  ///< of its take-off [m]
+    double altitude = 1.0;  ///< of its take-off [m]; PX4 holds from about half of it, and climbs on
     std::uint8_t system = 1;
     std::optional<Vehicle> rotors{};  ///< none: point mass with velocity lag
   };
