@@ -427,6 +427,12 @@ void DdsWorld::land(const Interrupts& interrupts, const PrintMessage& print) {
   steps_until(LinkOrder::land, interrupts, print, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });
+  const std::vector<RobotPose> last = poses();
+  for (std::size_t i = 0; i < last.size(); ++i)
+    if (last[i].known && robots_[i].machine.reason() != LinkReason::as_requested)
+      report_all(fmt::format("{}: last at [{:.2f}, {:.2f}, {:.2f}] m in G, {:.1f} s ago", last[i].robot,
+                             last[i].p.x, last[i].p.y, last[i].p.z, last[i].age),
+                 print);
   calls_.is_at(FlightPhase::over);
 }
 

@@ -261,6 +261,18 @@ TEST(DdsWorld, NoSetPointIsSentAfterAnotherModeWasHeardOf) {
   EXPECT_LE(rig.told_of(0).setpoints_outside, 8);      // within the 50 ms
 }
 
+TEST(DdsWorld, WhenEachIsLostTheFlightEndsInFiveSecondsWithTheirLastPlaces) {
+  Rig rig(row_of({"1.16", "1.17"}, 20.0));
+  std::chrono::steady_clock::time_point lost;
+  rig.fly(0.5, [&] {
+    lost = std::chrono::steady_clock::now();
+    for (const std::size_t i : {0u, 1u}) rig.faults(i).begin(Kind::silent);
+  });
+  EXPECT_LT(std::chrono::steady_clock::now() - lost, std::chrono::seconds(5));
+  for (const char* place : {"uav0: last at .-?0.[0-9][0-9], ", "uav1: last at .[23].[0-9][0-9], "})
+    EXPECT_THAT(rig.reported, Contains(testing::ContainsRegex(place)));
+}
+
 TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {
   Rig rig(row_of({"1.16", "1.16"}, 1.0), {.ready = 2.5});
   const dds_entity_t other = rig.domain->another_participant();

@@ -128,6 +128,21 @@ TEST(LinkMachine, WhoDoesNotAnswerIsGivenUpInTime) {
   EXPECT_EQ(absent.reason(), LinkReason::not_ready);
 }
 
+TEST(LinkMachine, WhoIsLostWhileItLandsIsGivenUpUnlessItComesBack) {
+  LinkMachine machine;
+  Obedient robot;
+  double t = until(LinkState::flying, machine, robot, LinkOrder::task, 0.0);
+  robot.facts.there = false;
+  robot.deaf = true;
+  t = until(LinkState::done, machine, robot, LinkOrder::task, t, 2.0);
+  EXPECT_EQ(machine.state(), LinkState::landing);
+  robot.facts.there = true;
+  t = until(LinkState::done, machine, robot, LinkOrder::task, t, 1.0);
+  robot.facts.there = false;
+  EXPECT_NEAR(until(LinkState::done, machine, robot, LinkOrder::task, t) - t, LinkTimes{}.gone, 0.05);
+  EXPECT_EQ(machine.reason(), LinkReason::silent);
+}
+
 TEST(LinkMachine, WhoIsArmedByAnotherIsNotTaken) {
   LinkMachine machine;
   Obedient robot;

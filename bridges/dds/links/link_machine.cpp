@@ -35,6 +35,7 @@ enum class When {
   restarted,
   unfit,
   lost,
+  gone,        // lost for long
   late,        // the maximum time of the state has passed
   unanswered,  // offboard was requested and its time limit has passed
 };
@@ -125,6 +126,8 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
       return f.unfit != LinkReason::as_requested;
     case When::lost:
       return !f.there;
+    case When::gone:
+      return t - there_at_ >= times_.gone;
     case When::late:
       return t - since_ >= longest(state_);
     case When::unanswered:
@@ -165,7 +168,7 @@ void LinkMachine::request(Request request, double t, const LinkFacts& facts, Lin
 }
 
 // The first row of the state whose condition holds is taken. No row leaves done or pilot.
-const std::array<LinkMachine::Row, 36> LinkMachine::table = [] {
+const std::array<LinkMachine::Row, 37> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
   constexpr auto bit = [](S state) { return 1U << static_cast<unsigned>(state); };
@@ -173,7 +176,7 @@ const std::array<LinkMachine::Row, 36> LinkMachine::table = [] {
                      taking_off = bit(S::taking_off), holding = bit(S::holding), flying = bit(S::flying),
                      landing = bit(S::landing), steered = holding | flying, in_air = taking_off | steered,
                      unarmed = waiting | ready, ours = arming | in_air | landing;
-  return std::array<Row, 36>{{
+  return std::array<Row, 37>{{
       {unarmed, When::emergency, S::done, R::as_requested},
       {ours, When::emergency, S::done, R::emergency},
       {unarmed | ours, When::handed_over, S::done, R::handed_over},
@@ -214,13 +217,14 @@ const std::array<LinkMachine::Row, 36> LinkMachine::table = [] {
       {landing, When::disarmed_on_ground, S::done, R::as_requested},
       {landing, When::disarmed, S::done, R::disarmed},
       {landing, When::taken, S::pilot, R::pilot},
+      {landing, When::gone, S::done, R::silent},
       {landing, When::late, S::done, R::did_not_land},
   }};
 }();
 
 LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) noexcept {
-  if (!begun_) since_ = t;
-  begun_ = true;
+  if (!std::exchange(begun_, true)) since_ = there_at_ = t;
+  if (facts.there) there_at_ = t;
   took_off_ |= state_ == LinkState::taking_off && facts.mode == AutopilotMode::takeoff;
   LinkOutput output;
   const auto row =

@@ -108,6 +108,7 @@ struct LinkTimes {
   double holding = 30.0;   ///< maximum
   double task = 3600.0;    ///< maximum
   double landing = 60.0;   ///< maximum
+  double gone = 2.5;       ///< landing: from the loss of its messages until it is given up
   double again = 0.5;      ///< between two requests for the same
   int attempts = 4;        ///< maximum number of requests for the same; land: no limit
 };
@@ -134,7 +135,7 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 36> table;
+  static const std::array<Row, 37> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
   void request(Request request, double t, const LinkFacts& facts, LinkOutput& output) noexcept;
@@ -143,7 +144,7 @@ class LinkMachine {
   LinkState state_ = LinkState::waiting;
   LinkReason reason_ = LinkReason::as_requested;
   bool begun_ = false, took_off_ = false, flown_ = false;
-  double since_ = 0.0, requested_at_ = 0.0, first_requested_at_ = 0.0;
+  double since_ = 0.0, there_at_ = 0.0, requested_at_ = 0.0, first_requested_at_ = 0.0;
   Request requested_ = Request::none;  // the last, sent attempts_ times
   int attempts_ = 0;
 };
