@@ -20,6 +20,8 @@ constexpr double drift_most = 1e-3;        // [s/s]
 constexpr double another_time = 1e5;       // a larger clock difference means unrelated clocks [s]
 constexpr double references_apart = 2.0;   // maximum difference between satellite and configured origins [m]
 constexpr double same_origin = 1e-6;       // [m]
+constexpr double off_start_most = 3.0;     // along each axis, of a robot on the ground [m]
+constexpr double below_start_most = 30.0;  // from the ground to its start [m]
 constexpr std::int64_t poses_needed = 20;  // before the rate is judged
 
 /// Rounds to 0.01; adding 0.0 turns -0.0 into 0.0.
@@ -80,9 +82,15 @@ void examine_latency(const Scenario& scenario, const ArrivalFigures& f, FindingL
          beyond > most ? fmt::format(", expected {:g} ms at most", 1e3 * most) : "");
 }
 
-void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<double>& start,
+/// @param ground  height in G [m]
+void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<double>& start, double ground,
                    FindingList& to) {
   std::vector<std::string> beyond;
+  const Vec3<double> off = p - start;
+  if (std::max({std::abs(off.x), std::abs(off.y), off.z}) > off_start_most || off.z < -below_start_most)
+    beyond.push_back(fmt::format("[{:.2f}, {:.2f}, {:.2f}] m from its start, expected {} m at most",
+                                 rounded(off.x), rounded(off.y), rounded(off.z), off_start_most));
+  if (p.z < ground - off_start_most) beyond.push_back(fmt::format("below the ground at {} m", ground));
   if (scenario.safety) {
     const double world = scenario.safety->world, ceiling = scenario.safety->barrier_options.ceiling;
     if (std::abs(p.x) > world || std::abs(p.y) > world)
@@ -91,7 +99,7 @@ void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<d
   }
   to.add(Aspect::place, beyond.empty() ? Light::green : Light::red,
          "at [{:.2f}, {:.2f}, {:.2f}] m in G, {:.2f} m beside its start{}", rounded(p.x), rounded(p.y),
-         rounded(p.z), norm(p.x - start.x, p.y - start.y),
+         rounded(p.z), norm(off.x, off.y),
          beyond.empty() ? (scenario.safety ? ", within the walls" : "")
                         : fmt::format(", {}: is its origin right?", fmt::join(beyond, " and ")));
 }
@@ -209,7 +217,7 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
       const std::vector<double> rest(size(team.model(robot).nu()));
       examine_place(scenario, seen.motion.p,
                     team.model(robot).sight(&scenario.x0[size(team.state_offset(robot))], rest.data()).p,
-                    list);
+                    robots[i].link->origin.p.z, list);
     }
     std::vector<Finding> findings = list.take();
     std::move(findings.begin(), findings.end(), std::back_inserter(all));

@@ -273,6 +273,18 @@ TEST(DdsWorld, WhenEachIsLostTheFlightEndsInFiveSecondsWithTheirLastPlaces) {
     EXPECT_THAT(rig.reported, Contains(testing::ContainsRegex(place)));
 }
 
+TEST(DdsWorld, AnEstimatorThatJumpsDuringTheTakeOffLandsAll) {
+  Rig rig(row_of({"1.16", "1.18"}, 1.0));
+  std::thread later([&] {
+    EXPECT_TRUE(test::eventually([&] { return rig.vehicle(0).armed(); }, std::chrono::seconds(20)));
+    rig.faults(0).begin(Kind::jump, 2.0);
+  });
+  EXPECT_FALSE(rig.take_off());
+  later.join();
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav0: its estimator jumped too far"));
+  for (const std::size_t i : {0u, 1u}) EXPECT_FALSE(rig.vehicle(i).armed()) << i;
+}
+
 TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {
   Rig rig(row_of({"1.16", "1.16"}, 1.0), {.ready = 2.5});
   const dds_entity_t other = rig.domain->another_participant();

@@ -185,6 +185,13 @@ TEST(Doctor, WhereRobotsAreIsComparedWithTheWallsAndWithEachOther) {
     EXPECT_TRUE(ward.finds("uav0", Aspect::place, Light::green, "at [0.00, 0.00, 0.00] m in G"));
     EXPECT_TRUE(ward.finds("", Aspect::distance, Light::green, "d_hard = 0.6 m: none is nearer"));
   }
+  {
+    Scenario elsewhere = vehicles;
+    own_fleet(elsewhere).links[0].origin.p.y -= 4.0, own_fleet(elsewhere).links[1].origin.p.z += 489.0;
+    Ward ward(vehicles, elsewhere);
+    EXPECT_TRUE(ward.finds("uav0", Aspect::place, Light::red, "[0.00, 4.00, -0.60] m from its start"));
+    EXPECT_TRUE(ward.finds("uav1", Aspect::place, Light::red, "below the ground at 0.2 m"));
+  }
   own_fleet(fleet).links[1].origin.p = fleet_of(vehicles).links[0].origin.p;  // forgotten in a copy
   fleet.safety->supervisor->times.fresh = 0.02;
   Ward ward(fleet, vehicles);

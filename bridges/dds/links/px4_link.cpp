@@ -25,6 +25,7 @@ constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
 constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
 constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
 constexpr double near_height = 0.1;             // below height_, where the climb is over [m]
+constexpr double stray_most = 1.0;  // from its take-off, sideways or downwards, before the task [m]
 constexpr double rise_gain = 1.5, rise_most = 1.0;  // [1/s], [m/s]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 // In the order of the result of an acknowledgement, and of Request.
@@ -201,11 +202,13 @@ bool Px4LinkEnd::has_valid_estimate() const noexcept {
   return last_position_.good() && last_alignment_.tilt && last_alignment_.heading;
 }
 
-LinkReason Px4LinkEnd::unfit() const noexcept {
+LinkReason Px4LinkEnd::unfit(const Vec3<double>& p) const noexcept {
   if (last_battery_.warning >= px4_battery_critical) return LinkReason::battery_low;
   if (last_position_.arrived > 0 && !has_valid_estimate()) return LinkReason::estimator_invalid;
-  return from_.source == PoseSource::odometry && anchor_.moved() > px4_.reset_max ? LinkReason::moved
-                                                                                  : LinkReason::as_requested;
+  const bool jumped = from_.source == PoseSource::odometry && anchor_.moved() > px4_.reset_max,
+             strayed =
+                 rises_ && (norm(p.x - left_.x, p.y - left_.y) > stray_most || p.z < left_.z - stray_most);
+  return jumped || strayed ? LinkReason::moved : LinkReason::as_requested;
 }
 
 bool Px4LinkEnd::is_seen_well() noexcept {
@@ -227,7 +230,6 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   facts.there = poses().is_fresh(now, odometry_old) && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.landed : !facts.armed;
-  facts.unfit = unfit();
   facts.checked = s.preflight && has_valid_estimate() && last_battery_.warning < px4_battery_critical &&
                   facts.landed && received_ && !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
@@ -238,7 +240,9 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                : is_in(NavState::takeoff) || is_in(NavState::hold) ? AutopilotMode::takeoff
                : is_in(NavState::land)                             ? AutopilotMode::land
                                                                    : AutopilotMode::other;
-  const double height = poses().newest().motion.p.z;
+  const Vec3<double> p = poses().newest().motion.p;
+  const double height = p.z;
+  facts.unfit = unfit(p);
   const bool high = height - origin_.p.z > least_height;
   facts.risen = height > height_ - near_height;
   facts.airborne =
@@ -310,6 +314,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     for (std::size_t k = 0; k < 3; ++k) s.position[k] = s.jerk[k] = px4_nan;
     s.yaw = px4_nan;
     if (output.setpoint == Setpoint::task) {
+      rises_ = false;
       const Motion local = in_local({{}, origin_.heading}, Motion{.p = c.a, .v = c.v});
       const Vec3<double> v = turned_over(local.v), a = turned_over(local.p);
       const std::array<double, 3> vs = {v.x, v.y, v.z}, as = {a.x, a.y, a.z};
@@ -335,8 +340,9 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     case Request::none:
       break;
     case Request::arm:
-      if (!repeated) speakers_ = ends_->status->writers_came();
+      if (!repeated) speakers_ = ends_->status->writers_came(), left_ = poses().newest().motion.p;
       anchor_.hold();
+      rises_ = true;
       command(Px4Command::arm_disarm, {1.0F});
       break;
     case Request::take_off:

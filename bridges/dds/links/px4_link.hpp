@@ -88,7 +88,7 @@ class Px4LinkEnd final : public LinkEnd {
   void read_state(dds_entity_t participant);
   void read_poses(dds_entity_t participant);
   bool has_valid_estimate() const noexcept;
-  LinkReason unfit() const noexcept;
+  LinkReason unfit(const Vec3<double>& p) const noexcept;
   void on_odometry(const void* message, const Arrival& arrival);
   PoseSubscriber& poses() noexcept { return seen_ ? *seen_ : odometry_; }
   const PoseSubscriber& poses() const noexcept { return seen_ ? *seen_ : odometry_; }
@@ -140,6 +140,8 @@ class Px4LinkEnd final : public LinkEnd {
   Nanoseconds requested_at_ = 0, replied_at_ = 0, beat_at_ = 0;
   std::uint64_t answered_ = 0;                        // sampled_ of the pose that the next command answers
   std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
+  Vec3<double> left_{};                               // position at the arm request
+  bool rises_ = false;                                // from the arm request until the task
   int speakers_ = -1;  // status writers matched at the arm request; -1: none requested yet
 
   PoseSubscriber odometry_;
