@@ -285,6 +285,15 @@ TEST(DdsWorld, AnEstimatorThatJumpsDuringTheTakeOffLandsAll) {
   for (const std::size_t i : {0u, 1u}) EXPECT_FALSE(rig.vehicle(i).armed()) << i;
 }
 
+TEST(DdsWorld, AClockThatJumpsLandsAllAndIsTheReason) {
+  for (const double jump : {-2.0, 2.0}) {
+    Rig rig(row_of({"1.16", "1.16"}, 20.0));
+    rig.fly(0.5, [&] { rig.faults(0).begin(Kind::clock_jump, jump); });
+    EXPECT_THAT(rig.world->faults(), testing::ElementsAre(HasSubstr("uav0: its clock jumped"))) << jump;
+    for (const std::size_t i : {0u, 1u}) EXPECT_FALSE(rig.vehicle(i).armed()) << i;
+  }
+}
+
 TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {
   Rig rig(row_of({"1.16", "1.16"}, 1.0), {.ready = 2.5});
   const dds_entity_t other = rig.domain->another_participant();

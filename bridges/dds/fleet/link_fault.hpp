@@ -32,6 +32,7 @@ enum class LinkFaultKind : std::uint8_t {
   wrong_release,
   blind,
   request_lost,
+  clock_jump,
 };
 
 /// Robots that can have a fault.
@@ -52,7 +53,7 @@ struct LinkFaultText {
 };
 
 inline constexpr Bounds share_bounds = {0.0, 1.0, "0 to 1"};
-inline constexpr std::size_t link_fault_kinds = 17;
+inline constexpr std::size_t link_fault_kinds = 18;
 inline constexpr std::array<std::string_view, 1> px4_alone = {"px4"};
 inline constexpr std::array<std::string_view, 2> with_battery = {"px4", "crazyswarm2"};
 /// In the order of LinkFaultKind.
@@ -94,6 +95,7 @@ inline constexpr std::array<LinkFaultText, link_fault_kinds> link_faults = [] {
        "it begins anew with the firmware 1.N; 0: the next one"},
       {"blind", 'c', {.camera = true}, "", {}, 0.0, "its camera finds no tags"},
       {"request_lost", 'q', px4, "share", share_bounds, 0.2, "requests to it are lost"},
+      {"clock_jump", 't', px4, "s", {-100.0, 100.0, "-100 to 100"}, -2.0, "the stamps of its poses jump"},
   }};
 }();
 

@@ -69,7 +69,8 @@ std::string_view to_string(LinkReason reason) {
       "its battery is low",
       "its estimator is not valid",
       "its estimator jumped too far",
-      "its motors were stopped by the operator"};
+      "its motors were stopped by the operator",
+      "its clock jumped: poses come, but their stamps do not go on"};
   return word_of(words, reason);
 }
 

@@ -44,8 +44,9 @@ enum class LinkReason : std::uint8_t {
   estimator_invalid,
   moved,      ///< its estimator jumped further than is compensated
   emergency,  ///< the operator stopped its motors
+  clock_jumped,
 };
-inline constexpr int link_reasons = 20;
+inline constexpr int link_reasons = 21;
 /// Part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 

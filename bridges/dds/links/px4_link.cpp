@@ -227,11 +227,13 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   const Status& s = last_status_;
   const bool says_landed = now - last_landed_.arrived < status_old;
   LinkFacts facts;
-  facts.there = poses().is_fresh(now, odometry_old) && now - s.arrived < status_old;
+  const bool fresh = poses().is_fresh(now, odometry_old);
+  facts.there = now - poses().arrivals().last() < odometry_old && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.landed : !facts.armed;
-  facts.checked = s.preflight && has_valid_estimate() && last_battery_.warning < px4_battery_critical &&
-                  facts.landed && received_ && !odometry_.of_second_writer() && is_seen_well() &&
+  facts.checked = s.preflight && fresh && has_valid_estimate() &&
+                  last_battery_.warning < px4_battery_critical && facts.landed && received_ &&
+                  !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
@@ -242,7 +244,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                                                                    : AutopilotMode::other;
   const Vec3<double> p = poses().newest().motion.p;
   const double height = p.z;
-  facts.unfit = unfit(p);
+  facts.unfit = facts.there && !fresh ? LinkReason::clock_jumped : unfit(p);
   const bool high = height - origin_.p.z > least_height;
   facts.risen = height > height_ - near_height;
   facts.airborne =

@@ -223,7 +223,9 @@ void Px4Vehicle::suffer() {
 void Px4Vehicle::send_odometry() {
   const Motion local = in_local(setup_.origin, faults_.distorted(body_.motion()));
   px4_msgs_msg_dds__VehicleOdometry_ m{};
-  m.timestamp = m.timestamp_sample = microseconds();
+  using K = LinkFaultKind;
+  const double jump = faults_.on(K::clock_jump) ? faults_.size(K::clock_jump) : 0.0;
+  m.timestamp = m.timestamp_sample = microseconds() + static_cast<std::uint64_t>(std::llround(1e6 * jump));
   m.pose_frame = m.velocity_frame = px4_frame_ned;
   const Vec3<double> p = turned_over(local.p), v = turned_over(local.v);
   const Quaternion q = turned_over(local.q);

@@ -35,6 +35,12 @@ class LatencyMonitor {
     count_.store(n + 1, std::memory_order_release);
   }
 
+  /// Arrival of the newest message; 0: none.
+  Nanoseconds last() const noexcept {
+    const std::uint64_t n = count_.load(std::memory_order_acquire);
+    return n == 0 ? 0 : arrived_[(n - 1) % places].load(std::memory_order_relaxed);
+  }
+
   /// Figures of the last 10 s, at most 1984 messages.
   /// @param now         of the monotonic clock
   /// @param real_ahead  local real-time clock minus monotonic clock
