@@ -45,7 +45,7 @@ std::string partition_assignment(const FlyCommand& command, const Registry& part
   const ExchangeOptions exchange = scenario.partition ? scenario.partition->exchange : ExchangeOptions{};
   std::string words = "partition={";
   int number = 0;
-  for (const PartInWords& part : parts_in_words(command.partition)) {
+  for (const PartSpec& part : parse_parts(command.partition)) {
     ++number;
     words += fmt::format("{}=[", part.name.empty() ? fmt::format("p{}", number) : part.name);
     for (const std::string& robot : part.robots) words += fmt::format("\"{}\",", robot);

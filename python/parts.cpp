@@ -1,5 +1,5 @@
 // Robots, potentials, references and limits: one function for each registered part
-// (scenario/registry.hpp). It is called as scenarios call the part, with the parameters as keyword
+// (sightline/registry.hpp). It is called as scenarios call the part, with the parameters as keyword
 // arguments. The registered descriptions are the docstrings here.
 #include <fmt/format.h>
 #include <pybind11/stl.h>

@@ -105,11 +105,11 @@ def bits(source):
     if source.under("src", "cli", "worlds"):
         for call in rounds.finditer(source.bare):
             if call[1] not in same_bits:
-                yield source.at(call), f"calls {call[1]} of the C library, expected one of ours (base/elementary.hpp, norm of base/fixed.hpp)"
+                yield source.at(call), f"calls {call[1]} of the C library, expected one of ours (elementary functions and norm of sightline/base.hpp)"
 
 
 def thread(source):
-    """Threads are made by base/service_thread.hpp, which catches what ends a thread."""
+    """Threads are made by ServiceThread of sightline/base.hpp, which catches what ends a thread."""
     if source.under(*product) and source.name != "include/sightline/base.hpp":
         for made in makes_thread.finditer(source.code):
             yield source.at(made), f"makes a thread by {made[0]}, expected ServiceThread"

@@ -239,7 +239,7 @@ solver() {
   folder=solver/newton
   sources=(solver/newton/{active_set,descent,extrapolate,groups,krylov,line_search,linearise,newton_riccati,output,plan,prepare,update,workspace}
     solver/kernels/stage)
-  tests=(solver/{riccati,krylov,descent,third_body,rate_cost,applied_inputs,foresight,newton_riccati,solver})
+  tests=(solver/{riccati,krylov,descent,third_body,rate_cost,applied_inputs,extrapolate,newton_riccati,solver})
   filter='RiccatiStage.*:Krylov.*:Descent.*:ThirdBody.IsPlanned*:RateCost.*:AppliedInputs.*:AppliedInputsOfAll/0.*:Foresight.*:NewtonRiccati.ItsKkt*:NewtonRiccati.EveryStatus*:NewtonRiccati.AFlight*:NewtonRiccati.TheUnit*:NewtonRiccati.ABodyMoves*:NewtonRiccati.EachStage*:NewtonRiccati.LowerAnd*:AnySolver/2.*-AnySolver/2.RandomTeams*:AnySolver/2.Obstacles*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)

@@ -437,13 +437,12 @@ void DdsWorld::land(const Interrupts& interrupts, const PrintMessage& print) {
 }
 
 std::string DdsWorld::ended() const {
-  for (const Robot& robot : robots_) {
-    if (robot.machine.reason() == LinkReason::emergency)
-      return fmt::format("{}: {}", robot.name, to_string(robot.machine.reason()));
+  std::vector<std::string> others;
+  for (const Robot& robot : robots_)
     if (robot.machine.reason() != LinkReason::as_requested)
-      return fmt::format("{}: {}; the others landed", robot.name, to_string(robot.machine.reason()));
-  }
-  return {};
+      others.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
+  if (!others.empty() && others.size() < robots_.size()) others.emplace_back("the others landed");
+  return fmt::format("{}", fmt::join(others, "; "));
 }
 
 std::vector<std::string> DdsWorld::faults() const {
@@ -452,8 +451,7 @@ std::vector<std::string> DdsWorld::faults() const {
     if (robot.machine.reason() != LinkReason::as_requested)
       sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
     if (robot.estimated && begun_ && !robot.knew)
-      sentences.push_back(fmt::format(
-          "{}: it never found out where it is, for want of tags that its camera sees", robot.name));
+      sentences.push_back(fmt::format("{}: its position stayed unknown: its camera saw no tags", robot.name));
   }
   return sentences;
 }

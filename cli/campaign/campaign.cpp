@@ -185,7 +185,7 @@ std::vector<std::string> names_beside(const fs::path& folder) {
   return names;
 }
 
-std::string in_words(const std::vector<std::string>& names) {
+std::string describe(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -224,7 +224,7 @@ int merge(const CampaignCommand& command, const Registry& registry) {
     if (fs::is_directory(folder) && names_beside(folder) != beside)
       throw std::invalid_argument(fmt::format(
           "{}: holds other scenarios beside its own than {}, expected the same: {} and {}", folder.native(),
-          from.front().native(), in_words(names_beside(folder)), in_words(beside)));
+          from.front().native(), describe(names_beside(folder)), describe(beside)));
 
   const fs::path out =
       command.output.empty() ? fs::path("out") / about.scenario / "campaign" : command.output;

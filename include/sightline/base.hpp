@@ -1469,7 +1469,7 @@ class Failure {
   std::size_t length_ = 0;                    // bytes used of line_
 };
 
-// The threads of the process. No other file creates one; tests/house/threads_test.cpp checks this.
+// The threads of the process. No other file creates one; scripts/lint.py checks this.
 
 /// Thread of a service beside the control thread: a page, a publisher, a log. An exception of its
 /// function ends that service alone: it is caught and reported once (Failure), and the process

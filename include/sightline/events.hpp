@@ -403,9 +403,7 @@ struct TeamState {
   Surroundings around{};
 
   /// Index of a robot in `agents`.
-  std::size_t place(AgentId id) const {
-    return static_cast<std::size_t>(&all.agent(id) - all.agents().data());
-  }
+  std::size_t place(AgentId id) const { return all.agent_index(id); }
   /// Reference of a robot from time t [s] on.
   Reference reference(AgentId id, double t) const;
   /// Whether a coupling or constraint of that name is in force or fading in.

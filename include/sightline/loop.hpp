@@ -737,10 +737,10 @@ class SpscQueue final : public Sink<T> {
   /// @param between  claim_between() requires fewer waiting items than this; 0: it never has room
   SpscQueue(std::size_t capacity, const T& prototype, std::size_t between = 0)
       : items_(capacity, prototype), between_(between) {
-    assert(capacity > 0 && "a ring holds something");
+    assert(capacity > 0 && "a queue holds something");
   }
 
-  /// Producer: the next item to write, or nullptr if the ring is full.
+  /// Producer: the next item to write, or nullptr if the queue is full.
   T* claim() noexcept override {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) == items_.size()) return nullptr;
@@ -760,7 +760,7 @@ class SpscQueue final : public Sink<T> {
   void close() noexcept override { closed_.store(true, std::memory_order_release); }
   bool is_abandoned() const noexcept override { return abandoned_.load(std::memory_order_acquire); }
 
-  /// Consumer: the oldest item, or nullptr if the ring is empty.
+  /// Consumer: the oldest item, or nullptr if the queue is empty.
   const T* front() const noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (written_.load(std::memory_order_acquire) == read) return nullptr;
@@ -770,7 +770,7 @@ class SpscQueue final : public Sink<T> {
   void pop() noexcept { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
   /// Consumer, or its owner if it never started: stops taking items.
   void abandon() noexcept { abandoned_.store(true, std::memory_order_release); }
-  /// Consumer: waits for the oldest item; nullptr if the ring is closed and empty.
+  /// Consumer: waits for the oldest item; nullptr if the queue is closed and empty.
   const T* wait() const noexcept {
     // Each sleep costs about 10 us, so the sleeps grow with the wait, from 0.2 ms.
     constexpr long longest = 3'200'000;  // [ns]

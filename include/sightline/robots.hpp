@@ -177,7 +177,7 @@ struct LaggedHoverMultirotor {
                    parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")});
   }
 
-  /// The vehicles of world/vehicle.hpp, as identified by `sightline identify` for tilt_max = 0.2
+  /// The vehicles of vehicle.hpp, as identified by `sightline identify` for tilt_max = 0.2
   /// rad. The models without lags follow a delay of 0.16 s, 0.114 s and 0.139 s; those with lags
   /// 0.036 s, 0.028 s and 0.025 s. ar_drone() has the numbers of (16).
   static constexpr LaggedHoverMultirotor x500() { return {}; }

@@ -244,7 +244,7 @@ class Links {
  public:
   virtual ~Links() = default;
   /// Lines for the summary of a scenario.
-  virtual std::string in_words(const Team& team) const = 0;
+  virtual std::string describe(const Team& team) const = 0;
   /// The links of the part of the team that is planned here.
   /// @param part  its scenario, with the links of `whole`
   virtual std::shared_ptr<const Links> of_part(const ScenarioSpec& whole, const ScenarioSpec& part) const = 0;

@@ -773,13 +773,13 @@ ExchangeOrder exchange_order(std::string_view word);
 using Partition = std::vector<std::vector<AgentId>>;
 
 /// A subteam in text form.
-struct PartInWords {
+struct PartSpec {
   std::string name;  ///< empty: no name
   std::vector<std::string> robots;
 };
 /// Splits "front: a,b | c,d"; does not check that the robots exist.
 /// @throws std::invalid_argument for a repeated name
-std::vector<PartInWords> parts_in_words(std::string_view text);
+std::vector<PartSpec> parse_parts(std::string_view text);
 
 /// Reads "a,b | c,d": robots by name, subteams in solving order; a subteam may have a name, "front:
 /// a,b".

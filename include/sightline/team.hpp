@@ -231,6 +231,9 @@ class Team {
   int bodies() const { return static_cast<int>(bodies_.size()); }
   bool is_agent(BodyId body) const { return bodies_[index(body)].agent >= 0; }
   const Agent& agent(BodyId body) const;
+  /// Index of a robot in agents().
+  /// @throws std::out_of_range for a body that is no robot
+  std::size_t agent_index(BodyId robot) const;
   std::string_view name(BodyId body) const { return bodies_[index(body)].name; }
   /// The body of that name, or index -1.
   BodyId find(std::string_view name) const;
@@ -288,8 +291,9 @@ std::vector<double> resting_inputs(const Team& team);
 //   subject to   x' = f(x, u),  x(t_0) = x_k,  u_min <= u <= u_max               (2)
 //   with         l = sum_i l_i(x_i, u_i) + sum_c k_c l_c(x_i, x_j)               (8)
 //
-// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). The first request traces the formulas of each
-// agent and each coupled pair, once for all copies. Agents and pairs of one kind share a program.
+// Discrete: h = T/N, x_{i+1} = x_i + h f(x_i, u_i). For the solvers by continuation, the first
+// request traces the formulas of each agent and each coupled pair, once for all copies. Agents and
+// pairs of one kind share a program.
 
 struct Horizon {
   double T = 1.0;

@@ -295,6 +295,6 @@ struct RobotVehicle {
 inline bool has_imu(const RobotVehicle& vehicle) { return vehicle.vehicle.imu.has_value(); }
 
 /// "x500, 2.06 kg, 4 rotors, thrust to weight 1.69"
-std::string in_words(const RobotVehicle& vehicle);
+std::string describe(const RobotVehicle& vehicle);
 
 }  // namespace sightline

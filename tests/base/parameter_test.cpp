@@ -89,7 +89,7 @@ class Given final : public ParameterSource {
   }
 };
 
-TEST(Parameter, what_is_given_is_set_and_what_is_left_out_is_the_structs_own) {
+TEST(Parameter, WhatIsGivenIsSetAndWhatIsLeftOutIsTheStructsOwn) {
   Given given;
   given.values = {{"corner", {4, 5, 6}}, {"angle", {0.25}}, {"form", {1}}, {"place", {2}}};
   const Part part = read_part<Part>(given);
@@ -101,11 +101,11 @@ TEST(Parameter, what_is_given_is_set_and_what_is_left_out_is_the_structs_own) {
   EXPECT_EQ(given.allowed, (std::vector<std::string>{"length", "angle", "corner", "place", "form"}));
 }
 
-TEST(Parameter, what_must_be_given_is_missed) {
+TEST(Parameter, WhatMustBeGivenIsMissed) {
   EXPECT_EQ(refusal_of([] { read_part<Part>(Given{}); }), "corner of another length");
 }
 
-TEST(Parameter, the_first_list_says_how_long_the_others_are) {
+TEST(Parameter, TheFirstListSaysHowLongTheOthersAre) {
   Given given;
   given.values = {{"times", {0, 1, 2}}, {"heading", {0, 1}}};
   EXPECT_EQ(refusal_of([&] { read_part<Path>(given); }), "heading of another length");
@@ -113,7 +113,7 @@ TEST(Parameter, the_first_list_says_how_long_the_others_are) {
   EXPECT_EQ(read_part<Path>(given).heading, (std::vector<double>{0, 1, 2}));
 }
 
-TEST(Parameter, a_preset_is_the_start_for_what_is_given_beside_it) {
+TEST(Parameter, APresetIsTheStartForWhatIsGivenBesideIt) {
   Given given;
   given.values = {{"preset", {1}}};
   EXPECT_EQ(read_part<Lamp>(given).power, 99);
@@ -122,7 +122,7 @@ TEST(Parameter, a_preset_is_the_start_for_what_is_given_beside_it) {
   EXPECT_EQ(given.allowed, (std::vector<std::string>{"power", "preset"}));
 }
 
-TEST(Parameter, a_number_out_of_its_range_is_refused_with_part_key_value_and_range) {
+TEST(Parameter, ANumberOutOfItsRangeIsRefusedWithPartKeyValueAndRange) {
   EXPECT_EQ(refusal_of([] { check_parameters(Part{.length = 0}); }), "part.length = 0, expected > 0 m");
   EXPECT_EQ(refusal_of([] { check_parameters(Part{.angle = NAN}); }),
             "part.angle = nan, expected finite rad");
@@ -138,13 +138,13 @@ TEST(Parameter, a_number_out_of_its_range_is_refused_with_part_key_value_and_ran
   EXPECT_EQ(refusal_of([] { check_parameters(Part{}); }), "");
 }
 
-TEST(Parameter, bounds_may_leave_a_gap_above_zero) {
+TEST(Parameter, BoundsMayLeaveAGapAboveZero) {
   constexpr Bounds lag = {1e-3, 1e3, "0 or 0.001 to 1000", true};
   EXPECT_TRUE(lag.hold(0) && lag.hold(1e-3) && lag.hold(1e3));
   EXPECT_FALSE(lag.hold(1e-4) || lag.hold(-1) || lag.hold(1e4) || lag.hold(NAN));
 }
 
-TEST(Parameter, words_have_key_unit_range_default_and_what_differs_from_it) {
+TEST(Parameter, WordsHaveKeyUnitRangeDefaultAndWhatDiffersFromIt) {
   const std::vector<ParameterText> texts = parameter_texts(Part{.length = 2, .form = Form::square});
   ASSERT_EQ(texts.size(), 5U);
   EXPECT_EQ(texts[0].key, "length");

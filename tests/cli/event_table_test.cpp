@@ -363,7 +363,7 @@ TEST_P(EventTable, EveryKindOfEventKeepsEveryLaw) {
     SCOPED_TRACE(row.name);
     const Scenario scenario = cell(row, GetParam());
     std::string words;
-    for (const TeamEvent& event : scenario.script.events) words += in_words(event, scenario.team);
+    for (const TeamEvent& event : scenario.script.events) words += describe(event, scenario.team);
     EXPECT_TRUE(said.insert(words).second) << "no two events have one description: " << words;
     const Controls controls(scenario);
     SimulatedClock clock;

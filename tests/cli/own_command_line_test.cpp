@@ -40,7 +40,7 @@ std::string refusal(const std::string& what, const std::string& instead) {
   return result.err.substr(result.err.find("own.toml"));
 }
 
-TEST(OwnCommandLine, flies_a_scenario_with_a_robot_a_potential_and_a_reference_of_its_own) {
+TEST(OwnCommandLine, FliesAScenarioWithARobotAPotentialAndAReferenceOfItsOwn) {
   const fs::path folder = fresh_folder();
   const auto run = own("run " + own_parts + " -o " + (folder / "out").string(), folder);
   EXPECT_EQ(run.code, 0) << run.err;
@@ -56,7 +56,7 @@ TEST(OwnCommandLine, flies_a_scenario_with_a_robot_a_potential_and_a_reference_o
   EXPECT_TRUE(fs::exists(folder / "out/report.html"));
 }
 
-TEST(OwnCommandLine, every_other_command_knows_the_words_too) {
+TEST(OwnCommandLine, EveryOtherCommandKnowsTheWordsToo) {
   const fs::path folder = fresh_folder();
   const auto check = own("check " + own_parts, folder);
   EXPECT_EQ(check.code, 0) << check.err;
@@ -84,7 +84,7 @@ TEST(OwnCommandLine, every_other_command_knows_the_words_too) {
   EXPECT_THAT(own("parts", folder).out, HasSubstr("| `halo` | `d` | 2 m | > 0 | distance to keep |"));
 }
 
-TEST(OwnCommandLine, a_campaign_reads_the_words_again_in_each_of_its_runs) {
+TEST(OwnCommandLine, ACampaignReadsTheWordsAgainInEachOfItsRuns) {
   const fs::path folder = fresh_folder();
   const auto campaign =
       own("campaign " + own_parts + " --runs 4 --seed 3 -o " + (folder / "campaign").string(), folder);
@@ -97,7 +97,7 @@ TEST(OwnCommandLine, a_campaign_reads_the_words_again_in_each_of_its_runs) {
   EXPECT_TRUE(fs::exists(folder / "run/run.mcap"));
 }
 
-TEST(OwnCommandLine, what_is_wrong_with_an_own_part_is_refused_at_its_line) {
+TEST(OwnCommandLine, WhatIsWrongWithAnOwnPartIsRefusedAtItsLine) {
   EXPECT_EQ(
       refusal("thrust = 1.0", "trhust = 1.0"),
       "own.toml:4: agent.blimp.parameters.trhust = 1, expected a known key, the nearest is \"thrust\"\n");
@@ -108,7 +108,7 @@ TEST(OwnCommandLine, what_is_wrong_with_an_own_part_is_refused_at_its_line) {
       "own.toml:8: agent.blimp.reference.figure_eight.centre is missing, expected an array of 3 numbers\n");
 }
 
-TEST(OwnCommandLine, the_command_line_of_the_library_does_not_know_them) {
+TEST(OwnCommandLine, TheCommandLineOfTheLibraryDoesNotKnowThem) {
   const fs::path folder = fresh_folder();
   const auto check = test::sightline("check " + own_parts, folder);
   EXPECT_EQ(check.code, 2);

@@ -93,7 +93,7 @@ TEST(Faults, AWriterWithoutFaultsSendsAllAtOnceAndASilentOneNothing) {
   EXPECT_TRUE(test::eventually([&] { return way.last == 500; }, std::chrono::seconds(5)));
   EXPECT_EQ(way.came, 101);
   EXPECT_EQ(way.backwards, 0);
-  EXPECT_EQ(in_words(way.faults.counts()), "");
+  EXPECT_EQ(describe(way.faults.counts()), "");
 }
 
 TEST(Faults, WhatIsLateComesAfterItsDelay) {

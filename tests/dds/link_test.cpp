@@ -24,11 +24,11 @@ TEST(LinkFault, EachKindHasAKeyOfItsOwnAndASizeWithinItsBounds) {
 }
 
 TEST(LinkFault, SaysInWordsWhatHappensAndWhen) {
-  EXPECT_EQ(in_words(LinkFault{.kind = LinkFaultKind::drop, .at = 5.0, .duration = 2.0, .size = 0.2}),
+  EXPECT_EQ(describe(LinkFault{.kind = LinkFaultKind::drop, .at = 5.0, .duration = 2.0, .size = 0.2}),
             "drop 0.2 for 2 s, 5 s after the start");
-  EXPECT_EQ(in_words(LinkFault{.kind = LinkFaultKind::pilot, .since = FaultClock::flight, .at = 1.5}),
+  EXPECT_EQ(describe(LinkFault{.kind = LinkFaultKind::pilot, .since = FaultClock::flight, .at = 1.5}),
             "pilot, 1.5 s after it is first steered");
-  EXPECT_EQ(in_words(LinkFault{.kind = LinkFaultKind::jump, .at = 0.0, .size = -1.0}),
+  EXPECT_EQ(describe(LinkFault{.kind = LinkFaultKind::jump, .at = 0.0, .size = -1.0}),
             "jump -1 m, 0 s after the start");
 }
 

@@ -69,7 +69,7 @@ TEST(Ros2FlyerLink, EachKindTakesOffFliesItsTaskAndLands) {
 
 TEST(Ros2FlyerLink, WhatItIsRefusedItDoesNotAskAgain) {
   Rig rig(flyers({by_trigger, by_topics}, 5.0));
-  flyer_of(rig, 0).throw_invalid(true);
+  flyer_of(rig, 0).refuse_requests(true);
   EXPECT_FALSE(rig.take_off());
   EXPECT_THAT(rig.world->faults(), Contains("uav0: it refused the request"));
   EXPECT_EQ(flyer_of(rig, 0).reported().takeoffs, 1);

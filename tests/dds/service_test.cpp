@@ -60,8 +60,8 @@ TEST_F(Service, ARequestArrivesAsItWasSentAndIsAnswered) {
 }
 
 TEST_F(Service, ARefusalAnAnswerToAnotherAndNoneAreToldApart) {
-  enum { accept, throw_invalid, say_nothing };
-  std::atomic<int> how{throw_invalid};
+  enum { accept, refuse, say_nothing };
+  std::atomic<int> how{refuse};
   ServiceServer server(other, trigger_service, "/land", [&](const void*, void* response) {
     static std::array<char, 4> message = {"no"};
     auto& said = *static_cast<TriggerResponse*>(response);

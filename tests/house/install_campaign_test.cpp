@@ -75,8 +75,7 @@ const std::string bare =
     "-DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON -DCMAKE_DISABLE_FIND_PACKAGE_CLI11=ON "
     "-DCMAKE_DISABLE_FIND_PACKAGE_ZLIB=ON -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON ";
 
-TEST_F(Install,
-       a_plain_program_on_a_bare_machine_flies_the_same_bits_and_one_of_another_lane_width_is_not_linked) {
+TEST_F(Install, APlainProgramOnABareMachineFliesTheSameBitsAndOneOfAnotherLaneWidthIsNotLinked) {
   write(folder_ / "source/flight.cpp", flight());
   const std::string other = native_width == 2 ? "4" : "2", own = std::to_string(native_width);
   const auto done = configured(
@@ -108,7 +107,7 @@ TEST_F(Install,
                                                  "_here_and_" + own + "_in_the_library'"));
 }
 
-TEST_F(Install, a_command_line_with_parts_of_its_own_is_built_from_the_prefix_and_flies_them) {
+TEST_F(Install, ACommandLineWithPartsOfItsOwnIsBuiltFromThePrefixAndFliesThem) {
   for (const std::string name : {"own_command_line.cpp", "own_parts.hpp", "own_parts.toml"})
     write(folder_ / "source" / name, read_file(fmt::format("{}/examples/{}", tree, name)));
   const auto done = configured(
@@ -126,7 +125,7 @@ TEST_F(Install, a_command_line_with_parts_of_its_own_is_built_from_the_prefix_an
 }
 
 #ifdef SIGHTLINE_MUJOCO
-TEST_F(Install, a_program_of_ones_own_flies_in_mujoco_from_the_prefix) {
+TEST_F(Install, AProgramOfOnesOwnFliesInMujocoFromThePrefix) {
   ASSERT_TRUE(fs::exists(prefix() + "/include/sightline/mujoco.hpp"));
   write(folder_ / "source/own.cpp",
         "#include <sightline/command_line.hpp>\n#include <sightline/mujoco.hpp>\n"
@@ -148,7 +147,7 @@ TEST_F(Install, a_program_of_ones_own_flies_in_mujoco_from_the_prefix) {
 }
 #endif
 
-TEST_F(Install, a_component_that_was_not_built_is_refused_by_name) {
+TEST_F(Install, AComponentThatWasNotBuiltIsRefusedByName) {
   const auto done = configured("find_package(sightline REQUIRED COMPONENTS core wings)\n", "");
   EXPECT_NE(done.code, 0);
   EXPECT_THAT(
@@ -156,7 +155,7 @@ TEST_F(Install, a_component_that_was_not_built_is_refused_by_name) {
       ContainsRegex("component wings is not among those[ \n]+that were built:[ \n]+core;sightline;cli"));
 }
 
-TEST_F(Install, the_whole_library_is_found_by_cmake_and_by_pkg_config) {
+TEST_F(Install, TheWholeLibraryIsFoundByCmakeAndByPkgConfig) {
   const std::string scenario = tree + "/scenarios/paper_7_1.toml";
   write(folder_ / "source/reads.cpp",
         "#include <sightline/scenario.hpp>\n#include <cstdio>\n"
@@ -178,7 +177,7 @@ TEST_F(Install, the_whole_library_is_found_by_cmake_and_by_pkg_config) {
   EXPECT_EQ(shell(path("reads") + " " + scenario, folder_).out, "paper_7_1\n");
 }
 
-TEST_F(Install, every_header_stands_by_itself_and_none_shows_what_the_library_is_made_with) {
+TEST_F(Install, EveryHeaderStandsByItselfAndNoneShowsWhatTheLibraryIsMadeWith) {
   std::vector<fs::path> headers;
   for (const auto& entry : fs::recursive_directory_iterator(prefix() + "/include"))
     if (entry.is_regular_file()) headers.push_back(entry.path());
@@ -205,7 +204,7 @@ TEST_F(Install, every_header_stands_by_itself_and_none_shows_what_the_library_is
   }
 }
 
-TEST_F(Install, a_host_project_gets_the_library_and_neither_flags_nor_programs) {
+TEST_F(Install, AHostProjectGetsTheLibraryAndNeitherFlagsNorPrograms) {
   write(folder_ / "source/flight.cpp", flight());
   const auto done = configured("add_compile_options(-Wall)\nadd_subdirectory(" + tree +
                                    " sightline)\n"
@@ -229,7 +228,7 @@ TEST_F(Install, a_host_project_gets_the_library_and_neither_flags_nor_programs) 
   EXPECT_EQ(shell(path("build/flight"), folder_).code, 0);
 }
 
-TEST_F(Install, an_old_processor_is_told_so_before_it_meets_what_it_cannot_do) {
+TEST_F(Install, AnOldProcessorIsToldSoBeforeItMeetsWhatItCannotDo) {
   ASSERT_EQ(shell("command -v qemu-x86_64", folder_).code, 0)
       << "expected the packages of scripts/deps.sh test";
   const auto done = shell("qemu-x86_64 -cpu Nehalem '" SIGHTLINE_BINARY "' version", folder_);
@@ -244,7 +243,7 @@ TEST_F(Install, an_old_processor_is_told_so_before_it_meets_what_it_cannot_do) {
 #endif
 }
 
-TEST_F(Install, the_debian_package_holds_a_program_that_flies_its_pages_and_its_completion) {
+TEST_F(Install, TheDebianPackageHoldsAProgramThatFliesItsPagesAndItsCompletion) {
   ASSERT_EQ(shell("command -v dpkg-deb dpkg-shlibdeps", folder_).code, 0)
       << "expected the packages of scripts/deps.sh test";
   const auto done = shell("cd " + build + " && cpack -G DEB -B " + path("packages"), folder_);

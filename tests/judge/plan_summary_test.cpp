@@ -50,12 +50,12 @@ TEST(PlanSummary, InJsonAndInWordsItIsThereWhereThereWasNoPlan) {
   PlanSummary plans(alone(), 1);
   plans.add(sample_at(0, {Status::converged}));
   EXPECT_EQ(plans.json(), R"({"longest":0.0,"from":null,"status":null})");
-  EXPECT_EQ(without_plan_in_words(plans.json()), "");
+  EXPECT_EQ(describe_without_plan(plans.json()), "");
   for (int k = 1; k < 21; ++k) plans.add(sample_at(k, {Status::invalid_state}));
   const auto json = nlohmann::json::parse(plans.json());
   EXPECT_NEAR(json.at("longest").get<double>(), 0.2, 1e-12);
   EXPECT_EQ(json.at("status"), "invalid_state");
-  EXPECT_EQ(without_plan_in_words(plans.json()), "at most 0.20 s on end, from 0.01 s on (invalid_state)");
+  EXPECT_EQ(describe_without_plan(plans.json()), "at most 0.20 s on end, from 0.01 s on (invalid_state)");
 }
 
 }  // namespace

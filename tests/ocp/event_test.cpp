@@ -67,7 +67,7 @@ TEST(Script, TwoEventsOfOneTimeMustNotContradictEachOther) {
               ElementsAre(HasSubstr("1: at = 5: \"uav3\" is changed twice at one time")));
   EXPECT_THAT(faults({at(5.0, Observe{AgentId{BodyId{3}}, BodyId{0}}),
                       at(5.0, Observe{AgentId{BodyId{3}}, BodyId{1}})}),
-              ElementsAre(HasSubstr("whom \"uav3\" observes is changed twice")));
+              ElementsAre(HasSubstr("the target of \"uav3\" is changed twice")));
   EXPECT_THAT(faults({at(5.0, RetuneTerm{.name = "sees3", .weight = 1.0}), at(5.0, RemoveTerm{"sees3"})}),
               ElementsAre(HasSubstr("\"sees3\" is changed twice")));
   TeamEvent one = at(5.0, RemoveTerm{"sees3"}), two = at(5.0, RemoveTerm{"off3"});

@@ -32,7 +32,7 @@ Team robots(int n) {
   return team;
 }
 
-TEST(Shape, a_chain_of_n_has_n_minus_1_pairs_each_body_observes_the_one_before) {
+TEST(Shape, AChainOfNHasNMinus1PairsEachBodyObservesTheOneBefore) {
   for (int n = 1; n < 40; ++n) {
     const auto pairs = chain(first(n));
     ASSERT_EQ(static_cast<int>(pairs.size()), n - 1);
@@ -43,7 +43,7 @@ TEST(Shape, a_chain_of_n_has_n_minus_1_pairs_each_body_observes_the_one_before) 
   }
 }
 
-TEST(Shape, in_a_ring_each_body_observes_once_and_is_observed_once) {
+TEST(Shape, InARingEachBodyObservesOnceAndIsObservedOnce) {
   for (int n = 2; n < 40; ++n) {
     const auto pairs = ring(first(n));
     std::set<int> observers, targets;
@@ -59,7 +59,7 @@ TEST(Shape, in_a_ring_each_body_observes_once_and_is_observed_once) {
   EXPECT_TRUE(ring(first(1)).empty());
 }
 
-TEST(Shape, in_a_star_all_observe_the_centre) {
+TEST(Shape, InAStarAllObserveTheCentre) {
   for (int n = 1; n < 40; ++n) {
     const auto pairs = star(BodyId{n}, first(n));
     ASSERT_EQ(static_cast<int>(pairs.size()), n);
@@ -70,7 +70,7 @@ TEST(Shape, in_a_star_all_observe_the_centre) {
   }
 }
 
-TEST(Shape, all_pairs_are_every_two_bodies_once) {
+TEST(Shape, AllPairsAreEveryTwoBodiesOnce) {
   for (int n = 1; n < 40; ++n) {
     const auto pairs = all_pairs(first(n));
     EXPECT_EQ(static_cast<int>(pairs.size()), n * (n - 1) / 2);
@@ -79,7 +79,7 @@ TEST(Shape, all_pairs_are_every_two_bodies_once) {
   }
 }
 
-TEST(Shape, a_body_that_stands_twice_is_refused) {
+TEST(Shape, ABodyThatStandsTwiceIsRefused) {
   const std::vector<BodyId> twice = {BodyId{0}, BodyId{1}, BodyId{0}};
   EXPECT_EQ(refusal_of([&] { chain(twice); }), "body 0 stands twice in the chain, expected each body once");
   EXPECT_EQ(refusal_of([&] { ring(twice); }), "body 0 stands twice in the ring, expected each body once");
@@ -89,7 +89,7 @@ TEST(Shape, a_body_that_stands_twice_is_refused) {
             "body 0 stands twice in the pairs, expected each body once");
 }
 
-TEST(Shape, an_expanded_chain_is_the_chain_coupled_by_hand) {
+TEST(Shape, AnExpandedChainIsTheChainCoupledByHand) {
   for (const bool joint : {false, true}) {
     const Team by_hand = chain(6, joint ? paper::Variant::joint : paper::Variant::masked);
     Team team = robots(6);
@@ -107,7 +107,7 @@ TEST(Shape, an_expanded_chain_is_the_chain_coupled_by_hand) {
   }
 }
 
-TEST(Shape, a_coupling_felt_by_both_is_felt_by_the_robots_alone) {
+TEST(Shape, ACouplingFeltByBothIsFeltByTheRobotsAlone) {
   Team team = robots(2);
   const BodyId rock = team.add(Obstacle{"rock"});
   couple(team, {1.0 * KeepOut{}}, all_pairs(first(3)), FeltBy::both);
@@ -117,7 +117,7 @@ TEST(Shape, a_coupling_felt_by_both_is_felt_by_the_robots_alone) {
   }
 }
 
-TEST(Shape, each_pair_has_the_terms_of_its_own_observer) {
+TEST(Shape, EachPairHasTheTermsOfItsOwnObserver) {
   Team team = robots(5);
   const TermsOf terms_of = [](Between pair) {
     SensorCone cone;
@@ -188,7 +188,7 @@ TEST(Best, EachObserverHasTheTermsOfItsTargetAlone) {
   EXPECT_EQ(p.team.couplings()[2].between.second, p.a);
   // Of each observer: to two others and to nobody.
   ASSERT_EQ(p.script.events.size(), 6U);
-  EXPECT_EQ(in_words(p.script.events[0], p.team),
+  EXPECT_EQ(describe(p.script.events[0], p.team),
             "who: a turns to ball, when the choice for a falls on this, as often as that comes about: a "
             "observes ball, "
             "over 1 s");

@@ -33,7 +33,7 @@ at = 5.0
 observe = { observer = "uav1", target = "rock" }
 )";
 
-TEST(TeamJson, bodies_pairs_and_events_are_told_in_their_order) {
+TEST(TeamJson, BodiesPairsAndEventsAreToldInTheirOrder) {
   const auto json = nlohmann::json::parse(team_json(parse_scenario(scene, "a.toml")));
   ASSERT_EQ(json["bodies"].size(), 3U);
   EXPECT_EQ(json["bodies"][1]["name"], "uav1");
@@ -57,7 +57,7 @@ TEST(TeamJson, HardDistancesAndTheFloorAreToldWhereThereAreSome) {
   EXPECT_TRUE(with.contains("ceiling"));
 }
 
-TEST(TeamJson, bodies_that_are_coupled_by_many_potentials_are_told_once_for_those_who_feel_them) {
+TEST(TeamJson, BodiesThatAreCoupledByManyPotentialsAreToldOnceForThoseWhoFeelThem) {
   const auto json = nlohmann::json::parse(team_json(parse_scenario(scene, "a.toml")));
   const auto& couplings = json["couplings"];
   ASSERT_GE(couplings.size(), 3U);

@@ -36,7 +36,7 @@ int count(const std::string& text, const std::string& what) {
   return n;
 }
 
-TEST(GraphFigures, have_a_node_for_each_body_and_an_arrow_for_each_observation) {
+TEST(GraphFigures, HaveANodeForEachBodyAndAnArrowForEachObservation) {
   for (const std::size_t n : {2U, 3U, 8U, 17U, 64U}) {
     const auto figures = graph_figures(chain_of(n, false));
     ASSERT_EQ(figures.size(), 2U);
@@ -49,14 +49,14 @@ TEST(GraphFigures, have_a_node_for_each_body_and_an_arrow_for_each_observation) 
   }
 }
 
-TEST(GraphFigures, a_line_that_both_feel_is_one_with_two_heads) {
+TEST(GraphFigures, ALineThatBothFeelIsOneWithTwoHeads) {
   const auto figures = graph_figures(chain_of(5, true));
   EXPECT_EQ(count(figures.at(0).svg, "marker-start"), 0) << "they do not observe each other";
   EXPECT_EQ(count(figures.at(1).svg, "marker-start"), 4);
   EXPECT_EQ(count(figures.at(1).svg, "marker-end"), 4);
 }
 
-TEST(GraphFigures, say_the_kind_of_influence_that_the_solver_sees) {
+TEST(GraphFigures, SayTheKindOfInfluenceThatTheSolverSees) {
   EXPECT_EQ(influence_words(robots(3)), "no robot feels another");
   EXPECT_EQ(influence_words(chain_of(8, false)), "a cascade of depth 7");
   EXPECT_THAT(influence_words(chain_of(8, true)), HasSubstr("mutual"));
@@ -66,7 +66,7 @@ TEST(GraphFigures, say_the_kind_of_influence_that_the_solver_sees) {
   EXPECT_THAT(graph_figures(chain_of(8, false)).at(1).caption, HasSubstr("a cascade of depth 7"));
 }
 
-TEST(GraphFigures, any_two_robots_of_a_swarm_influence_each_other) {
+TEST(GraphFigures, AnyTwoRobotsOfASwarmInfluenceEachOther) {
   Recording r = robots(5);
   r.swarms = {{0, 2, 3, 4}};
   EXPECT_EQ(count(graph_figures(r).at(0).svg, "<path d=\"M"), 6 + 2) << "lines, and the heads' own";
@@ -75,7 +75,7 @@ TEST(GraphFigures, any_two_robots_of_a_swarm_influence_each_other) {
   EXPECT_THAT(influence_words(r), HasSubstr("cyclic"));
 }
 
-TEST(GraphFigures, an_obstacle_is_there_if_a_robot_feels_it_and_robots_always_are) {
+TEST(GraphFigures, AnObstacleIsThereIfARobotFeelsItAndRobotsAlwaysAre) {
   Recording r = robots(3);
   for (const char* name : {"rock", "tree"}) r.bodies.emplace_back().name = name;
   r.couplings.push_back({0, 3, true, false});
@@ -87,12 +87,12 @@ TEST(GraphFigures, an_obstacle_is_there_if_a_robot_feels_it_and_robots_always_ar
   EXPECT_THAT(figures[0].caption, HasSubstr("no robot feels another"));
 }
 
-TEST(GraphFigures, are_left_out_where_nothing_is_coupled_or_too_many_are) {
+TEST(GraphFigures, AreLeftOutWhereNothingIsCoupledOrTooManyAre) {
   EXPECT_TRUE(graph_figures(robots(2)).empty());
   EXPECT_TRUE(graph_figures(chain_of(graph_bodies_max + 1, false)).empty());
 }
 
-TEST(GraphFigures, show_names_as_text_and_are_the_same_again) {
+TEST(GraphFigures, ShowNamesAsTextAndAreTheSameAgain) {
   Recording r = chain_of(2, false);
   r.bodies[0].name = "<a>&b";
   const auto figures = graph_figures(r);

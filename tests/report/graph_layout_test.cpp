@@ -58,7 +58,7 @@ void expect_legible(const GraphLayout& layout, double apart) {
   }
 }
 
-TEST(GraphLayout, each_depth_is_one_more_than_that_of_the_deepest_it_leans_on) {
+TEST(GraphLayout, EachDepthIsOneMoreThanThatOfTheDeepestItLeansOn) {
   Random random(1);
   for (int n = 0; n < 200; ++n) {
     const NodeGraph graph = random_cascade(random, 1 + random() % 30);
@@ -73,11 +73,11 @@ TEST(GraphLayout, each_depth_is_one_more_than_that_of_the_deepest_it_leans_on) {
   }
 }
 
-TEST(GraphLayout, arrows_in_a_circle_have_no_depth) {
+TEST(GraphLayout, ArrowsInACircleHaveNoDepth) {
   for (std::size_t n = 2; n < 20; ++n) EXPECT_TRUE(depths_of(ring_of(n)).empty());
 }
 
-TEST(GraphLayout, any_graph_of_up_to_64_nodes_is_legible) {
+TEST(GraphLayout, AnyGraphOfUpTo64NodesIsLegible) {
   Random random(2);
   for (std::size_t n = 1; n <= 64; ++n) {
     for (const NodeGraph& graph : {chain_of(n), star_of(n), random_cascade(random, n), NodeGraph{n}}) {
@@ -87,7 +87,7 @@ TEST(GraphLayout, any_graph_of_up_to_64_nodes_is_legible) {
   }
 }
 
-TEST(GraphLayout, in_columns_every_arrow_goes_to_the_left) {
+TEST(GraphLayout, InColumnsEveryArrowGoesToTheLeft) {
   Random random(3);
   int columns = 0;
   for (int n = 0; n < 200; ++n) {

@@ -87,7 +87,7 @@ struct Watched {
   int k = 0;
 };
 
-TEST(Compensation, of_a_known_delay_gives_the_state_that_the_command_will_meet) {
+TEST(Compensation, OfAKnownDelayGivesTheStateThatTheCommandWillMeet) {
   for (const Alone& alone : all_kinds()) {
     for (const double delay : {0.0, 0.07, 0.155, 0.4}) {
       SCOPED_TRACE(fmt::format("{} after {} s", alone.team.model(BodyId{0}).name(), delay));
@@ -101,7 +101,7 @@ TEST(Compensation, of_a_known_delay_gives_the_state_that_the_command_will_meet) 
   }
 }
 
-TEST(Compensation, finds_the_wind_that_the_commands_do_not_explain) {
+TEST(Compensation, FindsTheWindThatTheCommandsDoNotExplain) {
   const Vec3<double> wind = {0.6, -0.3, 0.2};
   for (const Alone& alone : {Alone(Multirotor{}), Alone(AngleMultirotor{}), Alone(VelocityMultirotor{})}) {
     SCOPED_TRACE(alone.team.model(BodyId{0}).name());
@@ -140,7 +140,7 @@ double offset(const M& robot, const Vec3<double>& wind, double gain,
   return norm(x[0] - alone.start[0], x[1] - alone.start[1]);
 }
 
-TEST(Compensation, leaves_no_offset_in_wind_from_anywhere_even_with_a_wrong_gain) {
+TEST(Compensation, LeavesNoOffsetInWindFromAnywhereEvenWithAWrongGain) {
   for (int i = 0; i < 8; ++i) {
     const double from = 0.25 * 3.141592653589793 * i;
     const Vec3<double> wind = {0.75 * std::cos(from), 0.75 * std::sin(from), 0.0};
@@ -155,7 +155,7 @@ TEST(Compensation, leaves_no_offset_in_wind_from_anywhere_even_with_a_wrong_gain
 }
 
 // A robot of its own states is told the rest of its state and of its lean; both together are what it has in the wind.
-TEST(Compensation, tells_how_what_it_adds_makes_a_robot_lean) {
+TEST(Compensation, TellsHowWhatItAddsMakesARobotLean) {
   const Vec3<double> wind = {0.6, -0.3, 0.0};
   for (const Alone& alone : {Alone(Multirotor{}), Alone(AngleMultirotor{}), Alone(VelocityMultirotor{}),
                              Alone(HoverMultirotor{}), Alone(LaggingHoverMultirotor{}), Alone(PointMass{})}) {
@@ -207,7 +207,7 @@ double beside_its_circle(FeedForwardFrom feed_forward, double gain, std::string_
   return norm(x[0] - circle(20.0).p.x, x[1] - circle(20.0).p.y);
 }
 
-TEST(Compensation, feeds_a_circle_forward_that_a_plan_would_cut_whatever_the_gain) {
+TEST(Compensation, FeedsACircleForwardThatAPlanWouldCutWhateverTheGain) {
   for (const std::string_view solver : {"newton_riccati", "parts", "cgmres"}) {
     for (const double gain : {1 / 0.7, 1.0, 1 / 1.5}) {
       SCOPED_TRACE(fmt::format("{}, gain {}", solver, gain));
@@ -218,7 +218,7 @@ TEST(Compensation, feeds_a_circle_forward_that_a_plan_would_cut_whatever_the_gai
   }
 }
 
-TEST(Compensation, takes_no_more_of_an_input_than_its_part) {
+TEST(Compensation, TakesNoMoreOfAnInputThanItsPart) {
   const Alone alone(Multirotor{});
   Watched watched(alone, {BodyId{0}, 0.0, 0.1}, {.wind = {50.0, 20.0, 0.0}});
   for (int k = 0; k < 300; ++k) watched.step();
@@ -261,7 +261,7 @@ double fastest(const std::vector<Numbers>& u) {
   return most;
 }
 
-TEST(Compensation, leaves_the_solver_the_rest_of_the_limits_and_it_asks_for_no_more) {
+TEST(Compensation, LeavesTheSolverTheRestOfTheLimitsAndItAsksForNoMore) {
   const Inputs inputs = flown_in_wind({});
   double most = 0.0;
   for (std::size_t k = 0; k < inputs.applied.size(); ++k) {
@@ -273,12 +273,12 @@ TEST(Compensation, leaves_the_solver_the_rest_of_the_limits_and_it_asks_for_no_m
   EXPECT_EQ(most, 1.0);
 }
 
-TEST(Compensation, and_the_rate_of_inputs_hold_together) {
+TEST(Compensation, AndTheRateOfInputsHoldTogether) {
   EXPECT_GT(fastest(flown_in_wind({}).applied), 2.5);
   EXPECT_LT(fastest(flown_in_wind({1, 1, 1, 1}).applied), 1.0 + 1e-9);
 }
 
-TEST(Compensation, does_not_take_what_is_no_measurement) {
+TEST(Compensation, DoesNotTakeWhatIsNoMeasurement) {
   const Alone alone(Multirotor{});
   Watched watched(alone, {BodyId{0}, 0.0, 0.5}, {});
   for (int k = 0; k < 100; ++k) watched.step();
@@ -292,7 +292,7 @@ TEST(Compensation, does_not_take_what_is_no_measurement) {
   EXPECT_LT(norm(watched.compensation.disturbance(BodyId{0})), 20.0 * control_period / 0.5);
 }
 
-TEST(Compensation, carries_on_what_nobody_steers_over_the_longest_delay) {
+TEST(Compensation, CarriesOnWhatNobodySteersOverTheLongestDelay) {
   Team team;
   team.add(Multirotor{}, {.name = "quick"});
   team.add(Multirotor{}, {.name = "slow"});
@@ -306,7 +306,7 @@ TEST(Compensation, carries_on_what_nobody_steers_over_the_longest_delay) {
   EXPECT_LT(met[0], 0.05);
 }
 
-TEST(Compensation, refuses_what_cannot_be) {
+TEST(Compensation, RefusesWhatCannotBe) {
   Team team;
   team.add(Multirotor{}, {.name = "uav0"});
   team.add(Obstacle{.name = "rock"});

@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-TEST(Carry, under_a_constant_push_a_point_goes_as_half_its_square_of_time) {
+TEST(Carry, UnderAConstantPushAPointGoesAsHalfItsSquareOfTime) {
   const Model point(PointMass{});
   const std::array<double, 3> none{};
   const InputHistory history(4, none);
@@ -24,7 +24,7 @@ TEST(Carry, under_a_constant_push_a_point_goes_as_half_its_square_of_time) {
   EXPECT_NEAR(x[2], 3 + 0.5 * s, 1e-12);
 }
 
-TEST(Carry, in_two_parts_is_what_it_is_in_one) {
+TEST(Carry, InTwoPartsIsWhatItIsInOne) {
   const Model robot(Multirotor{});
   std::array<double, 4> u{};
   InputHistory history(16, u);

@@ -66,7 +66,7 @@ Vec3<double> place(const EventScene& scene, BodyId body, const std::vector<doubl
   return {p[0], p[1], p[2]};
 }
 
-TEST(EventText, a_distance_holds_where_the_positions_say_so) {
+TEST(EventText, ADistanceHoldsWhereThePositionsSaySo) {
   const EventScene scene;
   const Condition near = scene.condition("when = { distance = [\"uav0\", \"rock\"], below = 2.5 }");
   const Condition far = scene.condition("when = { distance = [\"rock\", \"uav0\"], above = 2.5 }");
@@ -83,7 +83,7 @@ TEST(EventText, a_distance_holds_where_the_positions_say_so) {
   EXPECT_LT(held, 450);
 }
 
-TEST(EventText, the_text_of_a_formula_or_a_region_says_the_same_as_the_measure) {
+TEST(EventText, TheTextOfAFormulaOrARegionSaysTheSameAsTheMeasure) {
   const EventScene scene;
   const std::string between = "between = [\"uav0\", \"uav1\"]";
   const std::vector<std::pair<Condition, Condition>> same = {
@@ -112,7 +112,7 @@ TEST(EventText, the_text_of_a_formula_or_a_region_says_the_same_as_the_measure) 
   }
 }
 
-TEST(EventText, what_is_not_seen_is_lost) {
+TEST(EventText, WhatIsNotSeenIsLost) {
   EventScene scene;
   const SensorCone cone{.alpha = 0.8, .mount = *scene.observers[0].mount};
   scene.team.couple(1.0 * cone, Between{scene.uav0, scene.uav1}, felt_by(scene.uav0));
@@ -131,7 +131,7 @@ TEST(EventText, what_is_not_seen_is_lost) {
   EXPECT_GT(held, 10);
 }
 
-TEST(EventText, hysteresis_and_dwell_belong_to_the_condition) {
+TEST(EventText, HysteresisAndDwellBelongToTheCondition) {
   const EventScene scene;
   for (const char* text :
        {"when = { distance = [\"uav0\", \"uav1\"], below = 2.0, hysteresis = 0.25, dwell = 1.5 }",
@@ -145,7 +145,7 @@ TEST(EventText, hysteresis_and_dwell_belong_to_the_condition) {
   }
 }
 
-TEST(EventText, a_view_needs_the_observer_s_sensor) {
+TEST(EventText, AViewNeedsTheObserverSSensor) {
   const EventScene scene;
   EXPECT_EQ(
       scene.refusal("when = { region = \"range < 2 m\", between = [\"uav1\", \"uav0\"] }"),
@@ -154,14 +154,14 @@ TEST(EventText, a_view_needs_the_observer_s_sensor) {
   EXPECT_EQ(scene.refusal("when = { region = \"distance < 2 m\", between = [\"uav1\", \"uav0\"] }"), "");
 }
 
-TEST(EventText, a_condition_looks_past_no_third_body) {
+TEST(EventText, AConditionLooksPastNoThirdBody) {
   const EventScene scene;
   EXPECT_EQ(scene.refusal("when = { region = \"third.p_x < 2 m\", between = [\"uav1\", \"uav0\"] }"),
             "a:1: when.region = \"third.p_x < 2 m\", expected a formula of two bodies, a third is known to a "
             "coupling alone");
 }
 
-TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {
+TEST(EventText, ABodyIsRemovedByItsNameOrByItsKindAndName) {
   const EventScene scene;
   EXPECT_EQ(scene.one<RemoveBody>("remove = \"rock\"").body, scene.rock);
   EXPECT_EQ(scene.one<RemoveBody>("remove = { obstacle = \"rock\" }").body, scene.rock);
@@ -170,7 +170,7 @@ TEST(EventText, a_body_is_removed_by_its_name_or_by_its_kind_and_name) {
   EXPECT_EQ(plain.afterwards, Afterwards::vanish);
 }
 
-TEST(EventText, what_is_added_is_as_in_its_own_table) {
+TEST(EventText, WhatIsAddedIsAsInItsOwnTable) {
   const EventScene scene;
   EXPECT_EQ(scene.one<AddBody>("add = \"uav1\"").body, scene.uav1);
   EXPECT_EQ(scene.one<AddBody>("add = { target = \"rock\" }").body, scene.rock);
@@ -194,7 +194,7 @@ TEST(EventText, what_is_added_is_as_in_its_own_table) {
   EXPECT_EQ(constraint.term.potential.as<AltitudeBand>()->z_max, 4.5);
 }
 
-TEST(EventText, a_term_is_spoken_of_by_its_name) {
+TEST(EventText, ATermIsSpokenOfByItsName) {
   const EventScene scene;
   EXPECT_EQ(scene.one<RemoveTerm>("remove = { couple = \"apart\" }").name, "apart");
   EXPECT_EQ(scene.one<RemoveTerm>("remove = { constrain = \"band\" }").name, "band");
@@ -212,7 +212,7 @@ TEST(EventText, a_term_is_spoken_of_by_its_name) {
   EXPECT_FALSE(band.potential->is_pair());
 }
 
-TEST(EventText, what_is_left_out_of_a_robot_s_tuning_stays) {
+TEST(EventText, WhatIsLeftOutOfARobotSTuningStays) {
   const EventScene scene;
   const auto R = scene.one<RetuneAgent>("retune = { agent = \"uav0\", R = [1.0, 2.0, 3.0, 4.0] }");
   EXPECT_EQ(R.agent, scene.uav0);
@@ -224,7 +224,7 @@ TEST(EventText, what_is_left_out_of_a_robot_s_tuning_stays) {
   EXPECT_FALSE(slow.Q || slow.R || slow.Q_f || slow.u_ref);
 }
 
-TEST(EventText, an_array_is_several_actions_in_their_order) {
+TEST(EventText, AnArrayIsSeveralActionsInTheirOrder) {
   const EventScene scene;
   const auto actions = scene.actions("remove = [ \"uav1\", { couple = \"apart\" }, \"rock\" ]");
   ASSERT_EQ(actions.size(), 3U);

@@ -22,7 +22,7 @@ struct CouplingScene : test::Scene {
 
 constexpr std::string_view keep_out_term = "potential = { keep_out = { d_min = 0.75 } }\n";
 
-TEST(ReadCoupling, without_felt_by_all_robots_of_it_feel_a_coupling) {
+TEST(ReadCoupling, WithoutFeltByAllRobotsOfItFeelACoupling) {
   const CouplingScene scene;
   EXPECT_EQ(scene.read(fmt::format("{}between = [\"uav0\", \"uav1\"]", keep_out_term)).felt_by,
             (std::vector{scene.uav0, scene.uav1}));
@@ -30,7 +30,7 @@ TEST(ReadCoupling, without_felt_by_all_robots_of_it_feel_a_coupling) {
             std::vector{scene.uav1});
 }
 
-TEST(ReadCoupling, the_first_of_between_looks_with_its_own_sensor) {
+TEST(ReadCoupling, TheFirstOfBetweenLooksWithItsOwnSensor) {
   const CouplingScene scene;
   const Coupling read = scene.read("potential = { sensor_cone = {} }\nbetween = [\"uav0\", \"rock\"]");
   EXPECT_EQ(read.term.potential.mount()->pitch, 0.25);
@@ -39,7 +39,7 @@ TEST(ReadCoupling, the_first_of_between_looks_with_its_own_sensor) {
             "[agent.rock.sensor]");
 }
 
-TEST(ReadCoupling, a_third_body_is_for_formulas_that_look_past_it) {
+TEST(ReadCoupling, AThirdBodyIsForFormulasThatLookPastIt) {
   const CouplingScene scene;
   const std::string past = "potential = { region = { inside = \"observer.p_x < third.p_x\" } }\n",
                     blind = "potential = { region = { inside = \"distance > 1 m\" } }\n",

@@ -39,13 +39,13 @@ Scenario parsed(const std::string& events) {
   return parse_scenario(fmt::format("{}{}", event_scene, events), "a.toml");
 }
 
-TEST(ReadEvent, a_body_is_there_at_first_unless_it_is_not_present) {
+TEST(ReadEvent, ABodyIsThereAtFirstUnlessItIsNotPresent) {
   using enum Presence;
   EXPECT_EQ(parsed("").presence, (std::vector{steered, steered, absent, hold, absent}));
   EXPECT_TRUE(parsed("").script.empty());
 }
 
-TEST(ReadEvent, a_team_of_which_nobody_is_present_is_refused) {
+TEST(ReadEvent, ATeamOfWhichNobodyIsPresentIsRefused) {
   try {
     parse_scenario("[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\npresent = false\n", "a");
     ADD_FAILURE() << "it was read";
@@ -55,7 +55,7 @@ TEST(ReadEvent, a_team_of_which_nobody_is_present_is_refused) {
   }
 }
 
-TEST(ReadEvent, signals_come_in_the_order_of_their_times_those_from_outside_never_by_themselves) {
+TEST(ReadEvent, SignalsComeInTheOrderOfTheirTimesThoseFromOutsideNeverByThemselves) {
   const auto signals = parsed("").simulation.signals;
   ASSERT_EQ(signals.size(), 3U);
   EXPECT_EQ(signals[0].at, 9.0);
@@ -65,7 +65,7 @@ TEST(ReadEvent, signals_come_in_the_order_of_their_times_those_from_outside_neve
   EXPECT_GT(signals[2].at, 1e300);
 }
 
-TEST(ReadEvent, an_event_is_what_its_table_says_actions_in_the_order_of_the_file) {
+TEST(ReadEvent, AnEventIsWhatItsTableSaysActionsInTheOrderOfTheFile) {
   const Scenario s = parsed(R"(
 [[event]]
 name = "join"
@@ -97,7 +97,7 @@ remove = "lamp"
   EXPECT_FALSE(s.script.events[1].repeat || s.script.events[1].ramp);
 }
 
-TEST(ReadEvent, an_event_may_speak_of_a_coupling_that_another_adds) {
+TEST(ReadEvent, AnEventMaySpeakOfACouplingThatAnotherAdds) {
   const Scenario s = parsed(R"(
 [[event]]
 at = 20.0
@@ -114,7 +114,7 @@ add = { couple = { name = "look", potential = { sensor_cone = { alpha = 0.5 } },
   EXPECT_EQ(std::get<ExcessOf>(lost.measure).b, s.team.find("lamp"));
 }
 
-TEST(ReadEvent, random_times_of_coming_and_going_are_taken_in_turn_and_refused_out_of_turn) {
+TEST(ReadEvent, RandomTimesOfComingAndGoingAreTakenInTurnAndRefusedOutOfTurn) {
   Random random(5);
   for (int n = 0; n < 100; ++n) {
     // uav2 comes and goes; one event more of the last kind is out of turn.
@@ -134,7 +134,7 @@ TEST(ReadEvent, random_times_of_coming_and_going_are_taken_in_turn_and_refused_o
   }
 }
 
-TEST(ReadEvent, an_event_says_its_name_stage_changes_and_ramp) {
+TEST(ReadEvent, AnEventSaysItsNameStageChangesAndRamp) {
   const Team team = event_team(4, 2);
   const TeamEvent event{.name = "hand over",
                         .trigger = AfterTime{2},
@@ -142,10 +142,10 @@ TEST(ReadEvent, an_event_says_its_name_stage_changes_and_ramp) {
                         .stage = "near",
                         .enter = "far"};
   EXPECT_EQ(
-      in_words(event, team),
+      describe(event, team),
       "hand over, after 2 s, in stage near: remove uav1; uav3 observes uav0; enter stage far, over 1 s");
   const TeamEvent each{.name = "e", .trigger = Signal{"go"}, .actions = {AddBody{BodyId{1}}}, .repeat = true};
-  EXPECT_EQ(in_words(each, team), "e, on the signal go, as often as that comes about: add uav1");
+  EXPECT_EQ(describe(each, team), "e, on the signal go, as often as that comes about: add uav1");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ CmscgmresOptions options(const std::string& text) {
   return rate;
 }
 
-TEST(ReadPart, each_parameter_of_a_robot_reaches_its_rates) {
+TEST(ReadPart, EachParameterOfARobotReachesItsRates) {
   const std::string parameters =
       "parameters = { b_z = 2.0, b_psi = 3.0, a_f = -4.0, b_f = 5.0, a_s = -6.0, b_s = 7.0 }\n";
   const Numbers u = {0.5, -0.5, 0.25, 1.0};
@@ -41,7 +41,7 @@ TEST(ReadPart, each_parameter_of_a_robot_reaches_its_rates) {
             (Numbers{1, 1, 0.5, 3, -1.5, -2.5}));
 }
 
-TEST(ReadPart, each_parameter_of_a_robot_on_the_ground_reaches_its_rates) {
+TEST(ReadPart, EachParameterOfARobotOnTheGroundReachesItsRates) {
   EXPECT_EQ(rates("robot = \"omni_rover\"\nparameters = { b_psi = 3.0, a_f = -4.0, b_f = 5.0, a_s = -6.0, "
                   "b_s = 7.0 }\n",
                   {0, 0, 2, 1, 0, 1, 1}, {0.5, -0.5, 1.0}),
@@ -51,7 +51,7 @@ TEST(ReadPart, each_parameter_of_a_robot_on_the_ground_reaches_its_rates) {
             (Numbers{1, 0, 0, 0, 3, -1.5}));
 }
 
-TEST(ReadPart, each_parameter_of_a_point_mass_and_of_lags_reaches_the_rates) {
+TEST(ReadPart, EachParameterOfAPointMassAndOfLagsReachesTheRates) {
   const Numbers u = {0.5, -0.5, 0.25, 1.0};
   EXPECT_EQ(rates("robot = \"point_mass\"\nparameters = { drag = 0.5 }\n", {0, 0, 2, 1, 2, 4}, u),
             (Numbers{1, 2, 4, 0, -1.5, -1.75}));
@@ -61,7 +61,7 @@ TEST(ReadPart, each_parameter_of_a_point_mass_and_of_lags_reaches_the_rates) {
             (Numbers{1, 1, 1, 0, 2, -1, -6, -0.375, -8}));
 }
 
-TEST(ReadPart, each_reference_is_the_one_of_its_struct) {
+TEST(ReadPart, EachReferenceIsTheOneOfItsStruct) {
   const std::string timed = " = { times = [0, 2], p = [[1, 2, 3], [3, 2, 1]], heading = [0.5, 1.5] } }\n";
   const Waypoints waypoints{.times = {0, 2}, .p = {{1, 2, 3}, {3, 2, 1}}, .heading = {0.5, 1.5}};
   const Steps steps{.times = {0, 2}, .p = {{1, 2, 3}, {3, 2, 1}}, .heading = {0.5, 1.5}};
@@ -86,7 +86,7 @@ TEST(ReadPart, each_reference_is_the_one_of_its_struct) {
   }
 }
 
-TEST(ReadPart, each_option_of_a_solver_sets_its_field) {
+TEST(ReadPart, EachOptionOfASolverSetsItsField) {
   for (const char* name : {"cmscgmres", "cgmres"}) {
     const CmscgmresOptions o =
         options(fmt::format("name = \"{}\"\n", name) +
@@ -98,7 +98,7 @@ TEST(ReadPart, each_option_of_a_solver_sets_its_field) {
   }
 }
 
-TEST(ReadPart, each_name_makes_the_solver_of_that_name) {
+TEST(ReadPart, EachNameMakesTheSolverOfThatName) {
   Team team;
   team.add(Multirotor{}, {});
   for (const char* name : {"cmscgmres", "cgmres", "newton_riccati"}) {
@@ -106,7 +106,7 @@ TEST(ReadPart, each_name_makes_the_solver_of_that_name) {
   }
 }
 
-TEST(ReadPart, a_solver_that_is_none_is_refused_with_those_there_are) {
+TEST(ReadPart, ASolverThatIsNoneIsRefusedWithThoseThereAre) {
   try {
     solver_named("simplex\n");
     FAIL() << "expected a refusal";

@@ -78,7 +78,7 @@ TEST(Partition, OfAPartTheOthersAreBodiesThatItSees) {
   EXPECT_EQ(test::scenario_of(scenario.text).team.bodies(), 5);
 }
 
-TEST(Partition, PutsEveryRobotIntoOnePartInWords) {
+TEST(Partition, PutsEveryRobotIntoOnePartText) {
   EXPECT_EQ(partition_refusal("[partition]\nleft = [\"a0\", \"a1\"]\n"),
             "a.toml:15: partition = {...}, expected every robot in one part, a2 is in none");
   EXPECT_EQ(partition_refusal("[partition]\nleft = [\"a0\", \"a1\"]\nright = [\"a2\", \"a3\", \"a0\"]\n"),

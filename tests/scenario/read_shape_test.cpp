@@ -72,14 +72,14 @@ void expect_same(const std::string& a, const std::string& b) {
   EXPECT_EQ(inputs, flown(other));
 }
 
-TEST(ReadShape, a_chain_flies_as_its_couplings_written_by_hand_bit_for_bit) {
+TEST(ReadShape, AChainFliesAsItsCouplingsWrittenByHandBitForBit) {
   const auto pairs = {std::pair<std::string, std::string>{"r1", "r0"}, {"r2", "r1"}, {"r3", "r2"}};
   const std::string_view members = "chain = [\"r0\", \"r1\", \"r2\", \"r3\"]";
   expect_same(shape(members, "observer"), by_hand(pairs, true));
   expect_same(shape(members, "both"), by_hand(pairs, false));
 }
 
-TEST(ReadShape, a_ring_a_star_and_all_pairs_fly_as_their_couplings_written_by_hand) {
+TEST(ReadShape, ARingAStarAndAllPairsFlyAsTheirCouplingsWrittenByHand) {
   expect_same(shape("ring = [\"r0\", \"r4\", \"r2\"]", "observer"),
               by_hand({{"r4", "r0"}, {"r2", "r4"}, {"r0", "r2"}}, true));
   expect_same(shape("star = { centre = \"r2\", observers = [\"r0\", \"r1\", \"r4\"] }", "both"),
@@ -90,7 +90,7 @@ TEST(ReadShape, a_ring_a_star_and_all_pairs_fly_as_their_couplings_written_by_ha
               by_hand({{"r0", "r1"}, {"r0", "rock"}, {"r1", "rock"}}, true));
 }
 
-TEST(ReadShape, one_potential_with_a_weight_stands_as_in_a_coupling) {
+TEST(ReadShape, OnePotentialWithAWeightStandsAsInACoupling) {
   const Scenario s =
       scenario_of(line_of_robots() + fmt::format("[[shape]]\nall_pairs = \"all\"\npotential = {{ {} }}\n"
                                                  "weight = 3.0\n",
@@ -103,7 +103,7 @@ TEST(ReadShape, one_potential_with_a_weight_stands_as_in_a_coupling) {
   }
 }
 
-TEST(ReadShape, each_observer_looks_with_its_own_sensor) {
+TEST(ReadShape, EachObserverLooksWithItsOwnSensor) {
   const Scenario s =
       scenario_of(line_of_robots() + shape("ring = [\"r0\", \"r1\", \"r2\", \"r3\", \"r4\"]", "observer"));
   int seen = 0;
@@ -116,7 +116,7 @@ TEST(ReadShape, each_observer_looks_with_its_own_sensor) {
   EXPECT_EQ(seen, robot_count);
 }
 
-TEST(ReadShape, a_shape_of_too_many_couplings_is_refused_before_it_is_made) {
+TEST(ReadShape, AShapeOfTooManyCouplingsIsRefusedBeforeItIsMade) {
   std::string text;
   for (int i = 0; i < 500; ++i) {
     text += fmt::format("[agent.r{}]\nrobot = \"multirotor\"\nstart = {{ p = [{}, 0, 1] }}\n", i, i);
@@ -131,13 +131,13 @@ TEST(ReadShape, a_shape_of_too_many_couplings_is_refused_before_it_is_made) {
   }
 }
 
-TEST(ReadShape, a_potential_of_a_list_is_refused_where_it_stands) {
+TEST(ReadShape, APotentialOfAListIsRefusedWhereItStands) {
   EXPECT_EQ(shape_refusal("[[shape]]\nchain = [\"r0\", \"r1\"]\npotentials = [\n  { keep_out = {} },\n"
                           "  { keep_out = { d_min = -1.0 } },\n]\n"),
             "a.toml:37: shape[0].potentials[1].keep_out.d_min = -1, expected > 0 m");
 }
 
-TEST(ReadShape, the_nearest_observes_by_events_of_its_own) {
+TEST(ReadShape, TheNearestObservesByEventsOfItsOwn) {
   const std::string nearest = fmt::format(
       "[[shape]]\nname = \"rover\"\nnearest = {{ target = \"r0\", observers = [\"r1\", \"r2\", \"r3\"], "
       "margin = "
@@ -179,7 +179,7 @@ std::string best_shape(std::string_view keys) {
                      sensor_cone_table);
 }
 
-TEST(ReadShape, the_best_observes_by_paths_to_what_knows_its_place) {
+TEST(ReadShape, TheBestObservesByPathsToWhatKnowsItsPlace) {
   const Scenario s = scenario_of(
       seeing_line() + best_shape("target = [\"rock\", \"r0\", \"r1\", \"r2\"], observers = [\"r0\", \"r1\", "
                                  "\"r2\"], observers_max = 1, margin = 0.02, dwell = 0.7, ramp = 0.4"));
@@ -198,14 +198,14 @@ TEST(ReadShape, the_best_observes_by_paths_to_what_knows_its_place) {
   EXPECT_TRUE(changes_in_flight(s));
 }
 
-TEST(ReadShape, one_target_has_one_observer_at_a_time) {
+TEST(ReadShape, OneTargetHasOneObserverAtATime) {
   const Scenario s =
       scenario_of(seeing_line() + best_shape("target = \"rock\", observers = [\"r2\", \"r1\", \"r0\"]"));
   ASSERT_EQ(s.team.couplings().size(), 1U);
   EXPECT_EQ(s.team.name(s.team.couplings()[0].between.first), "r0");
 }
 
-TEST(ReadShape, a_best_observer_that_cannot_be_is_refused) {
+TEST(ReadShape, ABestObserverThatCannotBeIsRefused) {
   const auto refused = [](std::string_view keys) {
     const std::string said = test::scenario_refusal(seeing_line() + best_shape(keys));
     return said.substr(std::min(said.size(), said.find("shape[0]")));

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(RefusedScenarios, each_is_refused_with_its_sentence_and_a_formula_at_its_token) {
+TEST(RefusedScenarios, EachIsRefusedWithItsSentenceAndAFormulaAtItsToken) {
   const std::vector<test::RefusedScenario> cases = test::refused_scenarios();
   EXPECT_GE(cases.size(), 270U);
   for (const test::RefusedScenario& c : cases) {
@@ -29,7 +29,7 @@ TEST(RefusedScenarios, each_is_refused_with_its_sentence_and_a_formula_at_its_to
   }
 }
 
-TEST(RefusedScenarios, a_case_is_its_own_line_and_the_shared_ones_around_its_own) {
+TEST(RefusedScenarios, ACaseIsItsOwnLineAndTheSharedOnesAroundItsOwn) {
   std::vector<test::RefusedScenario> cases;
   test::add_refused("t",
                     "# about\n\n## one\na = 1\n...\n\nb = 2\n### first: 3: wrong\nc = 3\nd = 4\n"
@@ -44,7 +44,7 @@ TEST(RefusedScenarios, a_case_is_its_own_line_and_the_shared_ones_around_its_own
   EXPECT_EQ(cases[2].sentence, "1: \"é\": wrong");
 }
 
-TEST(RefusedScenarios, a_case_that_would_be_lost_is_an_error) {
+TEST(RefusedScenarios, ACaseThatWouldBeLostIsAnError) {
   std::vector<test::RefusedScenario> cases;
   const auto refusal = [&cases](const char* table) {
     return refusal_of([&] { test::add_refused("t", table, cases); });

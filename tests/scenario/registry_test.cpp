@@ -84,7 +84,7 @@ Scenario read(const std::string& more, const Registry& registry = with_own()) {
   return parse_scenario(std::string(one_bare) + more, "a", registry);
 }
 
-TEST(Parts, a_part_of_somebody_else_is_a_word_wherever_ours_are) {
+TEST(Parts, APartOfSomebodyElseIsAWordWhereverOursAre) {
   const Scenario scenario = read(R"([[couple]]
 potential = { gaze = { alpha = 0.25 } }
 between = ["a", "b"]
@@ -107,7 +107,7 @@ add = { couple = { potential = { gaze = {} }, between = ["a", "b"], felt_by = ["
   EXPECT_EQ(scenario.team.agents()[1].model.name(), "bare");
 }
 
-TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
+TEST(Parts, WhatIsWrongWithItIsRefusedAsWithOurs) {
   const auto couple = [](const std::string& potential) {
     return refusal_of<std::exception>([&] {
       read("[[couple]]\npotential = " + potential + "\nbetween = [\"a\", \"b\"]\nfelt_by = [\"a\"]\n");
@@ -127,14 +127,14 @@ TEST(Parts, what_is_wrong_with_it_is_refused_as_with_ours) {
               testing::HasSubstr("a:6: agent.b.robot = \"bare\", expected one of \"multirotor\""));
 }
 
-TEST(Parts, ours_know_nothing_of_what_another_program_adds) {
+TEST(Parts, OursKnowNothingOfWhatAnotherProgramAdds) {
   (void)with_own();
   EXPECT_EQ(Registry{}.potentials.find("gaze"), nullptr);
   EXPECT_EQ(built_in_registry().potentials.find("gaze"), nullptr);
   EXPECT_NE(with_own().potentials.find("gaze"), nullptr);
 }
 
-TEST(Parts, a_name_is_a_word_and_of_one_part_alone) {
+TEST(Parts, ANameIsAWordAndOfOnePartAlone) {
   Registry registry;
   registry.potentials.add<Gaze>();
   EXPECT_EQ(refusal_of<std::exception>([&] { registry.potentials.add<Gaze>(); }),
@@ -152,7 +152,7 @@ TEST(Parts, a_name_is_a_word_and_of_one_part_alone) {
             "bad_default.d = -1, expected > 0 m");
 }
 
-TEST(Parts, every_one_of_ours_describes_its_parameters_with_unit_range_default_and_meaning) {
+TEST(Parts, EveryOneOfOursDescribesItsParametersWithUnitRangeDefaultAndMeaning) {
   const Registry& registry = built_in_registry();
   const auto described = [](const auto& list) {
     for (const auto& part : list.all()) {
@@ -189,7 +189,7 @@ void for_each_list(Check&& check) {
   check(registry.robots), check(registry.potentials), check(registry.references), check(registry.limits);
 }
 
-TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
+TEST(Parts, EveryDefaultOfOursIsReadBackAsItIs) {
   for_each_list([](const auto& list) {
     for (const auto& part : list.all()) {
       const TomlDocument document = parse_toml(table_of(*part), "a");
@@ -198,7 +198,7 @@ TEST(Parts, every_default_of_ours_is_read_back_as_it_is) {
   });
 }
 
-TEST(Parts, no_parameter_of_ours_takes_a_number_out_of_its_range) {
+TEST(Parts, NoParameterOfOursTakesANumberOutOfItsRange) {
   int refused = 0;
   for_each_list([&](const auto& list) {
     for (const auto& part : list.all()) {
@@ -217,7 +217,7 @@ TEST(Parts, no_parameter_of_ours_takes_a_number_out_of_its_range) {
   EXPECT_GT(refused, 150);
 }
 
-TEST(Parts, what_a_potential_of_ours_says_of_keeping_apart_is_what_its_limit_does) {
+TEST(Parts, WhatAPotentialOfOursSaysOfKeepingApartIsWhatItsLimitDoes) {
   for (const auto& part : built_in_registry().potentials.all()) {
     const TomlDocument document = parse_toml(" \n", "a");
     const Potential potential = part->read(TableSource(TomlTable(document)), {});

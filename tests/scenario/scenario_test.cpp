@@ -44,7 +44,7 @@ std::string robots(int count) {
   return text;
 }
 
-TEST(Scenario, bytes_that_are_no_text_are_refused) {
+TEST(Scenario, BytesThatAreNoTextAreRefused) {
   std::mt19937 random(1);
   for (int i = 0; i < 100; ++i) {
     std::string bytes(1000, '\0');
@@ -55,7 +55,7 @@ TEST(Scenario, bytes_that_are_no_text_are_refused) {
   }
 }
 
-TEST(Scenario, each_shipped_scenario_is_read_and_summed_up) {
+TEST(Scenario, EachShippedScenarioIsReadAndSummedUp) {
   for (const auto& file : files_in(tree / "scenarios")) {
     const Scenario scenario = read_scenario(file);
     EXPECT_EQ(scenario.name, file.stem().string());
@@ -67,7 +67,7 @@ TEST(Scenario, each_shipped_scenario_is_read_and_summed_up) {
   }
 }
 
-TEST(Scenario, each_shipped_scenario_of_vehicles_is_that_of_the_model_s_world_but_for_what_flies) {
+TEST(Scenario, EachShippedScenarioOfVehiclesIsThatOfTheModelSWorldButForWhatFlies) {
   for (const auto& file : files_in(tree / "scenarios/rotors")) {
     const Scenario vehicles = read_scenario(file),
                    model = read_scenario(tree / "scenarios" / file.filename());
@@ -81,7 +81,7 @@ TEST(Scenario, each_shipped_scenario_of_vehicles_is_that_of_the_model_s_world_bu
   }
 }
 
-TEST(Scenario, the_paper_s_scenario_is_the_paper_s) {
+TEST(Scenario, ThePaperSScenarioIsThePaperS) {
   const Scenario s = read_scenario(tree / "scenarios/paper_7_1.toml");
   EXPECT_EQ(s.x0, (std::vector<double>{-0.6, -0.3, 0.6, 1, 0, 0, 0, 0, 0, 0.5, 1, 0, 0, 0}));
   ASSERT_EQ(s.team.agents().size(), 2U);
@@ -105,7 +105,7 @@ TEST(Scenario, the_paper_s_scenario_is_the_paper_s) {
   EXPECT_EQ(s.simulation.compare, (std::vector<std::string>{"newton_riccati", "cmscgmres", "cgmres"}));
 }
 
-TEST(Scenario, the_joint_scenario_differs_in_felt_by_alone) {
+TEST(Scenario, TheJointScenarioDiffersInFeltByAlone) {
   const auto statements = [](const char* name) {
     std::vector<std::string> lines;
     std::ifstream in(tree / "scenarios" / name);
@@ -121,7 +121,7 @@ TEST(Scenario, the_joint_scenario_differs_in_felt_by_alone) {
   for (const Coupling& coupling : joint.team.couplings()) EXPECT_EQ(coupling.felt_by.size(), 2U);
 }
 
-TEST(Scenario, what_is_left_out_has_the_defaults_of_the_structs) {
+TEST(Scenario, WhatIsLeftOutHasTheDefaultsOfTheStructs) {
   const Scenario s = parse_scenario("[agent.a]\n" + robot(), "folder/least.toml");
   EXPECT_EQ(s.name, "least");
   EXPECT_EQ(s.horizon.N, Horizon{}.N);
@@ -134,7 +134,7 @@ TEST(Scenario, what_is_left_out_has_the_defaults_of_the_structs) {
   EXPECT_DOUBLE_EQ(s.x0[4], std::sin(0.5));
 }
 
-TEST(Scenario, robots_come_first_then_targets_then_obstacles_each_in_the_order_of_the_file) {
+TEST(Scenario, RobotsComeFirstThenTargetsThenObstaclesEachInTheOrderOfTheFile) {
   const Scenario s = parse_scenario("[obstacle.z]\np = [1, 2, 3]\nv = [4, 5, 6]\n[agent.y]\n" + robot(0) +
                                         "[target.x]\np = [7, 8, 9]\n[agent.b]\n" + robot(1) +
                                         "[obstacle.a]\np = [0, 0, 0]\n",
@@ -152,7 +152,7 @@ TEST(Scenario, robots_come_first_then_targets_then_obstacles_each_in_the_order_o
   EXPECT_EQ(start(3), (std::vector<double>{1, 2, 3, 4, 5, 6}));
 }
 
-TEST(Scenario, a_start_gives_each_robot_the_velocity_and_the_height_it_has_as_states) {
+TEST(Scenario, AStartGivesEachRobotTheVelocityAndTheHeightItHasAsStates) {
   const auto start = [](const std::string& model, const std::string& rest) {
     return parse_scenario("[agent.a]\nrobot = \"" + model + "\"\nstart = { p = [1, 2, 3], " + rest + " }\n",
                           "a.toml")
@@ -181,7 +181,7 @@ f.airspeed = "2*thrust"
 [agent.plane]
 )toml";
 
-TEST(Scenario, a_robot_whose_rates_are_not_finite_at_rest_starts_with_its_speed) {
+TEST(Scenario, ARobotWhoseRatesAreNotFiniteAtRestStartsWithItsSpeed) {
   const auto start = [](const std::string& line) { return parse_scenario(plane + line + "\n", "a.toml").x0; };
   const std::vector<double> flies = {0, -60, 40, 0.5, 12};
   EXPECT_EQ(start("start = { p = [0.0, -60.0, 40.0], heading = 0.5, v = [12.0, 0.0] }"), flies);
@@ -190,7 +190,7 @@ TEST(Scenario, a_robot_whose_rates_are_not_finite_at_rest_starts_with_its_speed)
               HasSubstr("start.state gives every state of a robot"));
 }
 
-TEST(Scenario, limits_may_change_over_time) {
+TEST(Scenario, LimitsMayChangeOverTime) {
   const Scenario s = parse_scenario(
       robots(1) +
           "[agent.r0.limits]\ntimes = [0, 5]\nu_min = [[-1, -2, -3, -4], [-0.5, -0.5, -0.5, -0.5]]\n" +
@@ -203,7 +203,7 @@ TEST(Scenario, limits_may_change_over_time) {
   EXPECT_EQ(high, (std::array<double, 4>{0.5, 0.5, 0.5, 0.25}));
 }
 
-TEST(Scenario, each_disturbance_sets_its_field) {
+TEST(Scenario, EachDisturbanceSetsItsField) {
   const Scenario s = parse_scenario(
       robots(1) +
           "[simulation]\nseed = 7\nsettle = 8\nrms_from = 9\n[simulation.disturbance]\n"
@@ -228,7 +228,7 @@ TEST(Scenario, each_disturbance_sets_its_field) {
   EXPECT_EQ(s.simulation.seed, 7U);
 }
 
-TEST(Scenario, a_limit_is_read_with_its_barrier) {
+TEST(Scenario, ALimitIsReadWithItsBarrier) {
   const Scenario s = parse_scenario(
       robots(2) +
           "[[constrain]]\nagent = \"r0\"\nlimit = { speed = { max = 0.8, mu = 0.03, delta = 0.2 } }\n"
@@ -246,7 +246,7 @@ TEST(Scenario, a_limit_is_read_with_its_barrier) {
   EXPECT_THAT(summary(s), testing::HasSubstr("constrain   limit speed of r0, mu 0.03, delta 0.2\n"));
 }
 
-TEST(Scenario, the_summary_says_who_feels_what) {
+TEST(Scenario, TheSummarySaysWhoFeelsWhat) {
   const std::string text = summary(read_scenario(tree / "scenarios/paper_7_1.toml"));
   for (const char* fact : {"1 s, 20 stages, period 0.01 s", "newton_riccati", "60 s, 6000 updates, seed 1",
                            "14 states, 8 inputs", "uav1: multirotor, 7 states, 4 inputs",
@@ -254,7 +254,7 @@ TEST(Scenario, the_summary_says_who_feels_what) {
     EXPECT_THAT(text, HasSubstr(fact));
 }
 
-TEST(Scenario, a_thousand_robots_are_read_and_one_too_many_is_refused) {
+TEST(Scenario, AThousandRobotsAreReadAndOneTooManyIsRefused) {
   std::string text = robots(static_cast<int>(agents_max));
   for (std::size_t i = 0; i + 1 < agents_max; ++i) {
     text += fmt::format(
@@ -271,7 +271,7 @@ TEST(Scenario, a_thousand_robots_are_read_and_one_too_many_is_refused) {
 
 // Bytes of a good scenario are deleted, doubled, exchanged and moved; whatever comes of it is read or
 // refused.
-TEST(Scenario, a_spoilt_scenario_is_read_or_refused_in_one_line) {
+TEST(Scenario, ASpoiltScenarioIsReadOrRefusedInOneLine) {
   // The one says everything, the other by templates and ranges.
   const std::array good = {read_file(tree / "scenarios/paper_7_1.toml"),
                            read_file(tree / "scenarios/chain8.toml")};

@@ -20,14 +20,14 @@ std::filesystem::path scratch() {
   return folder;
 }
 
-TEST(ScenarioText, a_refusal_stays_one_line_whatever_it_quotes) {
+TEST(ScenarioText, ARefusalStaysOneLineWhateverItQuotes) {
   EXPECT_EQ(one_line("a\nb\tc\rd\x1b[31m\x7f"), "a\\nb\\tc\\rd\\u001b[31m\\u007f");
   EXPECT_EQ(one_line("\xc2\x85 \xe2\x80\xa8 \xe2\x80\xa9"), "\\u0085 \\u2028 \\u2029");
   EXPECT_EQ(one_line("κ_G m² \xf0\x9f\x9a\x81"), "κ_G m² \xf0\x9f\x9a\x81");
   EXPECT_EQ(one_line("\xff\xc0\xaf\xed\xa0\x80\xe2\x80"), "\\xff\\xc0\\xaf\\xed\\xa0\\x80\\xe2\\x80");
 }
 
-TEST(ScenarioText, shortening_never_cuts_a_character) {
+TEST(ScenarioText, ShorteningNeverCutsACharacter) {
   const std::string text = "abκκκκ";
   for (std::size_t size = 0; size <= text.size(); ++size) {
     const std::string cut = shortened(text, size);
@@ -37,14 +37,14 @@ TEST(ScenarioText, shortening_never_cuts_a_character) {
   EXPECT_EQ(shortened(text, text.size()), text);
 }
 
-TEST(ScenarioText, a_file_is_read_as_it_is) {
+TEST(ScenarioText, AFileIsReadAsItIs) {
   const auto file = scratch() / "a.toml";
   const std::string text = "\xef\xbb\xbf# comment\r\n\ta = 1\n";
   std::ofstream(file, std::ios::binary) << text;
   EXPECT_EQ(read_text(file), text);
 }
 
-TEST(ScenarioText, what_is_no_file_is_refused_without_waiting) {
+TEST(ScenarioText, WhatIsNoFileIsRefusedWithoutWaiting) {
   const auto folder = scratch();
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   ASSERT_EQ(::symlink("loop", (folder / "loop").c_str()), 0);
@@ -63,7 +63,7 @@ TEST(ScenarioText, what_is_no_file_is_refused_without_waiting) {
   EXPECT_EQ(say(""), ":1: cannot be read (No such file or directory), expected a scenario file");
 }
 
-TEST(ScenarioText, a_file_above_the_limit_is_refused_before_it_is_read) {
+TEST(ScenarioText, AFileAboveTheLimitIsRefusedBeforeItIsRead) {
   const auto file = scratch() / "large.toml";
   std::ofstream(file).close();
   std::filesystem::resize_file(file, 100'000'000);
@@ -73,7 +73,7 @@ TEST(ScenarioText, a_file_above_the_limit_is_refused_before_it_is_read) {
   EXPECT_EQ(read_text(file).size(), scenario_size_max);
 }
 
-TEST(ScenarioText, what_is_no_text_is_refused_at_its_line) {
+TEST(ScenarioText, WhatIsNoTextIsRefusedAtItsLine) {
   const auto say = [](const std::string& text) {
     return refusal_of<ScenarioError>([&] { check_text(text, "a"); });
   };
@@ -87,7 +87,7 @@ TEST(ScenarioText, what_is_no_text_is_refused_at_its_line) {
   EXPECT_EQ(say("# κ_G [1/m²]\r\n\ta = 1\n"), "");
 }
 
-TEST(ScenarioText, keys_have_at_most_sixteen_parts_wherever_they_hide) {
+TEST(ScenarioText, KeysHaveAtMostSixteenPartsWhereverTheyHide) {
   const auto key = [](int parts, const std::string& part) {
     std::string k = part;
     for (int i = 1; i < parts; ++i) k += " . " + part;
@@ -107,7 +107,7 @@ TEST(ScenarioText, keys_have_at_most_sixteen_parts_wherever_they_hide) {
   }
 }
 
-TEST(ScenarioText, dots_in_texts_comments_and_numbers_are_no_parts) {
+TEST(ScenarioText, DotsInTextsCommentsAndNumbersAreNoParts) {
   const std::string dots(100, '.');
   for (const std::string before : {"# ", "x = \"", "x = '", "x = \"\"\"\n", "x = '''\n\\"}) {
     std::string after = before.substr(before.find_first_of("\"'#"));

@@ -18,14 +18,14 @@ std::string table_refusal(const std::string& text, Read&& read) {
   });
 }
 
-TEST(TomlTable, keys_that_make_deep_tables_are_refused_before_the_parser_sees_them) {
+TEST(TomlTable, KeysThatMakeDeepTablesAreRefusedBeforeTheParserSeesThem) {
   std::string text = "a";
   for (int i = 0; i < 1'000'000; ++i) text += ".a";
   EXPECT_EQ(table_refusal(text + " = 1\n", [](const TomlTable&) {}),
             "a:1: the key has too many parts, expected at most 16");
 }
 
-TEST(TomlTable, the_deepest_tables_let_through_can_be_parsed) {
+TEST(TomlTable, TheDeepestTablesLetThroughCanBeParsed) {
   std::string key = "a", text;
   for (int i = 1; i < key_parts_max; ++i) key += ".a";
   for (int i = 0; i < 250; ++i) text += key + " = { ";
@@ -35,7 +35,7 @@ TEST(TomlTable, the_deepest_tables_let_through_can_be_parsed) {
   EXPECT_NE(table_refusal(text + " }\n", [](const TomlTable&) {}), "");
 }
 
-TEST(TomlTable, a_wrong_value_is_said_with_place_line_and_expectation) {
+TEST(TomlTable, AWrongValueIsSaidWithPlaceLineAndExpectation) {
   const std::string text = "[t]\nx = \"5\"\ny = [1,\n 2, nan]\nz = 7\n[[l]]\n[[l]]\nw = true\n";
   const auto say = [&](auto&& read) { return table_refusal(text, read); };
   EXPECT_EQ(say([](const TomlTable& r) { r.table("t").number("x", positive("> 0 m")); }),
@@ -56,7 +56,7 @@ TEST(TomlTable, a_wrong_value_is_said_with_place_line_and_expectation) {
             "a:1: t.u.v is missing, expected a number, finite, at most 1e9 either way");
 }
 
-TEST(TomlTable, an_unknown_key_is_said_with_the_nearest) {
+TEST(TomlTable, AnUnknownKeyIsSaidWithTheNearest) {
   EXPECT_EQ(table_refusal("[t]\n\nzetta = 1\n",
                           [](const TomlTable& r) {
                             r.table("t").expect_only({"k_max", "zeta"});
@@ -64,12 +64,12 @@ TEST(TomlTable, an_unknown_key_is_said_with_the_nearest) {
             "a:3: t.zetta = 1, expected a known key, the nearest is \"zeta\"");
 }
 
-TEST(TomlTable, where_no_key_is_known_none_is_the_nearest) {
+TEST(TomlTable, WhereNoKeyIsKnownNoneIsTheNearest) {
   EXPECT_EQ(table_refusal("[t]\nx = 1\n", [](const TomlTable& r) { r.table("t").expect_only({}); }),
             "a:2: t.x = 1, expected no key here");
 }
 
-TEST(TomlTable, messages_are_short_whatever_the_value) {
+TEST(TomlTable, MessagesAreShortWhateverTheValue) {
   const std::string huge(1'000'000, 'x');
   const auto length = [](const std::string& text, std::string_view key) {
     return table_refusal(text, [&](const TomlTable& r) { r.number(key); }).size();
@@ -82,7 +82,7 @@ TEST(TomlTable, messages_are_short_whatever_the_value) {
   EXPECT_LT(table_refusal(huge + " = 1\n", [](const TomlTable& r) { r.expect_only({"a"}); }).size(), 200U);
 }
 
-TEST(TomlTable, named_tables_come_in_the_order_of_the_file) {
+TEST(TomlTable, NamedTablesComeInTheOrderOfTheFile) {
   const TomlDocument document = parse_toml("[n.zz]\n[n.b.c]\n[n.a]\n[n.b]\n", "a");
   std::string order;
   for (const auto& [name, table] : TomlTable(document).named_tables("n"))
@@ -90,7 +90,7 @@ TEST(TomlTable, named_tables_come_in_the_order_of_the_file) {
   EXPECT_EQ(order, "zz n.zz,b n.b,a n.a,");
 }
 
-TEST(TomlTable, a_sentence_about_a_field_gets_the_line_of_its_key) {
+TEST(TomlTable, ASentenceAboutAFieldGetsTheLineOfItsKey) {
   const auto say = [](const char* sentence) {
     return table_refusal("[t]\nx = 1\ny = 2\n", [&](const TomlTable& r) {
       r.table("t").checked([&] { throw std::invalid_argument(sentence); });

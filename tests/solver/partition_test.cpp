@@ -27,12 +27,12 @@ TEST(Partition, IsReadByTheNamesOfRobots) {
   EXPECT_EQ(two[1], (std::vector{AgentId{{1}}, AgentId{{3}}}));
   EXPECT_EQ(read_partition("uav0,uav1,uav2,uav3", team).size(), 1u);
   EXPECT_EQ(read_partition("front: uav0, uav2 | uav1,uav3", team), two);
-  const std::vector<PartInWords> words = parts_in_words("front: uav0 ,uav2|uav1");
+  const std::vector<PartSpec> words = parse_parts("front: uav0 ,uav2|uav1");
   ASSERT_EQ(words.size(), 2u);
   EXPECT_EQ(words[0].name, "front");
   EXPECT_EQ(words[0].robots, (std::vector<std::string>{"uav0", "uav2"}));
   EXPECT_EQ(words[1].name, "");
-  EXPECT_EQ(refusal_of([] { (void)parts_in_words("a: uav0 | a: uav1"); }),
+  EXPECT_EQ(refusal_of([] { (void)parse_parts("a: uav0 | a: uav1"); }),
             "partition = \"a: uav0 | a: uav1\" has part \"a\" twice, expected each name once");
 }
 

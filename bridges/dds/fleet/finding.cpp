@@ -89,7 +89,7 @@ std::vector<Finding> tag_findings(const Scenario& scenario) {
     findings.push_back(
         {"", Aspect::tags, Light::red,
          fmt::format("{}, below {:.1f} px {}: larger tags, another camera, or nearer",
-                     in_words(one, scenario.team),
+                     describe(one, scenario.team),
                      one.pixels < one.from_ahead ? one.from_ahead : one.from_any_side, expected)});
   }
   if (!findings.empty() || readings.empty()) return findings;
@@ -98,7 +98,7 @@ std::vector<Finding> tag_findings(const Scenario& scenario) {
         return a.pixels - a.from_any_side < b.pixels - b.from_any_side;
       });
   findings.push_back({"", Aspect::tags, Light::green,
-                      fmt::format("{}, enough from every side", in_words(*smallest, scenario.team))});
+                      fmt::format("{}, enough from every side", describe(*smallest, scenario.team))});
   return findings;
 }
 

@@ -10,14 +10,14 @@
 namespace sightline {
 namespace {
 
-std::string poses_in_words(const PosesFrom& poses) {
+std::string describe_poses(const PosesFrom& poses) {
   std::string words(pose_sources[static_cast<std::size_t>(poses.source)]);
   if (!poses.topic.empty()) words += fmt::format(" on {}", poses.topic);
   if (!poses.name.empty()) words += fmt::format(" of {}", poses.name);
   return words;
 }
 
-std::string network_in_words(const FleetNetwork& network) {
+std::string describe_network(const FleetNetwork& network) {
   return fmt::format("fleet       domain {} on {}, {}{}; {} {}", network.domain,
                      fmt::join(network.interfaces, ", "),
                      network.multicast == Multicast::on
@@ -27,10 +27,10 @@ std::string network_in_words(const FleetNetwork& network) {
                      network.topics ? "shows the flight" : "shows nothing");
 }
 
-std::string link_in_words(const Link& link, std::string_view name) {
-  const std::string how = std::visit([](const auto& kind) { return kind.in_words(); }, link.kind);
+std::string describe_link(const Link& link, std::string_view name) {
+  const std::string how = std::visit([](const auto& kind) { return kind.describe(); }, link.kind);
   const Vec3<double>& p = link.origin.p;
-  std::string words = fmt::format("link        {}: {}, poses by {}", name, how, poses_in_words(link.poses));
+  std::string words = fmt::format("link        {}: {}, poses by {}", name, how, describe_poses(link.poses));
   words += link.poses.estimated() ? std::string(", motion by odometry")
                                   : fmt::format(", origin [{}, {}, {}] m", p.x, p.y, p.z);
   for (const std::string& topic : {link.goals.goal_topic, link.goals.path_topic})
@@ -40,7 +40,7 @@ std::string link_in_words(const Link& link, std::string_view name) {
 
 }  // namespace
 
-std::string in_words(const LinkFault& fault) {
+std::string describe(const LinkFault& fault) {
   const LinkFaultText& text = text_of(fault.kind);
   std::string words(text.name);
   if (!text.size.empty()) words += fmt::format(" {}", fault.size);
@@ -71,13 +71,13 @@ bool can_have(const Link& link, LinkFaultKind kind) {
   return by_kind && (link.has_camera || !of.camera);
 }
 
-std::string FleetPlan::in_words(const Team& team) const {
-  std::string all = network_in_words(network);
-  for (const Link& link : links) all += fmt::format("\n{}", link_in_words(link, team.name(link.robot)));
+std::string FleetPlan::describe(const Team& team) const {
+  std::string all = describe_network(network);
+  for (const Link& link : links) all += fmt::format("\n{}", describe_link(link, team.name(link.robot)));
   for (const LinkFault& fault : faults)
-    all += fmt::format("\nfault       {}: {}", team.name(fault.robot), sightline::in_words(fault));
+    all += fmt::format("\nfault       {}: {}", team.name(fault.robot), sightline::describe(fault));
   for (const BodyLink& link : bodies)
-    all += fmt::format("\nlink        {}: poses by {}", team.name(link.body), poses_in_words(link.poses));
+    all += fmt::format("\nlink        {}: poses by {}", team.name(link.body), describe_poses(link.poses));
   return all;
 }
 

@@ -33,7 +33,7 @@ struct SimulatorSetup;
 //   read             its keys; in read_link.cpp
 //   commanded_by     the key and the topic, or the prefix of topics, for commands to a robot
 //   is_commanded_on  whether only a program that flies the robot publishes this topic
-//   in_words         the topics of the link
+//   describe         the topics of the link
 //   end, simulator   the two ends of the link; in links/ and simulators/
 // A kind with local_frame = true has an estimator with a frame of its own.
 
@@ -60,7 +60,7 @@ struct Px4Link {
     }
     return false;
   }
-  std::string in_words() const {
+  std::string describe() const {
     return fmt::format("{} of PX4 1.{}", name_space.empty() ? "topics without a namespace" : name_space,
                        14 + static_cast<int>(release));
   }
@@ -90,7 +90,7 @@ struct Crazyswarm2Link {
   static Crazyswarm2Link read(const TomlTable& at, const std::string& agent);
   std::pair<std::string_view, std::string> commanded_by() const { return {"namespace", name_space}; }
   bool is_commanded_on(std::string_view topic) const { return topic.starts_with(name_space + "/cmd_"); }
-  std::string in_words() const { return fmt::format("{} of Crazyswarm2", name_space); }
+  std::string describe() const { return fmt::format("{} of Crazyswarm2", name_space); }
   std::unique_ptr<dds::LinkEnd> end(const dds::EndSetup& setup) const;
   std::unique_ptr<dds::VehicleSimulator> simulator(const dds::SimulatorSetup& setup) const;
 
@@ -135,7 +135,7 @@ struct Ros2Link {
   static Ros2Link read(const TomlTable& at, const std::string& agent);
   std::pair<std::string_view, std::string> commanded_by() const { return {"cmd_vel", cmd_vel}; }
   bool is_commanded_on(std::string_view topic) const { return topic == cmd_vel; }
-  std::string in_words() const {
+  std::string describe() const {
     return odometry.empty() ? cmd_vel : fmt::format("{} and {}", odometry, cmd_vel);
   }
   std::unique_ptr<dds::LinkEnd> end(const dds::EndSetup& setup) const;
@@ -237,7 +237,7 @@ struct FleetPlan final : Links {
   std::vector<BodyLink> bodies{};   ///< of the bodies that have a link, in the order of the team
   std::vector<LinkFault> faults{};  ///< of the vehicle simulators
 
-  std::string in_words(const Team& team) const override;
+  std::string describe(const Team& team) const override;
   std::shared_ptr<const Links> of_part(const ScenarioSpec& whole, const ScenarioSpec& part) const override;
 };
 

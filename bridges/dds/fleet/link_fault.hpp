@@ -120,7 +120,7 @@ struct LinkFault {
 };
 
 /// "drop 0.2 for 2 s, 5 s after it is first steered"
-std::string in_words(const LinkFault& fault);
+std::string describe(const LinkFault& fault);
 /// The table of all kinds, in Markdown.
 std::string link_fault_table();
 

@@ -50,7 +50,7 @@ std::string_view to_string(LinkState state) {
 
 std::string_view to_string(LinkReason reason) {
   static constexpr std::array<std::string_view, link_reasons> words = {
-      "as asked",
+      "as requested",
       "it was not ready in time",
       "it refused to arm",
       "it did not arm in time",

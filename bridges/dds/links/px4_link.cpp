@@ -38,7 +38,7 @@ constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 // The current position, and the configured altitude.
 constexpr std::array<float, 3> px4_unset = {px4_nan, px4_nan, px4_nan};
 
-Vec3<double> px4_vec(const float* v) { return {v[0], v[1], v[2]}; }
+Vec3<double> vec3_of(const float* v) { return {v[0], v[1], v[2]}; }
 
 /// Reader of one of the vehicle's messages.
 /// @param taking  returns the callback for messages of the given layout
@@ -171,11 +171,11 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
     return;
   }
   const Quaternion q = normalised({m.q[0], m.q[1], m.q[2], m.q[3]});
-  Motion local = {turned_over(px4_vec(m.position)),
+  Motion local = {turned_over(vec3_of(m.position)),
                   q == no_attitude ? q : turned_over(q),
                   {},
                   -double{m.angular_velocity[2]}};
-  const Vec3<double> v = px4_vec(m.velocity);
+  const Vec3<double> v = vec3_of(m.velocity);
   local.v = m.velocity_frame == px4_frame_ned ? turned_over(v) : rotation(local.q).to_G(body_turned_over(v));
   if (m.timestamp_sample > last_microsecond) {
     odometry_.take_other_time();

@@ -43,7 +43,7 @@ void check_commands(const Ros2Link& link, std::string_view name, const Model& mo
         normalised ? "normalised" : "velocity", model.name(), robots_with_vehicles(std::array{wanted})));
 }
 
-Signal::Signal(Port participant, const std::string& name, FlightCalls calls) : name_(name) {
+TriggerCall::TriggerCall(Port participant, const std::string& name, FlightCalls calls) : name_(name) {
   if (calls == FlightCalls::topics)
     topic_ = std::make_unique<RawWriter>(participant, std_msgs_msg_dds__Empty__desc, name, of_ros_commands);
   else if (calls == FlightCalls::empty)
@@ -52,7 +52,7 @@ Signal::Signal(Port participant, const std::string& name, FlightCalls calls) : n
     service_ = std::make_unique<ServiceCaller>(participant, trigger_service, name, accepts_trigger);
 }
 
-void Signal::send() noexcept {
+void TriggerCall::send() noexcept {
   const std_msgs_msg_dds__Empty_ nothing{};  // the requests of both services are empty, too
   if (service_)
     (void)service_->call(&nothing);
@@ -60,7 +60,7 @@ void Signal::send() noexcept {
     (void)topic_->write(&nothing);
 }
 
-void Signal::watch(std::span<const SeenWriter> writers) {
+void TriggerCall::watch(std::span<const SeenWriter> writers) {
   if (service_) return service_->watch(writers);
   received_ = topic_->matched() > 0;
   rivals_ = topic_->rivals(writers);
@@ -147,7 +147,7 @@ void Ros2FlyerLinkEnd::watch(std::span<const SeenWriter> writers) {
 
 void Ros2FlyerLinkEnd::examine(const Surroundings& around, FindingList& to) {
   const LinkFacts f = facts(monotonic_now());
-  for (const Signal* signal : {&takeoff_, &land_}) {
+  for (const TriggerCall* signal : {&takeoff_, &land_}) {
     if (!signal->there(around))
       to.add(Aspect::topics, Light::red, "{}: {}", signal->name(),
              link().calls == FlightCalls::topics ? "it has no subscriber" : "no server");

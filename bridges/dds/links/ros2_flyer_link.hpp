@@ -16,9 +16,9 @@ namespace sightline::dds {
 enum class Ros2State : std::int8_t { landed = 0, flying = 1, taking_off = 2, landing = 3 };
 
 /// A call without arguments: a message on a topic, or a service.
-class Signal {
+class TriggerCall {
  public:
-  Signal(Port participant, const std::string& name, FlightCalls calls);
+  TriggerCall(Port participant, const std::string& name, FlightCalls calls);
 
   bool there() const noexcept { return service_ ? service_->there() : received_.load(); }
   /// The same, also valid with PublishMode::off, where no writer is matched.
@@ -79,7 +79,7 @@ class Ros2FlyerLinkEnd final : public Ros2LinkEnd {
   Nanoseconds moved_at_ = 0;               // last time of vertical motion
   int speakers_ = -1;                      // state writers matched at the arm request; -1: none requested yet
 
-  Signal takeoff_, land_;
+  TriggerCall takeoff_, land_;
   std::unique_ptr<RawReader> reader_;  // last member: destroyed before the members it fills
 };
 

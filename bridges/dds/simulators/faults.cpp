@@ -66,7 +66,7 @@ FaultCounts Faults::counts() const {
   return counts_;
 }
 
-std::string in_words(const FaultCounts& n) {
+std::string describe(const FaultCounts& n) {
   std::vector<std::string> words;
   const auto add = [&](std::int64_t count, std::string_view what) {
     if (count > 0) words.push_back(fmt::format("{} {}", count, what));

@@ -75,7 +75,7 @@ class Faults {
 };
 
 /// "12 messages lost, 3 sent twice, ..."; empty: none.
-std::string in_words(const FaultCounts& counts);
+std::string describe(const FaultCounts& counts);
 
 /// Writer whose messages are lost, delayed, duplicated or reordered as the faults specify. Any
 /// thread may call it.

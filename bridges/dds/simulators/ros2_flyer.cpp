@@ -153,7 +153,7 @@ void Ros2Flyer::land_by_itself() {
   const std::scoped_lock lock(lock_);
   state_ = Ros2State::landing;
 }
-void Ros2Flyer::throw_invalid(bool refuses) {
+void Ros2Flyer::refuse_requests(bool refuses) {
   const std::scoped_lock lock(lock_);
   refuses_ = refuses;
 }

@@ -46,7 +46,7 @@ class Ros2Flyer final : public VehicleSimulator {
   Ros2State state() const;
   /// Injects a landing by another operator, or rejected service calls.
   void land_by_itself();
-  void throw_invalid(bool refuses);
+  void refuse_requests(bool refuses);
 
  private:
   void serve(dds_entity_t participant, const std::string& name, const std::function<bool()>& act);

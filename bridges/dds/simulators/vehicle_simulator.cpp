@@ -153,7 +153,7 @@ std::vector<std::string> DdsVehicleSimulators::counts() const {
   for (const Robot& robot : robots_) {
     for (const std::string& words : robot.earlier)
       lines.push_back(fmt::format("{}, before it began anew: {}", robot.name, words));
-    const std::string faults = in_words(robot.faults.counts());
+    const std::string faults = describe(robot.faults.counts());
     lines.push_back(fmt::format("{}: {}{}{}", robot.name,
                                 robot.vehicle_simulator ? robot.vehicle_simulator->counts() : "gone",
                                 faults.empty() ? "" : "; ", faults));

@@ -7,7 +7,7 @@ namespace {
 
 std::string yes_or_no(bool yes) { return yes ? "yes" : "no"; }
 
-std::string_view mode_in_words(AutopilotMode mode) {
+std::string_view describe_mode(AutopilotMode mode) {
   switch (mode) {
     case AutopilotMode::takeoff:
       return "take-off, or in the air after it";
@@ -46,7 +46,7 @@ Diagnosis diagnose_link(std::string_view name, const RobotShown& shown, double a
   d.values = {{"state", std::string(to_string(shown.state))},
               {"level", std::string(to_string(level))},
               {"age of the pose [ms]", shown.seen ? fmt::format("{:.1f}", 1e3 * age) : "none"},
-              {"mode", std::string(mode_in_words(f.mode))},
+              {"mode", std::string(describe_mode(f.mode))},
               {"armed", yes_or_no(f.armed)},
               {"in the air", yes_or_no(f.airborne)},
               {"ready to be armed", yes_or_no(f.checked)},

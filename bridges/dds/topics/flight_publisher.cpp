@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::chrono::milliseconds tick_time{20};
 constexpr std::int64_t ticks_of_scene = 5, ticks_of_diagnostics = 50;
-constexpr std::size_t moments_kept = 32;
+constexpr std::size_t samples_kept = 32;
 constexpr std::size_t sentences_max = 1000;  // maximum number of queued sentences
 constexpr int lines_a_second = 50;
 constexpr std::uint32_t marker_lifetime = 500'000'000;  // [ns]
@@ -51,7 +51,7 @@ struct PublishedSample {
   std::vector<Event> events{};
 };
 
-PublishedSample sized_moment(const Scenario& scenario) {
+PublishedSample sized_publication(const Scenario& scenario) {
   PublishedSample m;
   m.x = scenario.x0;
   m.path.resize(size(scenario.horizon.N + 1) * m.x.size());
@@ -103,7 +103,7 @@ class FlightPublisher::Thread {
     const std::scoped_lock lock(sentences_lock_);
     if (sentences_.size() < sentences_max) sentences_.emplace_back(sentence);
   }
-  std::string in_words() const;
+  std::string describe() const;
 
   struct RobotTopics {
     RobotTopics(dds_entity_t participant, std::string robot, const std::string& begin, std::size_t at)
@@ -128,7 +128,7 @@ class FlightPublisher::Thread {
     RobotCamera camera{};
   };
   std::vector<std::unique_ptr<RobotTopics>> robots_;
-  SpscQueue<PublishedSample> moments_;
+  SpscQueue<PublishedSample> samples_;
 
  private:
   void tick(std::int64_t number);
@@ -175,14 +175,14 @@ class FlightPublisher::Thread {
 };
 
 FlightPublisher::Thread::Thread(const Scenario& scenario, dds_entity_t participant, Counts counts)
-    : moments_(moments_kept, sized_moment(scenario)),
+    : samples_(samples_kept, sized_publication(scenario)),
       team_(scenario.team),
       node_(fleet_of(scenario).network.node),
       solver_(scenario.solver.name),
       no_input_(size(team_.nu())),
       scene_(scenario),
       counts_(std::move(counts)),
-      last_(sized_moment(scenario)),
+      last_(sized_publication(scenario)),
       markers_(participant, ROS_TYPE(visualization_msgs_msg_dds__MarkerArray_), node_ + "/markers", of_shown),
       transforms_(participant, ROS_TYPE(tf2_msgs_msg_dds__TFMessage_), "/tf", of_transforms),
       diagnostics_(participant, ROS_TYPE(diagnostic_msgs_msg_dds__DiagnosticArray_), "/diagnostics",
@@ -232,9 +232,9 @@ void FlightPublisher::Thread::run() {
 void FlightPublisher::Thread::tick(std::int64_t number) {
   realtime_ahead_ = realtime_now() - monotonic_now();
   end_second();
-  while (const PublishedSample* moment = moments_.front()) {
-    take(*moment);
-    moments_.pop();
+  while (const PublishedSample* sample = samples_.front()) {
+    take(*sample);
+    samples_.pop();
   }
   for (auto& robot : robots_) {
     if (!robot->box.look(robot->now) || robot->reported == robot->now.state) continue;
@@ -464,7 +464,7 @@ void FlightPublisher::Thread::send_diagnostics() {
   diagnostics_.write(message);
 }
 
-std::string FlightPublisher::Thread::in_words() const {
+std::string FlightPublisher::Thread::describe() const {
   const double part = static_cast<double>(worked_) / static_cast<double>(std::max<std::int64_t>(ran_, 1));
   return fmt::format("{} messages for others, {:.1f} % of a core", written_.load(), 100.0 * part);
 }
@@ -478,7 +478,7 @@ void FlightPublisher::show(std::size_t robot, const RobotShown& shown) noexcept 
 }
 
 void FlightPublisher::show(const Sample& sample) noexcept {
-  PublishedSample* const m = thread_->moments_.claim();
+  PublishedSample* const m = thread_->samples_.claim();
   if (m == nullptr) return;
   m->t = sample.time;
   m->shown_at = monotonic_now();
@@ -492,10 +492,10 @@ void FlightPublisher::show(const Sample& sample) noexcept {
   copy_what_fits(sample.estimates, m->estimates);
   m->event_count = std::min(sample.event_count, static_cast<int>(m->events.size()));
   std::copy_n(sample.events.begin(), m->event_count, m->events.begin());
-  thread_->moments_.publish();
+  thread_->samples_.publish();
 }
 
 void FlightPublisher::add_sentence(std::string_view sentence) { thread_->add_sentence(sentence); }
-std::string FlightPublisher::counts() const { return thread_->in_words(); }
+std::string FlightPublisher::counts() const { return thread_->describe(); }
 
 }  // namespace sightline::dds

@@ -53,7 +53,7 @@ bool GoalSubscriber::is_inside(const Vec3<double>& p) const noexcept {
 
 void GoalSubscriber::on_goal(const void* message) {
   const auto& m = *static_cast<const geometry_msgs_msg_dds__PoseStamped_*>(message);
-  if (from_.frame != text_in(m.header.frame_id)) return throw_invalid(Refusal::frame);
+  if (from_.frame != text_in(m.header.frame_id)) return count_refusal(Refusal::frame);
   Message goal;
   goal.count = 1;
   goal.waypoints[0] = waypoint_of(m.pose);
@@ -62,18 +62,18 @@ void GoalSubscriber::on_goal(const void* message) {
 
 void GoalSubscriber::on_path(const void* message) {
   const auto& m = *static_cast<const nav_msgs_msg_dds__Path_*>(message);
-  if (from_.frame != text_in(m.header.frame_id)) return throw_invalid(Refusal::frame);
+  if (from_.frame != text_in(m.header.frame_id)) return count_refusal(Refusal::frame);
   const std::span poses(m.poses._buffer, m.poses._length);
-  if (poses.empty() || poses.size() > GoalTrack::path_most) return throw_invalid(Refusal::length);
+  if (poses.empty() || poses.size() > GoalTrack::path_most) return count_refusal(Refusal::length);
   Message path;
   for (const auto& pose : poses) {
     const std::string_view frame = text_in(pose.header.frame_id);
-    if (!frame.empty() && from_.frame != frame) return throw_invalid(Refusal::frame);
+    if (!frame.empty() && from_.frame != frame) return count_refusal(Refusal::frame);
     Waypoint& next = path.waypoints[path.count];
     next = waypoint_of(pose.pose);
     next.after = seconds(m.header.stamp, pose.header.stamp);
     const double before = path.count > 0 ? path.waypoints[path.count - 1].after : 0.0;
-    if (!(next.after > before)) return throw_invalid(Refusal::times);
+    if (!(next.after > before)) return count_refusal(Refusal::times);
     ++path.count;
   }
   offer(path);
@@ -81,8 +81,8 @@ void GoalSubscriber::on_path(const void* message) {
 
 void GoalSubscriber::offer(const Message& message) noexcept {
   for (std::size_t i = 0; i < message.count; ++i) {
-    if (!is_finite(message.waypoints[i])) return throw_invalid(Refusal::not_finite);
-    if (!is_inside(message.waypoints[i].p)) return throw_invalid(Refusal::outside);
+    if (!is_finite(message.waypoints[i])) return count_refusal(Refusal::not_finite);
+    if (!is_inside(message.waypoints[i].p)) return count_refusal(Refusal::outside);
   }
   const std::scoped_lock lock(puts_);
   newest_.put(message);
@@ -98,10 +98,10 @@ void GoalSubscriber::pass_on(double t, GoalTrack& track) noexcept {
       ++taken_;
       break;
     case GoalAnswer::too_fast:
-      throw_invalid(Refusal::too_fast);
+      count_refusal(Refusal::too_fast);
       break;
     case GoalAnswer::full:
-      throw_invalid(Refusal::full);
+      count_refusal(Refusal::full);
       break;
   }
 }
@@ -131,9 +131,9 @@ std::vector<std::string> GoalSubscriber::news() {
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < refusals; ++i) {
     const std::int64_t now = refused_[i];
-    if (received_[i] == 0 && now > 0)
+    if (reported_[i] == 0 && now > 0)
       sentences.push_back(fmt::format("a goal is refused: {}", describe(static_cast<Refusal>(i))));
-    received_[i] = now;
+    reported_[i] = now;
   }
   return sentences;
 }

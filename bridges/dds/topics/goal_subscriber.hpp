@@ -54,7 +54,7 @@ class GoalSubscriber {
 
   void on_goal(const void* message);
   void on_path(const void* message);
-  void throw_invalid(Refusal why) noexcept { ++refused_[static_cast<std::size_t>(why)]; }
+  void count_refusal(Refusal why) noexcept { ++refused_[static_cast<std::size_t>(why)]; }
   bool is_inside(const Vec3<double>& p) const noexcept;
   void offer(const Message& message) noexcept;
   std::string describe(Refusal why) const;
@@ -65,7 +65,7 @@ class GoalSubscriber {
   Mailbox<Message> newest_;
   std::array<std::atomic<std::int64_t>, refusals> refused_{};
   std::atomic<std::int64_t> taken_{0};
-  std::array<std::int64_t, refusals> received_{};  // used by news()
+  std::array<std::int64_t, refusals> reported_{};  // used by news()
   Message message_{};                              // control thread only, as the members below
   std::uint64_t passed_ = 0;
   double passed_at_ = -1.0;

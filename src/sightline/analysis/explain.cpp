@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "sightline/analysis.hpp"
-#include "sightline/analysis/drift.hpp"
 #include "sightline/analysis/field.hpp"
+#include "sightline/analysis/flow.hpp"
 
 namespace sightline {
 namespace {
@@ -314,33 +314,33 @@ class Pair {
 class KnownPairs {
  public:
   PairAdvice advice(std::vector<Member> members, const Ends& ends, const std::vector<PairAdvice>& earlier) {
-    std::vector<WarmStart> warm_start;
+    std::vector<TermKey> key;
     for (const Member& m : members) {
       const Weighted& term = m.of->term;
-      warm_start.push_back({std::string(term.potential.name()), term.weight, m.turned, m.felt_by(ends.first),
-                            m.felt_by(ends.second), m.in_world ? ends.places() : std::array<double, 6>{},
-                            formula_of(term.potential)});
+      key.push_back({std::string(term.potential.name()), term.weight, m.turned, m.felt_by(ends.first),
+                     m.felt_by(ends.second), m.in_world ? ends.places() : std::array<double, 6>{},
+                     formula_of(term.potential)});
     }
     for (const auto& [index, other] : known_) {
-      if (other != warm_start) continue;
+      if (other != key) continue;
       PairAdvice same = earlier[index];
       renumber(same, members);
       same.first = ends.first, same.second = ends.second, same.same_as = index;
       return same;
     }
-    known_.emplace_back(earlier.size(), std::move(warm_start));
+    known_.emplace_back(earlier.size(), std::move(key));
     return Pair(std::move(members), ends).advice();
   }
 
  private:
-  struct WarmStart {
+  struct TermKey {
     std::string name;
     double weight;
     bool turned, felt_by_first, felt_by_second;
     std::array<double, 6> starts;  // 0 if they have no effect
     Program formula;
 
-    bool operator==(const WarmStart&) const = default;
+    bool operator==(const TermKey&) const = default;
   };
 
   /// Replaces an advice's couplings by those of another pair, in the same order.
@@ -357,7 +357,7 @@ class KnownPairs {
     for (std::size_t i = 0; i < members.size(); ++i) a.limits[i].coupling = members[i].coupling;
   }
 
-  std::vector<std::pair<std::size_t, std::vector<WarmStart>>> known_;
+  std::vector<std::pair<std::size_t, std::vector<TermKey>>> known_;
 };
 
 /// Whether two limits of a pair can hold together: then evading by the one does not cost the other.

@@ -10,7 +10,7 @@
 #include <set>
 #include <span>
 
-#include "sightline/analysis/drift.hpp"
+#include "sightline/analysis/flow.hpp"
 #include "sightline/potentials.hpp"
 
 namespace sightline {

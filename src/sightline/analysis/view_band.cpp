@@ -7,7 +7,7 @@
 #include <set>
 
 #include "sightline/base.hpp"
-#include "sightline/scenario/influence.hpp"
+#include "sightline/scenario/reach.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/world.hpp"
 
@@ -108,7 +108,7 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
     flown.push_back(flight);
     all.push_back(std::move(band));
   };
-  for (const Coupling& coupling : said_couplings(scenario)) take(coupling);
+  for (const Coupling& coupling : stated_couplings(scenario)) take(coupling);
   return all;
 }
 

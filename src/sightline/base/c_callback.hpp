@@ -1,5 +1,5 @@
 /// Callbacks for C libraries. No exception passes through the frames of such a library;
-/// tests/house/threads_test.cpp checks that no other functions are passed to them.
+/// scripts/lint.py checks that no other functions are passed to them.
 #pragma once
 
 #include <type_traits>

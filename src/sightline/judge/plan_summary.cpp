@@ -54,7 +54,7 @@ std::string PlanSummary::json() const {
   return json_text(json);
 }
 
-std::string without_plan_in_words(std::string_view json) {
+std::string describe_without_plan(std::string_view json) {
   const Json gap = Json::parse(json);
   if (!(gap.at("longest").get<double>() > 0)) return {};
   return fmt::format("at most {:.2f} s on end, from {:.2f} s on ({})", gap.at("longest").get<double>(),

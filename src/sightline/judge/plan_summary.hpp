@@ -30,6 +30,6 @@ class PlanSummary {
 };
 
 /// Describes that object for people; empty if there always was a plan.
-std::string without_plan_in_words(std::string_view json);
+std::string describe_without_plan(std::string_view json);
 
 }  // namespace sightline

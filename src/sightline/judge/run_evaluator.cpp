@@ -42,7 +42,7 @@ RunEvaluator::RunEvaluator(const Scenario& scenario, const CampaignPlan& plan, S
   sights_.resize(static_cast<std::size_t>(team_.bodies()));
 }
 
-/// What is asked of whom from this sample on. @return whether it is something else than before
+/// Follows the bodies and couplings in force from this sample on. @return whether they changed
 bool RunEvaluator::follow() {
   const bool changed = present_.follow(sample_);
   if (!changes_ || (!changed && updates_ > 0)) return false;

@@ -35,9 +35,8 @@ std::string percent(const Json& value) {
 
 std::string times_to_solve(const Json& s) {
   const Json& us = s.at("solve_us");
-  const std::string_view beside = s.at("solver") == "cmscgmres" ? " (the paper: 2.5 ms)" : "";
-  return fmt::format("mean {}{}, median {}, 99 % within {}, longest {}", describe(us.at("mean"), "µs"),
-                     beside, describe(us.at("median"), "µs"), describe(us.at("p99"), "µs"),
+  return fmt::format("mean {}, median {}, 99 % within {}, longest {}", describe(us.at("mean"), "µs"),
+                     describe(us.at("median"), "µs"), describe(us.at("p99"), "µs"),
                      describe(us.at("max"), "µs"));
 }
 
@@ -88,7 +87,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
   }
   add("updates", fmt::format("{} ({})", describe(s.at("updates"), ""), statuses));
   if (s.contains("without_plan")) {
-    const std::string gap = without_plan_in_words(json_text(s.at("without_plan")));
+    const std::string gap = describe_without_plan(json_text(s.at("without_plan")));
     if (!gap.empty()) add("without a plan", gap);
   }
   add("cost",

@@ -20,8 +20,8 @@ std::string of_body(const Team& all, BodyId body) { return fmt::format("\"{}\"",
 std::string of_term(std::string_view name) {
   return name.empty() ? std::string() : fmt::format("the coupling or constraint \"{}\"", name);
 }
-std::string whom(const Team& all, AgentId observes) {
-  return fmt::format("whom {} observes", of_body(all, observes));
+std::string target_of(const Team& all, AgentId observes) {
+  return fmt::format("the target of {}", of_body(all, observes));
 }
 
 std::string subject(const RemoveBody& it, const Team& all) { return of_body(all, it.body); }
@@ -33,11 +33,11 @@ std::string subject(const RetuneAgent& it, const Team& all) {
   return fmt::format("the tuning of {}", of_body(all, it.agent));
 }
 std::string subject(const RetuneTerm& it, const Team& /*all*/) { return of_term(it.name); }
-std::string subject(const Observe& it, const Team& all) { return whom(all, it.observer); }
+std::string subject(const Observe& it, const Team& all) { return target_of(all, it.observer); }
 std::string subject(const SetReference& it, const Team& all) {
   return fmt::format("the reference of {}", of_body(all, it.agent));
 }
-std::string subject(const HandOver& it, const Team& all) { return whom(all, it.observer); }
+std::string subject(const HandOver& it, const Team& all) { return target_of(all, it.observer); }
 std::string subject(const MoveBody& it, const Team& all) {
   return fmt::format("the place of {}", of_body(all, it.body));
 }

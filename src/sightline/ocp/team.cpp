@@ -272,11 +272,13 @@ void Team::refuse_body(BodyId body) const {
                                       body.index, bodies()));
 }
 
-const Agent& Team::agent(BodyId body) const {
-  if (!is_agent(body)) {
-    throw std::out_of_range(fmt::format("\"{}\" is not controlled, expected a robot", name(body)));
+const Agent& Team::agent(BodyId body) const { return agents_[agent_index(body)]; }
+
+std::size_t Team::agent_index(BodyId robot) const {
+  if (!is_agent(robot)) {
+    throw std::out_of_range(fmt::format("\"{}\" is not controlled, expected a robot", name(robot)));
   }
-  return agents_[static_cast<std::size_t>(bodies_[index(body)].agent)];
+  return static_cast<std::size_t>(bodies_[index(robot)].agent);
 }
 
 BodyId Team::find(std::string_view name) const {

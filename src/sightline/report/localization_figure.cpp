@@ -22,7 +22,7 @@ Drawing localization_drawing(const Recording& recording, const Recording::Body& 
   nees.curves.push_back(curves.curve("", 0, Drawing::Mark::thin, of.time, of.nees));
   nees.curves.push_back(curves.level("4, the mean of one that is right", Drawing::limit_colour, 4.0));
   Drawing::Panel fits{.x_label = "t [s]", .y_label = "χ² of detections", .log_y = true};
-  fits.curves.push_back(curves.curve("believed", 0, Drawing::Mark::points, of.estimated_time, of.estimated));
+  fits.curves.push_back(curves.curve("accepted", 0, Drawing::Mark::points, of.estimated_time, of.estimated));
   if (!of.refused.empty())
     fits.curves.push_back(curves.curve("refused", 1, Drawing::Mark::points, of.refused_time, of.refused));
   return {fmt::format("{} by what it sees", body.name),

@@ -61,9 +61,7 @@ class TeamBarrier {
   double delay_of(BodyId body) const noexcept {
     return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
   }
-  const Robot& robot_of(BodyId robot) const noexcept {
-    return robots_[static_cast<std::size_t>(&team_.agent(robot) - team_.agents().data())];
-  }
+  const Robot& robot_of(BodyId robot) const noexcept { return robots_[team_.agent_index(robot)]; }
   void see_all(const Situation& now) noexcept;
   double sigma_of(const Situation& now, BodyId body) const noexcept;
   bool gives_way(const Situation& now, const Robot& robot, BodyId other) const noexcept;

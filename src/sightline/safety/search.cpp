@@ -83,7 +83,7 @@ void Search::follow(const Membership& now) noexcept {
   for (Robot& robot : robots_) {
     const bool was = robot.is_there;
     robot.is_there = now.presence[size(robot.body.index)] != Presence::absent;
-    robot.limits = &now.limits[static_cast<std::size_t>(&team_.agent(robot.body) - team_.agents().data())];
+    robot.limits = &now.limits[team_.agent_index(robot.body)];
     if (was == robot.is_there) continue;
     robot.view = {};
     robot.since = View::never;

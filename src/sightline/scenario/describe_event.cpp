@@ -131,17 +131,17 @@ std::string describe(const InjectFault& fault, const Team& all) {
 
 }  // namespace
 
-std::string in_words(const Action& action, const Team& all) {
+std::string describe(const Action& action, const Team& all) {
   return std::visit([&](const auto& it) { return describe(it, all); }, action);
 }
 
-std::string in_words(const TeamEvent& event, const Team& all) {
+std::string describe(const TeamEvent& event, const Team& all) {
   const auto words = [&](const auto& it) { return describe(it, all); };
   std::string text = fmt::format("{}, {}", event.name, std::visit(words, event.trigger));
   if (!event.stage.empty()) text += fmt::format(", in stage {}", event.stage);
   if (event.repeat) text += ", as often as that comes about";
   std::vector<std::string> changes;
-  for (const Action& action : event.actions) changes.push_back(in_words(action, all));
+  for (const Action& action : event.actions) changes.push_back(describe(action, all));
   if (!event.enter.empty()) changes.push_back(fmt::format("enter stage {}", event.enter));
   text += fmt::format(": {}", fmt::join(changes, "; "));
   if (const double ramp = ramp_of(event); ramp > 0) text += fmt::format(", over {} s", ramp);

@@ -7,8 +7,8 @@
 
 #include "sightline/potential/finite.hpp"
 #include "sightline/scenario.hpp"
-#include "sightline/scenario/influence.hpp"
 #include "sightline/scenario/keys_without_effect.hpp"
+#include "sightline/scenario/reach.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/starts.hpp"
 #include "sightline/scenario/tag_size.hpp"
@@ -65,7 +65,7 @@ class Regions {
 void look_at_regions(const Scenario& scenario, Preflight& to) {
   Regions regions(scenario, to);
   const auto& script = scenario.script;
-  const std::vector<Coupling> couplings = said_couplings(scenario);
+  const std::vector<Coupling> couplings = stated_couplings(scenario);
   for (std::size_t i = 0; i < couplings.size(); ++i) {
     const bool of_file = i < scenario.team.couplings().size();
     const Potential& potential = couplings[i].term.potential;

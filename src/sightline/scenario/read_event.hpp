@@ -24,7 +24,7 @@ Script read_events(const TomlTable& root, const ScenarioSpec& scenario, const Ob
 inline constexpr std::array<std::string_view, 3> fault_words = {"dropout", "freeze", "jump"};
 
 /// An event as a text for the user: its name, its trigger, its changes.
-std::string in_words(const TeamEvent& event, const Team& all);
-std::string in_words(const Action& action, const Team& all);
+std::string describe(const TeamEvent& event, const Team& all);
+std::string describe(const Action& action, const Team& all);
 
 }  // namespace sightline

@@ -59,7 +59,7 @@ UncooperativeStart read_uncooperative(const TomlTable& at, const FindAgent& agen
   return read;
 }
 
-std::string in_words(const UncooperativeBody& uncooperative, const Team& team) {
+std::string describe(const UncooperativeBody& uncooperative, const Team& team) {
   std::string text(team.name(uncooperative.body));
   if (uncooperative.motion) {
     text += std::visit(

@@ -19,6 +19,6 @@ UncooperativeStart read_uncooperative(const TomlTable& at,
                                       const std::function<AgentId(const TomlTable&)>& agent);
 
 /// A short description of its motion and of what the robots assume about it.
-std::string in_words(const UncooperativeBody& uncooperative, const Team& team);
+std::string describe(const UncooperativeBody& uncooperative, const Team& team);
 
 }  // namespace sightline

@@ -198,7 +198,7 @@ ScenarioSpec part_of(const ScenarioSpec& whole) {
   return part;
 }
 
-std::string in_words(const PartitionPlan& plan) {
+std::string describe(const PartitionPlan& plan) {
   std::string text;
   const ExchangeOptions& e = plan.exchange;
   for (const PlannedPart& part : plan.parts)

@@ -25,6 +25,6 @@ Partition partition_of(const PartitionPlan& plan, const Team& team);
 ScenarioSpec part_of(const ScenarioSpec& whole);
 
 /// Lines for the summary of a scenario.
-std::string in_words(const PartitionPlan& plan);
+std::string describe(const PartitionPlan& plan);
 
 }  // namespace sightline

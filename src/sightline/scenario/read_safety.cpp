@@ -305,7 +305,7 @@ double hold_after(const ScenarioSpec& scenario) {
   return supervised ? scenario.safety->supervisor->times.hold_after : LadderTimes{}.hold_after;
 }
 
-std::string in_words(const Safety& safety) {
+std::string describe(const Safety& safety) {
   constexpr std::array<std::string_view, 3> modes = {"off", "on", "only reports"};
   std::string text = fmt::format("safety      barrier {}, d_hard {} m, height {} to {} m, world {} m\n",
                                  modes[static_cast<std::size_t>(safety.barrier)], safety.d_hard,
@@ -316,7 +316,7 @@ std::string in_words(const Safety& safety) {
                             times.slow_after, times.hold_after, times.land_after);
 }
 
-std::string in_words(const Simulation& simulation, const Team& team) {
+std::string describe(const Simulation& simulation, const Team& team) {
   std::string text;
   for (const Fault& fault : simulation.faults) {
     text += fmt::format("fault       {} of {}, {}\n", to_string(fault.kind),

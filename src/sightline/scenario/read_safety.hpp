@@ -40,7 +40,7 @@ std::optional<double> hard_distance(const ScenarioSpec& scenario, BodyId a, Body
 double hold_after(const ScenarioSpec& scenario);
 
 /// A line for each active or injected item, for the user.
-std::string in_words(const Safety& safety);
-std::string in_words(const Simulation& simulation, const Team& team);
+std::string describe(const Safety& safety);
+std::string describe(const Simulation& simulation, const Team& team);
 
 }  // namespace sightline

@@ -518,19 +518,19 @@ std::string summary(const ScenarioSpec& scenario) {
          of.feed_forward == FeedForwardFrom::reference ? ", u* follows from its reference" : "");
   }
   for (const RobotVehicle& vehicle : scenario.vehicles) {
-    line("vehicle     {}: {}", team.name(vehicle.robot), in_words(vehicle));
+    line("vehicle     {}: {}", team.name(vehicle.robot), describe(vehicle));
     if (norm(simulation.disturbances.wind) == 0) continue;
     const Vec3<double> air = vehicle.vehicle.air(simulation.disturbances.wind);
     line("vehicle     {}: feels the wind as air at [{:.2f}, {:.2f}, {:.2f}] m/s", team.name(vehicle.robot),
          air.x, air.y, air.z);
   }
-  if (scenario.partition) text += in_words(*scenario.partition);
-  if (scenario.links) line("{}", scenario.links->in_words(team));
+  if (scenario.partition) text += describe(*scenario.partition);
+  if (scenario.links) line("{}", scenario.links->describe(team));
   text += camera_words(scenario) + localization_words(scenario);
   for (const UncooperativeBody& uncooperative : scenario.uncooperative) {
     const auto& targets = scenario.targets;
     const bool target = std::find(targets.begin(), targets.end(), uncooperative.body) != targets.end();
-    line("{:12}{}", target ? "target" : "obstacle", in_words(uncooperative, team));
+    line("{:12}{}", target ? "target" : "obstacle", describe(uncooperative, team));
   }
   for (const Coupling& coupling : team.couplings()) {
     std::string feeling;
@@ -551,9 +551,9 @@ std::string summary(const ScenarioSpec& scenario) {
   for (const BarrierTerm& term : team.barriers())
     line("constrain   limit {} of {}, mu {}, delta {}", term.barrier.limit.name(), team.name(term.agent),
          term.barrier.mu, term.barrier.delta);
-  for (const TeamEvent& event : scenario.script.events) line("event       {}", in_words(event, team));
-  if (scenario.safety) text += in_words(*scenario.safety);
-  return text + in_words(simulation, team);
+  for (const TeamEvent& event : scenario.script.events) line("event       {}", describe(event, team));
+  if (scenario.safety) text += describe(*scenario.safety);
+  return text + describe(simulation, team);
 }
 
 }  // namespace sightline

@@ -8,7 +8,7 @@
 #include <optional>
 #include <variant>
 
-#include "sightline/scenario/influence.hpp"
+#include "sightline/scenario/reach.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {

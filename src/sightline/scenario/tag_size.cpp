@@ -8,7 +8,7 @@
 
 namespace sightline {
 
-std::string in_words(const TagReading& one, const Team& team) {
+std::string describe(const TagReading& one, const Team& team) {
   return fmt::format("a tag of {} has {:.1f} px for the camera of {} at {} = {} m", team.name(one.target),
                      one.pixels, team.name(one.observer), one.key, one.distance);
 }
@@ -17,7 +17,7 @@ TagSize judge_tag_sizes(const Scenario& scenario) {
   TagSize judged;
   const std::vector<TagReading> readings = tag_readings(scenario);
   for (const TagReading& one : readings) {
-    const std::string what = in_words(one, scenario.team);
+    const std::string what = describe(one, scenario.team);
     const bool is_nearest = std::none_of(readings.begin(), readings.end(), [&](const TagReading& other) {
       return other.observer == one.observer && other.target == one.target && other.distance < one.distance;
     });

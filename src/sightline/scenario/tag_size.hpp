@@ -19,6 +19,6 @@ struct TagSize {
 /// body with tags (tag_readings()).
 TagSize judge_tag_sizes(const Scenario& scenario);
 /// "a tag of b has 13.9 px for the camera of a at d_max = 3 m"
-std::string in_words(const TagReading& one, const Team& team);
+std::string describe(const TagReading& one, const Team& team);
 
 }  // namespace sightline

@@ -189,7 +189,7 @@ class PageServer::Thread {
     if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) one.receive(now);
     if (one.state() == Connection::State::requesting) {
       if (one.head_too_long()) {
-        throw_invalid(one, 431, "the request is too long", now);
+        refuse(one, 431, "the request is too long", now);
       } else if (!one.head().empty()) {
         answer(one, now);
       }
@@ -215,14 +215,14 @@ class PageServer::Thread {
     }
   }
 
-  void throw_invalid(Connection& one, int status, std::string_view why, Time now) {
+  void refuse(Connection& one, int status, std::string_view why, Time now) {
     ++now_counts_.refused;
     one.answer(http_response(status, "text/plain; charset=utf-8", fmt::format("sightline: {}\n", why)), now);
   }
 
   void answer(Connection& one, Time now) {
     const auto request = parse_request(one.head());
-    if (!request) return throw_invalid(one, 400, "this is no request", now);
+    if (!request) return refuse(one, 400, "this is no request", now);
     const std::shared_ptr<const PageFile> file = file_at(request->path);
     const bool open = file != nullptr && file->open;
     const std::string_view protocol = foxglove_protocol(request->header("sec-websocket-protocol"));
@@ -231,18 +231,18 @@ class PageServer::Thread {
                            : open ? Admission::Requested::open_file
                                   : Admission::Requested::flight;
     if (const std::string_view why = admission_.refusal(*request, requested); !why.empty())
-      return throw_invalid(one, 403, why, now);
+      return refuse(one, 403, why, now);
     if (request->method != "GET" && request->method != "HEAD")
-      return throw_invalid(one, 405, "this page is read-only", now);
+      return refuse(one, 405, "this page is read-only", now);
     if (request->path == "/live") return upgrade(one, *request, "", now);
     if (topics) return upgrade(one, *request, protocol, now);
-    if (file == nullptr) return throw_invalid(one, 404, "there is nothing here", now);
+    if (file == nullptr) return refuse(one, 404, "there is nothing here", now);
     try {
       one.answer(http_response(200, file->type, file->made ? file->made(*request) : file->body,
                                request->method == "GET"),
                  now);
     } catch (const std::exception& error) {
-      throw_invalid(one, 500, fmt::format("this could not be made: {}", sentence_of(error)), now);
+      refuse(one, 500, fmt::format("this could not be made: {}", sentence_of(error)), now);
     }
   }
 
@@ -258,7 +258,7 @@ class PageServer::Thread {
     if (request.method != "GET" || !request.lists("connection", "upgrade") ||
         !request.lists("upgrade", "websocket") || request.header("sec-websocket-version") != "13" ||
         !is_websocket_key(key))
-      return throw_invalid(one, 400, "expected a WebSocket, version 13", now);
+      return refuse(one, 400, "expected a WebSocket, version 13", now);
     one.watch(upgrade_response(key, protocol), now);
     if (protocol.empty()) return;
     one.allow(FoxgloveSession::message_limit, FoxgloveSession::messages_a_second);

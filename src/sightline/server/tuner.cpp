@@ -247,7 +247,7 @@ std::string Tuner::change(const Json& change, double ramp, double now) {
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(error.what());
   }
-  const std::string words = in_words(event.actions.front(), scenario_.team);
+  const std::string words = describe(event.actions.front(), scenario_.team);
   event.name =
       shortened(one_line(fmt::format("tune {}: {}", script_ + tuned.size(), words)), name_size_max - 4);
   keys += fmt::format("name = {}\n", in_quotes(event.name));

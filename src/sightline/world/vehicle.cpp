@@ -131,7 +131,7 @@ void Vehicle::check() const {
   }
 }
 
-std::string in_words(const RobotVehicle& vehicle) {
+std::string describe(const RobotVehicle& vehicle) {
   const Vehicle& v = vehicle.vehicle;
   const std::string body =
       vehicle.model ? fmt::format(" as {} of {}", vehicle.model->body, vehicle.model->file.name) : "";

@@ -78,13 +78,13 @@ ExchangeOrder exchange_order(std::string_view word) {
   throw_invalid("order = \"{}\", expected jacobi or gauss_seidel", word);
 }
 
-std::vector<PartInWords> parts_in_words(std::string_view text) {
-  std::vector<PartInWords> parts;
+std::vector<PartSpec> parse_parts(std::string_view text) {
+  std::vector<PartSpec> parts;
   for (std::string_view words : split(text, '|')) {
-    PartInWords part;
+    PartSpec part;
     if (const auto colon = words.find(':'); colon != words.npos) {
       const std::string_view name = trimmed(words.substr(0, colon));
-      if (std::any_of(parts.begin(), parts.end(), [&](const PartInWords& one) { return one.name == name; }))
+      if (std::any_of(parts.begin(), parts.end(), [&](const PartSpec& one) { return one.name == name; }))
         throw_invalid("partition = \"{}\" has part \"{}\" twice, expected each name once", text, name);
       part.name = name;
       words = trimmed(words.substr(colon + 1));
@@ -101,7 +101,7 @@ Partition read_partition(std::string_view text, const Team& team) {
   for (const Agent& agent : team.agents()) names.push_back(agent.name);
   if (names.empty()) throw_invalid("the team has no robot, expected at least one");
   Partition partition;
-  for (const PartInWords& part : parts_in_words(text)) {
+  for (const PartSpec& part : parse_parts(text)) {
     if (part.robots.empty())
       throw_invalid("partition = \"{}\" has a part without robots, expected at least one in each", text);
     std::vector<AgentId>& subteam = partition.emplace_back();

@@ -1,5 +1,5 @@
-// The Newton update on one page: extrapolate, linearise, backward pass per group, couple, project,
-// line search, accept.
+// The Newton update on one page: accept the measured states, extrapolate, linearise, backward pass
+// per group, couple, project, line search.
 #include "sightline/solver/newton/update.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "sightline/scenario/influence.hpp"
+#include "sightline/scenario/reach.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

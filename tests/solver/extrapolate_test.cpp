@@ -1,4 +1,4 @@
-// The guess from which an update of NewtonRiccati begins: newton_foresight.cpp.
+// The guess from which an update of NewtonRiccati begins: extrapolate.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>

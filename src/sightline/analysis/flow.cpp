@@ -1,4 +1,4 @@
-#include "sightline/analysis/drift.hpp"
+#include "sightline/analysis/flow.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "sightline/analysis/field.hpp"
 #include "sightline/formula.hpp"
 #include "sightline/model/state_roles.hpp"
-#include "sightline/scenario/influence.hpp"
+#include "sightline/scenario/reach.hpp"
 
 namespace sightline {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/scenario/influence.hpp"
+#include "sightline/scenario/reach.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -106,7 +106,7 @@ std::array<bool, 2 * sight_size> seen_by(const Potential& potential) {
   return seen;
 }
 
-std::vector<Coupling> said_couplings(const Scenario& scenario) {
+std::vector<Coupling> stated_couplings(const Scenario& scenario) {
   std::vector<Coupling> all = scenario.team.couplings();
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {
@@ -122,7 +122,7 @@ std::vector<std::string> limits_beyond_influence(const Scenario& scenario) {
   const Team& team = scenario.team;
   Reach influence(team);
   std::vector<std::string> sentences;
-  const std::vector<Coupling> couplings = said_couplings(scenario);
+  const std::vector<Coupling> couplings = stated_couplings(scenario);
   for (std::size_t i = 0; i < couplings.size(); ++i) {
     const Coupling& c = couplings[i];
     const auto seen = seen_by(c.term.potential);

@@ -1,4 +1,4 @@
-#include "sightline/analysis/drift.hpp"
+#include "sightline/analysis/flow.hpp"
 
 #include <gtest/gtest.h>
 
