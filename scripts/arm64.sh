@@ -13,7 +13,7 @@ case ${1:-} in
   *) echo "arm64.sh: argument = $1, expected --short or none" >&2; exit 2 ;;
 esac
 x86=build/release arm=build/arm64 out=out/arm64
-layers=(math formula model potential)
+layers=(base formula model potential)
 
 passed=0 failed=0
 stage() {
