@@ -16,7 +16,6 @@ namespace {
 
 constexpr double times_fresh = 2.5;        // multiple of the pose interval
 constexpr double late_most = 0.05;         // maximum latency if the scenario has no `fresh` limit [s]
-constexpr double drift_most = 1e-3;        // [s/s]
 constexpr double another_time = 1e5;       // a larger clock difference means unrelated clocks [s]
 constexpr double references_apart = 2.0;   // maximum difference between satellite and configured origins [m]
 constexpr double same_origin = 1e-6;       // [m]
@@ -48,7 +47,7 @@ void examine_rate(const Scenario& scenario, const ArrivalFigures& f, FindingList
               : "");
 }
 
-void examine_clock(const ArrivalFigures& f, FindingList& to) {
+void examine_clock(const ArrivalFigures& f, double drift, FindingList& to) {
   const double behind = f.delay_least;
   if (std::abs(behind) > another_time)
     to.add(Aspect::clock, Light::red,
@@ -64,22 +63,21 @@ void examine_clock(const ArrivalFigures& f, FindingList& to) {
            "its clock is {:.3f} s behind ours, or no pose is faster on its way; expected {} s at most: have "
            "one of chrony or PTP set both",
            behind, clocks_apart);
-  else if (std::abs(f.drift) > drift_most)
-    to.add(Aspect::clock, Light::red, "its clock and ours drift apart by {:.1f} ms a second, expected {:g}",
-           1e3 * std::abs(f.drift), 1e3 * drift_most);
+  else if (std::abs(drift) >= RemoteClock::drift_max)
+    to.add(Aspect::clock, Light::red,
+           "its clock and ours drift apart by {:g} ms a second or more, expected less",
+           1e3 * std::abs(drift));
   else
     to.add(Aspect::clock, Light::green, "within {:.1f} ms of ours, drifts by {:.2f} ms a second",
-           1e3 * std::abs(behind), 1e3 * std::abs(f.drift));
+           1e3 * std::abs(behind), 1e3 * std::abs(drift));
 }
 
 void examine_latency(const Scenario& scenario, const ArrivalFigures& f, FindingList& to) {
   const LadderTimes* const times = times_of(scenario);
   const double most = times != nullptr ? times->fresh : late_most;
-  const double beyond = f.delay_p99 - f.delay_least;
-  to.add(Aspect::latency, beyond > most ? Light::red : Light::green,
-         "from stamp to here {:.1f} ms, p99 {:.1f} ms beyond the least of {:.1f} ms{}",
-         1e3 * (f.delay_median - f.delay_least), 1e3 * beyond, 1e3 * f.delay_least,
-         beyond > most ? fmt::format(", expected {:g} ms at most", 1e3 * most) : "");
+  to.add(Aspect::latency, f.late_p99 > most ? Light::red : Light::green,
+         "from stamp to here {:.1f} ms, p99 {:.1f} ms beyond the fastest{}", 1e3 * f.late_median,
+         1e3 * f.late_p99, f.late_p99 > most ? fmt::format(", expected {:g} ms at most", 1e3 * most) : "");
 }
 
 /// @param ground  height in G [m]
@@ -204,7 +202,7 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
     const ArrivalFigures f = robots[i].end->subscriber().arrivals().figures(now, realtime_now() - now);
     if (f.count >= poses_needed) {
       examine_rate(scenario, f, list);
-      examine_clock(f, list);
+      examine_clock(f, robots[i].end->subscriber().clock_drift(), list);
       examine_latency(scenario, f, list);
     }
     SeenMotion seen;

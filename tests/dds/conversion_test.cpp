@@ -96,39 +96,5 @@ TEST(Conversion, TimesAreTheSameNanoseconds) {
   }
 }
 
-// The other clock is ahead by an hour; messages take 1 ms, and some 5 ms more.
-TEST(Conversion, AClockThatDiffersByAConstantDiffersNoMore) {
-  constexpr Nanoseconds ms = 1'000'000, hour = 3'600'000 * ms;
-  ClockOffset offset;
-  for (std::int64_t k = 1; k < 3000; ++k) {
-    const Nanoseconds sent = k * 10 * ms, late = k % 7 == 3 ? 5 * ms : 0, arrival = sent + ms + late;
-    const Nanoseconds stamp = offset.on_ours(sent + hour, arrival);
-    EXPECT_LE(stamp, arrival);
-    EXPECT_EQ(stamp, sent + ms) << k;  // all but the least delay
-  }
-  EXPECT_EQ(offset.least(), ms - hour);
-}
-
-// What was least more than 10 s ago counts no more.
-TEST(Conversion, AClockThatDriftsIsFollowedWithinTenSeconds) {
-  constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms;
-  ClockOffset offset;
-  offset.on_ours(second, second);  // no delay
-  Nanoseconds stamp = 0;
-  for (Nanoseconds t = 2 * second; t < 14 * second; t += 10 * ms) stamp = offset.on_ours(t - 3 * ms, t);
-  EXPECT_EQ(stamp, 14 * second - 10 * ms);
-  EXPECT_EQ(offset.least(), 3 * ms);
-}
-
-TEST(Conversion, AStampFromTheFutureOfItsOwnClockDoesNotFit) {
-  constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms, hour = 3600 * second;
-  ClockOffset offset;
-  EXPECT_TRUE(offset.fits(hour, second));  // whatever the clock, at first
-  offset.on_ours(hour, second);
-  EXPECT_TRUE(offset.fits(hour + second + 900 * ms, 2 * second));
-  EXPECT_FALSE(offset.fits(hour + 4 * second, 2 * second));
-  EXPECT_TRUE(offset.fits(0, 2 * second));  // old is no harm
-}
-
 }  // namespace
 }  // namespace sightline::dds

@@ -264,7 +264,7 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
         f.unfit = chance(0.6)   ? LinkReason::as_requested
                   : chance(0.3) ? LinkReason::battery_low
                   : chance(0.5) ? LinkReason::estimator_invalid
-                  : chance(0.5) ? LinkReason::clock_jumped
+                  : chance(0.5) ? LinkReason::stamps_stuck
                                 : LinkReason::moved;
       if (chance(wild)) f.armed = chance(0.7);
       if (chance(wild)) f.airborne = chance(0.7);

@@ -26,7 +26,7 @@ TEST(PoseSubscriber, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
   EXPECT_NEAR(seen.motion.v.y, 1.0, 1e-12);
   EXPECT_EQ(seen.motion.r, 0.5);
   EXPECT_EQ(seen.stamp, second + 20 * ms);
-  EXPECT_EQ(poses.least_delay(), -499 * second);
+  EXPECT_EQ(poses.clock_offset(), -499 * second);
   EXPECT_TRUE(poses.is_fresh(second + 100 * ms, 100 * ms));
   EXPECT_FALSE(poses.is_fresh(second + 120 * ms, 100 * ms));
 }

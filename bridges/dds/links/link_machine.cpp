@@ -70,7 +70,7 @@ std::string_view to_string(LinkReason reason) {
       "its estimator is not valid",
       "its estimator jumped too far",
       "its motors were stopped by the operator",
-      "its clock jumped: poses come, but their stamps do not go on"};
+      "poses come, but their stamps do not rise"};
   return word_of(words, reason);
 }
 

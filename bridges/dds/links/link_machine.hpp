@@ -44,7 +44,7 @@ enum class LinkReason : std::uint8_t {
   estimator_invalid,
   moved,      ///< its estimator jumped further than is compensated
   emergency,  ///< the operator stopped its motors
-  clock_jumped,
+  stamps_stuck,
 };
 inline constexpr int link_reasons = 21;
 /// Part of a sentence: "it was disarmed".
@@ -100,7 +100,7 @@ struct LinkOutput {
 /// Time limits of the state machine [s].
 struct LinkTimes {
   double ready = 10.0;     ///< waiting: maximum time until ready
-  double listened = 1.5;   ///< minimum observation before findings count: battery messages come at 1 Hz
+  double listened = 2.5;   ///< minimum observation before findings count: a drift of clocks needs 2 s
   double received = 1.2;   ///< ready: minimum time; PX4 requires a heartbeat for more than 1 s
   double called = 3600.0;  ///< ready: maximum time until the take-off order
   double arming = 2.0;     ///< from the arm request until armed

@@ -244,7 +244,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                                                                    : AutopilotMode::other;
   const Vec3<double> p = poses().newest().motion.p;
   const double height = p.z;
-  facts.unfit = facts.there && !fresh ? LinkReason::clock_jumped : unfit(p);
+  facts.unfit = facts.there && !fresh ? LinkReason::stamps_stuck : unfit(p);
   const bool high = height - origin_.p.z > least_height;
   facts.risen = height > height_ - near_height;
   facts.airborne =

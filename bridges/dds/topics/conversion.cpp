@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace sightline::dds {
@@ -67,21 +66,6 @@ Vec3<double> east_north_up(const GeoPoint& point, const GeoPoint& reference) {
   return {
       earth_radius * std::cos(reference.latitude * degree) * (point.longitude - reference.longitude) * degree,
       earth_radius * (point.latitude - reference.latitude) * degree, point.altitude - reference.altitude};
-}
-
-Nanoseconds ClockOffset::on_ours(Nanoseconds stamp, Nanoseconds arrival) noexcept {
-  const std::int64_t number = arrival / slice + 1;
-  const auto place = static_cast<std::size_t>(number) % slices;
-  const Nanoseconds delay = arrival - stamp;
-  if (slice_of_[place] != number || delay < least_of_[place]) least_of_[place] = delay;
-  slice_of_[place] = number;
-  begun_ = true;
-  least_ = std::numeric_limits<Nanoseconds>::max();
-  for (std::size_t i = 0; i < slices; ++i) {
-    if (slice_of_[i] > number - static_cast<std::int64_t>(slices) && slice_of_[i] > 0)
-      least_ = std::min(least_, least_of_[i]);
-  }
-  return stamp + least_;
 }
 
 }  // namespace sightline::dds

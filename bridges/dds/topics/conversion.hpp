@@ -73,32 +73,4 @@ constexpr RosTime to_ros(Nanoseconds t) {
   return {static_cast<std::int32_t>(sec), static_cast<std::uint32_t>(rest)};
 }
 
-/// Converts stamps of a remote clock to the local clock: stamp plus the least delay of the last 10
-/// s.
-/// This removes a constant clock offset. Transport delay beyond the least one stays in the result.
-/// Single thread; allocates nothing.
-class ClockOffset {
- public:
-  /// @param stamp    by the remote clock
-  /// @param arrival  by the local clock, increasing
-  /// @return the stamp by the local clock, not after the arrival
-  Nanoseconds on_ours(Nanoseconds stamp, Nanoseconds arrival) noexcept;
-  /// False if the remote clock jumped more than 1 s into the future, which would make all other
-  /// stamps look old.
-  bool fits(Nanoseconds stamp, Nanoseconds arrival) const noexcept {
-    return !begun_ || arrival - stamp > least_ - slice;
-  }
-  /// Least arrival - stamp of the last 10 s.
-  Nanoseconds least() const noexcept { return least_; }
-
- private:
-  static constexpr Nanoseconds slice = 1'000'000'000;
-  static constexpr std::size_t slices = 10;
-
-  std::array<Nanoseconds, slices> least_of_{};
-  std::array<std::int64_t, slices> slice_of_{};  // number of the slice, from 1; 0: empty
-  Nanoseconds least_ = 0;
-  bool begun_ = false;
-};
-
 }  // namespace sightline::dds

@@ -1,7 +1,6 @@
 #include "bridges/dds/topics/latency_monitor.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "sightline/base/quantile.hpp"
@@ -9,18 +8,11 @@
 namespace sightline::dds {
 namespace {
 
-constexpr Nanoseconds drift_from = 4'000'000'000;
-
 double seconds_of(Nanoseconds t) { return 1e-9 * static_cast<double>(t); }
 
 struct Arrived {
-  Nanoseconds at, delay;
+  Nanoseconds at, delay, late;
 };
-
-/// The arrival with the least delay.
-Arrived fastest_of(const Arrived* begin, const Arrived* end) {
-  return *std::min_element(begin, end, [](const Arrived& a, const Arrived& b) { return a.delay < b.delay; });
-}
 
 }  // namespace
 
@@ -31,33 +23,27 @@ ArrivalFigures LatencyMonitor::figures(Nanoseconds now, Nanoseconds real_ahead) 
   std::vector<Arrived> all;
   for (std::uint64_t i = end - kept; i < end; ++i) {
     const Arrived one = {arrived_[i % places].load(std::memory_order_relaxed),
-                         delay_[i % places].load(std::memory_order_relaxed) + real_ahead};
+                         delay_[i % places].load(std::memory_order_relaxed) + real_ahead,
+                         late_[i % places].load(std::memory_order_relaxed)};
     if (now - one.at < window) all.push_back(one);
   }
   ArrivalFigures figures;
   if (all.empty()) return figures;
-  const Arrived* const first = all.data();
-  const Arrived* const last = first + all.size();
   figures.count = static_cast<std::int64_t>(all.size());
   figures.age = seconds_of(now - all.back().at);
-  std::vector<double> gaps, delays;
+  std::vector<double> gaps, delays, late;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (i > 0) gaps.push_back(seconds_of(all[i].at - all[i - 1].at));
     delays.push_back(seconds_of(all[i].delay));
+    if (all[i].late >= 0) late.push_back(seconds_of(all[i].late));
   }
   figures.delay_median = quantile(delays, 0.5);
-  figures.delay_p99 = quantile(delays, 0.99);
-  figures.delay_least = seconds_of(fastest_of(first, last).delay);
+  figures.delay_least = quantile(delays, 0.0);
+  if (!late.empty()) figures.late_median = quantile(late, 0.5), figures.late_p99 = quantile(late, 0.99);
   const Nanoseconds span = all.back().at - all.front().at;
   if (span > 0) figures.rate = static_cast<double>(gaps.size()) / seconds_of(span);
   gaps.push_back(figures.age);
   figures.gap_longest = quantile(gaps, 1.0);
-  if (span >= drift_from) {
-    const Arrived* const middle =
-        std::find_if(first, last, [&](const Arrived& one) { return one.at >= all.front().at + span / 2; });
-    const Arrived before = fastest_of(first, middle), after = fastest_of(middle, last);
-    if (after.at > before.at) figures.drift = seconds_of(after.delay - before.delay) / seconds_of(span / 2);
-  }
   return figures;
 }
 

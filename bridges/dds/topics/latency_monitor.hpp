@@ -17,8 +17,8 @@ struct ArrivalFigures {
   double age = 0.0;          ///< time since the last message
   // Local real-time clock at arrival minus stamp: delay plus clock offset, negative if the sender's
   // clock is ahead.
-  double delay_least = 0.0, delay_median = 0.0, delay_p99 = 0.0;
-  double drift = 0.0;  ///< change of the least delay between the halves of the window [s/s]; 0 below 4 s
+  double delay_least = 0.0, delay_median = 0.0;
+  double late_median = 0.0, late_p99 = 0.0;  ///< delay beyond that of the fastest messages
 };
 
 /// One thread adds without allocation; any thread reads.
@@ -28,10 +28,12 @@ class LatencyMonitor {
 
   /// @param sampled  by the sender's clock
   /// @param arrived  by the local monotonic clock
-  void note(Nanoseconds sampled, Nanoseconds arrived) noexcept {
+  /// @param late     delay beyond that of the fastest messages; < 0: unknown
+  void note(Nanoseconds sampled, Nanoseconds arrived, Nanoseconds late = -1) noexcept {
     const std::uint64_t n = count_.load(std::memory_order_relaxed);
     arrived_[n % places].store(arrived, std::memory_order_relaxed);
     delay_[n % places].store(arrived - sampled, std::memory_order_relaxed);
+    late_[n % places].store(late, std::memory_order_relaxed);
     count_.store(n + 1, std::memory_order_release);
   }
 
@@ -49,7 +51,7 @@ class LatencyMonitor {
  private:
   static constexpr std::size_t places = 2048;
 
-  std::array<std::atomic<Nanoseconds>, places> arrived_{}, delay_{};
+  std::array<std::atomic<Nanoseconds>, places> arrived_{}, delay_{}, late_{};
   std::atomic<std::uint64_t> count_{0};
 };
 

@@ -11,21 +11,23 @@ bool PoseSubscriber::is_of_numbers(const Motion& motion) noexcept {
 }
 
 bool PoseSubscriber::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept {
-  if (clock_.fits(sampled, arrived)) return true;
-  ++other_time_;
-  return false;
+  const RemoteClock::Stamp stamp = clock_.take(sampled, arrived);
+  if (stamp == RemoteClock::Stamp::repeated) ++repeated_;
+  if (stamp == RemoteClock::Stamp::ahead) ++other_time_;
+  latency_.note(sampled, arrived, arrived - clock_.on_ours());
+  if (clock_.jumps() > clock_jumps_) fit_ = {};
+  clock_offset_ = clock_.offset();
+  clock_drift_ = clock_.drift();
+  clock_jumps_ = clock_.jumps();
+  return stamp == RemoteClock::Stamp::good;
 }
 
 void PoseSubscriber::take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
-  if (!is_of_numbers(local)) return;
-  latency_.note(sampled, arrived);
-  if (is_of_our_time(sampled, arrived)) put(local, sampled, arrived);
+  if (is_of_numbers(local) && is_of_our_time(sampled, arrived)) put(local);
 }
 
-void PoseSubscriber::put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
-  const Nanoseconds stamp = clock_.on_ours(sampled, arrived);
-  least_delay_ = clock_.least();
-  const SeenMotion seen = {in_G(origin_, local), stamp};
+void PoseSubscriber::put(const Motion& local) noexcept {
+  const SeenMotion seen = {in_G(origin_, local), clock_.on_ours()};
   motion_.put(seen);
   SeenMotion* const place = each_ ? each_->claim() : nullptr;
   if (place == nullptr) return;
@@ -39,9 +41,7 @@ void PoseSubscriber::take_pose(const Vec3<double>& p, const Quaternion& q, Nanos
   if (!is_of_numbers(motion) || !is_of_our_time(sampled, arrived)) return;
   switch (fit_.take(p, q, sampled, motion)) {
     case VelocityFit::Outcome::good:
-      if (!is_of_numbers(motion)) break;
-      latency_.note(sampled, arrived);
-      put(motion, sampled, arrived);
+      if (is_of_numbers(motion)) put(motion);
       break;
     case VelocityFit::Outcome::too_few:
       break;
@@ -99,11 +99,12 @@ void PoseSubscriber::examine(std::string_view frames, std::string_view other_fra
 }
 
 std::string PoseSubscriber::counts() const {
-  std::string words =
-      fmt::format("{} poses, {} not finite, {} of another time, {} in other frames, {} of a second writer",
-                  reader().counts().received.load(), not_finite_.load(), other_time_.load(),
-                  other_frame_.load(), second_writer());
-  if (why_none_) words += fmt::format(", {} repeated, {} that jumped", repeated_.load(), jumps_.load());
+  std::string words = fmt::format(
+      "{} poses, {} not finite, {} of another time, {} repeated, {} in other frames, {} of a second writer",
+      reader().counts().received.load(), not_finite_.load(), other_time_.load(), repeated_.load(),
+      other_frame_.load(), second_writer());
+  if (clock_jumps_ > 0) words += fmt::format(", {} jumps of its clock", clock_jumps_.load());
+  if (why_none_) words += fmt::format(", {} that jumped", jumps_.load());
   return words;
 }
 

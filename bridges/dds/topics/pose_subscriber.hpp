@@ -13,6 +13,7 @@
 #include "bridges/dds/topics/conversion.hpp"
 #include "bridges/dds/topics/latency_monitor.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
+#include "bridges/dds/topics/remote_clock.hpp"
 #include "bridges/dds/topics/surroundings.hpp"
 #include "sightline/loop.hpp"
 
@@ -74,8 +75,11 @@ class PoseSubscriber {
   SeenMotion last() const noexcept;
   bool in_other_frames() const noexcept { return other_frame_ > 0; }
   bool of_second_writer() const noexcept { return second_writer() > 0; }
-  /// Least delay of the last 10 s, clock offset included.
-  Nanoseconds least_delay() const noexcept { return least_delay_; }
+  /// Of the sender's clock: local time minus its time, less the delay of the fastest messages; rate
+  /// of that offset [s/s]; number of its jumps.
+  Nanoseconds clock_offset() const noexcept { return clock_offset_; }
+  double clock_drift() const noexcept { return clock_drift_; }
+  std::int64_t clock_jumps() const noexcept { return clock_jumps_; }
   const RawReader& reader() const noexcept { return *readers_.front(); }
   const LatencyMonitor& arrivals() const noexcept { return latency_; }
   /// Adds the findings about the poses.
@@ -91,17 +95,18 @@ class PoseSubscriber {
   bool is_of_numbers(const Motion& motion) noexcept;
   bool is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept;
   /// Stores a motion that passed the checks.
-  void put(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
+  void put(const Motion& local) noexcept;
 
   LinkOrigin origin_;
   Mailbox<SeenMotion> motion_;                     // filled by the receive thread
   std::unique_ptr<SpscQueue<SeenMotion>> each_{};  // filled by the receive thread; null: newest motion only
-  ClockOffset clock_;                              // receive thread only
+  RemoteClock clock_;                              // receive thread only
   VelocityFit fit_;                                // receive thread only
   LatencyMonitor latency_;                         // filled by the receive thread
-  std::atomic<Nanoseconds> least_delay_{0};
-  std::atomic<std::int64_t> not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0}, repeated_{0},
-      jumps_{0};
+  std::atomic<Nanoseconds> clock_offset_{0};
+  std::atomic<double> clock_drift_{0.0};
+  std::atomic<std::int64_t> clock_jumps_{0}, not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0},
+      repeated_{0}, jumps_{0};
   SeenMotion newest_{};  // control thread's copy, for reads that collide with a write
   std::function<std::string()> why_none_;
   std::vector<std::unique_ptr<RawReader>> readers_;  // last member: destroyed before the members they fill
