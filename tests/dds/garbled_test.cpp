@@ -183,7 +183,7 @@ class GarbledWorld final : public World {
     for (const double x : u) greatest_ = std::isfinite(x) ? std::max(greatest_, std::abs(x)) : 1e300;
     for (Robot& robot : robots_) {
       const Command c = robot.state.command(&estimated[robot.x], u.data() + robot.u, period);
-      for (const double v : {norm(c.v), norm(c.a), norm(c.v_end), std::abs(c.r)})
+      for (const double v : {norm(c.lead.v), norm(c.lead.a), norm(c.v_end), std::abs(c.r)})
         fastest_ = std::isfinite(v) ? std::max(fastest_, v) : 1e300;
     }
     (void)world_.apply(t, estimated, u, period, periods);

@@ -17,12 +17,11 @@ class FrameAnchor {
   /// thread may call it.
   void hold() noexcept { held_ = true; }
 
-  /// Transforms a motion into the original frame. Receive thread only; allocates nothing.
+  /// Transforms a finite motion into the original frame; motions come in order. Receive thread only;
+  /// allocates nothing.
   /// @param resets   jumps so far, as the robot counts them
-  /// @param sampled  by the robot's clock
-  /// @return false if the motion is not finite, or not newer than the last one (a clock that was
-  ///   set back by more than 1 s restarts the order)
-  bool follow(Motion& local, int resets, Nanoseconds sampled) noexcept;
+  /// @param sampled  by a clock that does not jump
+  void follow(Motion& local, int resets, Nanoseconds sampled) noexcept;
 
   /// Accumulated length of all jumps [m]. Any thread may call it.
   double moved() const noexcept { return moved_; }

@@ -12,11 +12,6 @@
 namespace sightline::dds {
 namespace {
 
-double heading_angle(const Motion& motion) noexcept {
-  const Vec2<double> d = heading(rotation(motion.q));
-  return std::atan2(d.y, d.x);
-}
-
 Vec2<double> turned_by(double angle, const Vec2<double>& d) noexcept {
   return rotate<double>({std::cos(angle), std::sin(angle)}, d);
 }
@@ -34,7 +29,6 @@ Command in_local(const LinkOrigin& frame, const Command& command) {
   Command local = command;
   const auto place = [&](const Vec3<double>& p) { return in_local(frame, Motion{.p = p}).p; };
   const auto way = [&](const Vec3<double>& v) { return in_local(frame, Motion{.v = v}).v; };
-  local.p = place(command.p), local.v = way(command.v), local.a = way(command.a);
   local.v_end = way(command.v_end);
   local.d = turned_by(-frame.heading, command.d);
   const TrajectoryPoint& lead = command.lead;

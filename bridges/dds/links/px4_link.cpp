@@ -183,19 +183,17 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   }
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
   latency_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
-  // take() counts motions that are not finite.
-  const bool finite = is_finite(local);
-  if (finite && !anchor_.follow(local, m.reset_counter, sampled)) {
-    odometry_.note(sampled, arrival.monotonic);
-    return;
-  }
-  odometry_.take(local, sampled, arrival.monotonic);
-  if (finite) sampled_.put(m.timestamp_sample);
+  if (!odometry_.accepts(local, sampled, arrival.monotonic)) return;
+  own_.put({local.p, heading_angle(local), m.timestamp_sample});
+  anchor_.follow(local, m.reset_counter, odometry_.stamp());
+  odometry_.put(local);
 }
 
 bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
-  (void)sampled_.look(answered_);
-  return poses().look(seen);
+  (void)own_.look(answered_);
+  const bool there = poses().look(seen);
+  answered_at_ = seen.motion;
+  return there;
 }
 
 bool Px4LinkEnd::has_valid_estimate() const noexcept {
@@ -300,11 +298,24 @@ void Px4LinkEnd::command(Px4Command which, const std::array<float, 3>& params) n
   (void)ends_->command->write(c.data());
 }
 
+void Px4LinkEnd::follow(const TrajectoryPoint& to, px4_msgs_msg_dds__TrajectorySetpoint_& s) noexcept {
+  const double turn = std::atan2(to.d.y, to.d.x) - heading_angle(answered_at_);
+  const auto set = [&](float* place, const Vec3<double>& in_team, const Vec3<double>& from) {
+    const Vec3<double> ned = turned_over(from + in_local({{}, origin_.heading}, Motion{.p = in_team}).p);
+    place[0] = static_cast<float>(ned.x), place[1] = static_cast<float>(ned.y),
+    place[2] = static_cast<float>(ned.z);
+  };
+  set(s.position, to.p - answered_at_.p, answered_.p), set(s.velocity, to.v, {}),
+      set(s.acceleration, to.a, {});
+  s.yaw = static_cast<float>(turned_over_yaw(answered_.heading + turn));
+  s.yawspeed = static_cast<float>(-to.r);
+}
+
 void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
   if (output.heartbeat && now - beat_at_ >= beat_every) {
     beat_at_ = now;
     ends_->mode.set("timestamp", stamp());
-    ends_->mode.set("velocity", true);
+    ends_->mode.set("position", true);
     (void)ends_->heartbeat->write(ends_->mode.data());
   }
   // A new reader may be the vehicle itself after a restart; its status shows that only a moment
@@ -317,17 +328,13 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     s.yaw = px4_nan;
     if (output.setpoint == Setpoint::task) {
       rises_ = false;
-      const Motion local = in_local({{}, origin_.heading}, Motion{.p = c.a, .v = c.v});
-      const Vec3<double> v = turned_over(local.v), a = turned_over(local.p);
-      const std::array<double, 3> vs = {v.x, v.y, v.z}, as = {a.x, a.y, a.z};
-      for (std::size_t k = 0; k < 3; ++k)
-        s.velocity[k] = static_cast<float>(vs[k]), s.acceleration[k] = static_cast<float>(as[k]);
-      s.yawspeed = static_cast<float>(-c.r);
+      follow(c.lead, s);
     } else if (output.setpoint == Setpoint::climb) {
       const double below = height_ - poses().newest().motion.p.z;
       s.velocity[2] = static_cast<float>(-std::clamp(rise_gain * below, 0.0, rise_most));
     }
-    if (output.setpoint != Setpoint::zero && stamps_ == Stamps::of_this_machine) s.timestamp = answered_;
+    if (output.setpoint != Setpoint::zero && stamps_ == Stamps::of_this_machine)
+      s.timestamp = answered_.sampled;
     // A newer status may report another mode since the period began.
     if (says_offboard_) {
       ++sent_;

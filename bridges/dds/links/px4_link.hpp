@@ -83,6 +83,12 @@ class Px4LinkEnd final : public LinkEnd {
     std::uint32_t command = 0;
     std::uint8_t result = 0, system = 0;  // system: that of the request
   };
+  /// Newest pose in its own local frame, ENU.
+  struct OwnPose {
+    Vec3<double> p{};           // [m]
+    double heading = 0.0;       // [rad]
+    std::uint64_t sampled = 0;  // by the vehicle's clock [us]
+  };
   struct Ends;
 
   void read_state(dds_entity_t participant);
@@ -101,6 +107,9 @@ class Px4LinkEnd final : public LinkEnd {
   std::uint64_t stamp() const noexcept;
   bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
   std::string failing() const;
+  /// Sets a set-point to a point of the trajectory, in its own local frame. Its place is that of the
+  /// vehicle's own pose, and the way from the pose in G: whatever shift of frames is between them.
+  void follow(const TrajectoryPoint& to, px4_msgs_msg_dds__TrajectorySetpoint_& s) noexcept;
   void command(Px4Command which, const std::array<float, 3>& params) noexcept;
 
   Px4Link px4_;
@@ -117,7 +126,7 @@ class Px4LinkEnd final : public LinkEnd {
   Mailbox<Landed> landed_;
   Mailbox<Px4Battery> battery_;
   Mailbox<Ack> ack_;
-  Mailbox<std::uint64_t> sampled_;  // stamp of the newest pose, vehicle clock [us]
+  Mailbox<OwnPose> own_;
   FrameAnchor anchor_;
   DelayHistogram latency_;
 
@@ -138,7 +147,8 @@ class Px4LinkEnd final : public LinkEnd {
   Request replied_ = Request::none;    // that of the last reply; none: reported
   Px4Command requested_by_{};
   Nanoseconds requested_at_ = 0, replied_at_ = 0, beat_at_ = 0;
-  std::uint64_t answered_ = 0;                        // sampled_ of the pose that the next command answers
+  OwnPose answered_{};                                // own_ at the pose that the next command answers
+  Motion answered_at_{};                              // that pose, in G
   std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
   Vec3<double> left_{};                               // position at the arm request
   bool rises_ = false;                                // from the arm request until the task

@@ -80,11 +80,8 @@ double RobotState::heading_rate(const double* x, const double* u) noexcept {
 
 Command RobotState::command(const double* x, const double* u, double period) noexcept {
   std::copy_n(x, scratch_.size(), scratch_.begin());
-  const Vec3<double> before = model_.sight(scratch_.data(), u).v;
   model_.step(scratch_.data(), u, ahead);
-  const Sight<double> then = model_.sight(scratch_.data(), u);
-  Command command = {then.v, (1 / ahead) * (then.v - before), then.p, then.d,
-                     heading_rate(scratch_.data(), u)};
+  Command command = {.d = model_.sight(scratch_.data(), u).d, .r = heading_rate(scratch_.data(), u)};
   command.v_end = end_velocity(x, u);
   command.lead = lead(x, u, period);
   std::copy_n(u, std::min(command.u.size(), rest_.size()), command.u.begin());

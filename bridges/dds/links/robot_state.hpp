@@ -21,10 +21,7 @@ struct TrajectoryPoint {
 
 /// Next command of a robot, in G.
 struct Command {
-  Vec3<double> v{};  ///< velocity after RobotState::ahead [m/s]
-  Vec3<double> a{};  ///< mean acceleration until then [m/s^2]
-  Vec3<double> p{};  ///< position then [m]
-  Vec2<double> d{1, 0};
+  Vec2<double> d{1, 0};       ///< heading after RobotState::ahead
   double r = 0.0;             ///< heading rate then, anticlockwise [rad/s]
   Vec3<double> v_end{};       ///< steady-state velocity of the model, if it has one [m/s]
   TrajectoryPoint lead{};     ///< current point of the trajectory integrated from the commands
@@ -46,8 +43,7 @@ class RobotState {
   /// is the component of v along its direction of motion.
   /// @param x  (nx)
   void write(const Motion& motion, double* x) noexcept;
-  /// Command of the input u: velocity after `ahead`, and the trajectory point that leads there.
-  /// The trajectory advances by `period` under u, from x at the first call. It stays within lead_p
+  /// Command of the input u. Its trajectory advances by `period` under u, from x at the first call. It stays within lead_p
   /// [m], lead_v [m/s] and lead_d [rad] of the robot, so that it waits for a robot that cannot
   /// follow.
   Command command(const double* x, const double* u, double period) noexcept;

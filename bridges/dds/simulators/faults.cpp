@@ -41,12 +41,19 @@ bool Faults::changed(LinkFaultKind kind) {
   return std::exchange(one.seen, one.changes.load()) != one.seen;
 }
 
+Vec3<double> Faults::shift() const {
+  using K = LinkFaultKind;
+  Vec3<double> shift{};
+  for (const K jump : {K::jump, K::jump_reported})
+    if (on(jump)) shift.x += size(jump);
+  return shift;
+}
+
 Motion Faults::distorted(Motion motion) {
   using K = LinkFaultKind;
   if (!on(K::frozen)) frozen_.reset();
   if (on(K::frozen)) motion = frozen_ ? *frozen_ : frozen_.emplace(motion);
-  for (const K jump : {K::jump, K::jump_reported})
-    if (on(jump)) motion.p.x += size(jump);
+  motion.p = motion.p + shift();
   if (changed(K::jump_reported)) ++resets_;
   if (on(K::not_finite) && random_.uniform() <= size(K::not_finite)) {
     motion.p.x = std::numeric_limits<double>::quiet_NaN();

@@ -39,6 +39,8 @@ class Faults {
   /// Whether the request that has come now is lost.
   bool loses_request();
   double size(LinkFaultKind kind) const { return of(kind).size; }
+  /// Displacement of the faulty estimator [m].
+  Vec3<double> shift() const;
 
   // Stepping thread only.
   /// Whether the fault began or ended since the last call.

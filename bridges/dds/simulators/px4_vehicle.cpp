@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "sightline/base/now.hpp"
 
@@ -19,6 +20,7 @@ constexpr std::int64_t vehicle_second = 1'000'000'000;
 constexpr std::int64_t checks_take = vehicle_second;    // after its start
 constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
 constexpr double fastest = 10.0;                        // limit of a set-point [m/s]
+constexpr double position_gain = 0.95, yaw_gain = 2.8;  // MPC_XY_P, MC_YAW_P of PX4 [1/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
 std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
@@ -75,8 +77,8 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
     return [this](const void* m, const Arrival&) { on_setpoint(m); };
   });
   ends_->heartbeat = reader("OffboardControlMode", 2, [this](const Px4Layout& in) {
-    return [this, velocity = in.place("velocity")](const void* m, const Arrival&) {
-      on_heartbeat(read_at<bool>(m, velocity));
+    return [this, position = in.place("position")](const void* m, const Arrival&) {
+      on_heartbeat(read_at<bool>(m, position));
     };
   });
 }
@@ -124,7 +126,8 @@ void Px4Vehicle::on_command(std::uint32_t command, const std::array<float, 3>& p
       if (param1 == px4_custom_mode && param2 == px4_mode_offboard) {
         ++reported_.offboard_requests;
         result = hears_offboard() ? accepted : temporarily_rejected;
-        if (result == accepted) set_nav(NavState::offboard), v_sp_ = a_sp_ = {}, r_sp_ = 0.0;
+        if (result == accepted)
+          set_nav(NavState::offboard), v_sp_ = a_sp_ = {}, r_sp_ = 0.0, has_p_sp_ = false;
       } else if (param1 == px4_custom_mode && param2 == px4_mode_auto && param3 == px4_auto_loiter) {
         result = accepted;
         set_nav(NavState::hold);
@@ -154,25 +157,39 @@ void Px4Vehicle::on_setpoint(const void* message) {
       return;
     }
   }
-  const auto given = [](float v) { return std::isfinite(v) ? double{v} : 0.0; };
-  const Motion local = {.p = turned_over(Vec3<double>{given(s.acceleration[0]), given(s.acceleration[1]),
-                                                      given(s.acceleration[2])}),
-                        .v = turned_over(Vec3<double>{s.velocity[0], s.velocity[1], s.velocity[2]})};
-  const Motion wanted = in_G({{}, setup_.origin.heading}, local);
-  v_sp_ = wanted.v, a_sp_ = wanted.p, r_sp_ = -given(s.yawspeed);
+  const auto given = [](const float* v) {
+    const auto one = [](float x) { return std::isfinite(x) ? double{x} : 0.0; };
+    return turned_over(Vec3<double>{one(v[0]), one(v[1]), one(v[2])});
+  };
+  const LinkOrigin turned = {{}, setup_.origin.heading};
+  v_sp_ = in_G(turned, Motion{.p = given(s.velocity)}).p;
+  a_sp_ = in_G(turned, Motion{.p = given(s.acceleration)}).p;
+  r_sp_ = std::isfinite(s.yawspeed) ? -double{s.yawspeed} : 0.0;
+  has_p_sp_ = std::isfinite(s.position[0] + s.position[1] + s.position[2] + s.yaw);
+  if (has_p_sp_) {
+    p_sp_ = in_G(setup_.origin, Motion{.p = given(s.position)}).p;
+    heading_sp_ = turned_over_yaw(double{s.yaw}) + setup_.origin.heading;
+  }
 }
 
-void Px4Vehicle::on_heartbeat(bool velocity) {
+void Px4Vehicle::on_heartbeat(bool position) {
   const std::scoped_lock lock(lock_);
   ++reported_.heartbeats;
-  if (velocity) heartbeat_at_ = monotonic_now();
+  if (position) heartbeat_at_ = monotonic_now();
 }
 
 void Px4Vehicle::move() {
   Vec3<double> v{}, a{};
   double r = 0.0;
   const double height = body_.motion().p.z;
-  if (nav_ == NavState::offboard) v = v_sp_, a = a_sp_, r = r_sp_;
+  if (nav_ == NavState::offboard) {
+    v = v_sp_, a = a_sp_, r = r_sp_;
+    if (has_p_sp_) {
+      const Motion& now = body_.motion();
+      v = v + position_gain * (p_sp_ - now.p - faults_.shift());
+      r += yaw_gain * std::remainder(heading_sp_ - heading_angle(now), 2 * std::numbers::pi);
+    }
+  }
   if (nav_ == NavState::takeoff || (nav_ == NavState::hold && !landed_))
     v.z = takeoff_speed(height, setup_.altitude);
   if (nav_ == NavState::land) v.z = landing_speed(height);

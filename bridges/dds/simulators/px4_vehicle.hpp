@@ -67,7 +67,7 @@ class Px4Vehicle final : public VehicleSimulator {
   bool hears_offboard() const;
   bool may_arm() const;
   void on_setpoint(const void* message);
-  void on_heartbeat(bool velocity);
+  void on_heartbeat(bool position);
   void move();
   void send_odometry();
   void send_status();
@@ -86,8 +86,9 @@ class Px4Vehicle final : public VehicleSimulator {
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
   SimulatedBody body_;
-  Vec3<double> v_sp_{}, a_sp_{};  // in G
-  double r_sp_ = 0.0;
+  Vec3<double> p_sp_{}, v_sp_{}, a_sp_{};  // in G
+  double heading_sp_ = 0.0, r_sp_ = 0.0;
+  bool has_p_sp_ = false;  // p_sp_ and heading_sp_
   Faults& faults_;
   Px4VehicleDiagnostics aside_;
   std::unique_ptr<Ends> ends_;

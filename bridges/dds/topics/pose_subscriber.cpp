@@ -22,10 +22,6 @@ bool PoseSubscriber::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) no
   return stamp == RemoteClock::Stamp::good;
 }
 
-void PoseSubscriber::take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
-  if (is_of_numbers(local) && is_of_our_time(sampled, arrived)) put(local);
-}
-
 void PoseSubscriber::put(const Motion& local) noexcept {
   const SeenMotion seen = {in_G(origin_, local), clock_.on_ours()};
   motion_.put(seen);

@@ -46,12 +46,19 @@ class PoseSubscriber {
   // Receive thread only. Nothing is allocated.
   /// Accepts a motion in the local frame, stamped by the sender's clock. Motions that are not
   /// finite or have an implausible time are only counted.
-  void take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept;
+  void take(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
+    if (accepts(local, sampled, arrived)) put(local);
+  }
+  /// The two halves of take(), for a link that transforms a motion between them.
+  bool accepts(const Motion& local, Nanoseconds sampled, Nanoseconds arrived) noexcept {
+    return is_of_numbers(local) && is_of_our_time(sampled, arrived);
+  }
+  void put(const Motion& local) noexcept;
+  /// Time of the last accepted motion, by the local clock.
+  Nanoseconds stamp() const noexcept { return clock_.on_ours(); }
   /// Accepts a pose without velocity; the velocity is fitted to the recent poses.
   void take_pose(const Vec3<double>& p, const Quaternion& q, Nanoseconds sampled,
                  Nanoseconds arrived) noexcept;
-  /// Records the arrival of a message that is not accepted.
-  void note(Nanoseconds sampled, Nanoseconds arrived) noexcept { latency_.note(sampled, arrived); }
   /// Count poses in another frame, with an implausible time, or of a second writer.
   void take_other_frame() noexcept { ++other_frame_; }
   void take_other_time() noexcept { ++other_time_; }
@@ -94,8 +101,6 @@ class PoseSubscriber {
   // Each counts a motion that fails the check.
   bool is_of_numbers(const Motion& motion) noexcept;
   bool is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) noexcept;
-  /// Stores a motion that passed the checks.
-  void put(const Motion& local) noexcept;
 
   LinkOrigin origin_;
   Mailbox<SeenMotion> motion_;                     // filled by the receive thread
