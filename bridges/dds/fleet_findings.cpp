@@ -47,8 +47,8 @@ void examine_rate(const Scenario& scenario, const ArrivalFigures& f, FindingList
               : "");
 }
 
-void examine_clock(const ArrivalFigures& f, double drift, FindingList& to) {
-  const double behind = f.delay_least;
+/// @param behind  its clock behind ours [s]
+void examine_clock(double behind, double drift, FindingList& to) {
   if (std::abs(behind) > another_time)
     to.add(Aspect::clock, Light::red,
            "its stamps are {:.0f} s from our time: of its start, or of a simulation; set UXRCE_DDS_SYNCT = 1 "
@@ -202,7 +202,9 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
     const ArrivalFigures f = robots[i].end->subscriber().arrivals().figures(now, realtime_now() - now);
     if (f.count >= poses_needed) {
       examine_rate(scenario, f, list);
-      examine_clock(f, robots[i].end->subscriber().clock_drift(), list);
+      const PoseSubscriber& poses = robots[i].end->subscriber();
+      const double offset = 1e-9 * static_cast<double>(poses.clock_offset() + realtime_now() - now);
+      examine_clock(offset - robots[i].end->stamps_behind(), poses.clock_drift(), list);
       examine_latency(scenario, f, list);
     }
     SeenMotion seen;

@@ -87,7 +87,7 @@ TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
   for (int k = 0; k < 50; ++k) {
     status.write(offboard.data());
     const LinkOutput output = {.heartbeat = true, .setpoint = Setpoint::task};
-    end.send(output, {.v = {0.25, 0.75, 0.0}}, monotonic_now());
+    end.send(output, {.lead = {.v = {0.25, 0.75, 0.0}}}, monotonic_now());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   const std_srvs_srv_dds__Trigger_Request_ request{};

@@ -44,6 +44,8 @@ class LinkEnd {
   virtual PoseSubscriber& subscriber() noexcept = 0;
   /// Geodetic origin of its local frame, if the robot reports one.
   virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
+  /// How far its stamps are behind its clock, as it reports [s]; 0 if unknown. Examining thread.
+  virtual double stamps_behind() const noexcept { return 0.0; }
   /// Counts of received and rejected messages, as text.
   virtual std::string counts() const = 0;
   /// Delays from pose stamp to arrival, if the robot shares the local clock; null otherwise.

@@ -47,6 +47,12 @@ Px4Diagnostics::Px4Diagnostics(dds_entity_t participant, const Px4Link& link)
           flags.set[i] = read_at<bool>(m, flag_places_[i]);
         flags_.put(flags);
       }));
+  readers_.push_back(std::make_unique<RawReader>(
+      participant, px4_msgs_msg_dds__TimesyncStatus__desc, topic_of("TimesyncStatus", release_), of_sensors,
+      payload_size(px4_type("TimesyncStatus", release_)), Writers::all, [this](const void* m, const Arrival&) {
+        const auto& sync = *static_cast<const px4_msgs_msg_dds__TimesyncStatus_*>(m);
+        stamps_behind_.put(1e-6 * static_cast<double>(sync.estimated_offset - sync.observed_offset));
+      }));
   read_signs(participant);
   if (release_ >= px4_answers_formats_from) read_formats(participant);
 }
@@ -210,6 +216,12 @@ void Px4Diagnostics::examine(const Surroundings& around, const Px4Battery& batte
            "it receives no pilot's transmitter: no pilot can take over by a switch");
   else
     to.add(Aspect::pilot, Light::green, "it receives a pilot's transmitter");
+}
+
+double Px4Diagnostics::stamps_behind() const noexcept {
+  double behind = 0.0;
+  (void)stamps_behind_.look(behind);
+  return behind;
 }
 
 std::string Px4Diagnostics::failing(std::string_view needed) const {

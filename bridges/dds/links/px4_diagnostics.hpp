@@ -41,6 +41,9 @@ class Px4Diagnostics {
   /// Failsafe flags that are set, " (mag_invalid, ..)"; empty: none. Of those that are usual before
   /// a flight, only `needed`.
   std::string failing(std::string_view needed) const;
+  /// Error of its stamps by its own time sync: how far they are behind the agent's clock [s]; 0 if
+  /// unknown.
+  double stamps_behind() const noexcept;
 
  private:
   static constexpr std::size_t flags_most = 48;
@@ -87,6 +90,7 @@ class Px4Diagnostics {
 
   // Filled by the receive thread.
   Mailbox<Flags> flags_;
+  Mailbox<double> stamps_behind_;  // [s]
   std::array<Mailbox<Answer>, sent.size()> answers_;
   std::vector<std::unique_ptr<Sign>> signs_;
 

@@ -298,17 +298,16 @@ void Px4LinkEnd::command(Px4Command which, const std::array<float, 3>& params) n
   (void)ends_->command->write(c.data());
 }
 
-void Px4LinkEnd::follow(const TrajectoryPoint& to, px4_msgs_msg_dds__TrajectorySetpoint_& s) noexcept {
-  const double turn = std::atan2(to.d.y, to.d.x) - heading_angle(answered_at_);
-  const auto set = [&](float* place, const Vec3<double>& in_team, const Vec3<double>& from) {
-    const Vec3<double> ned = turned_over(from + in_local({{}, origin_.heading}, Motion{.p = in_team}).p);
-    place[0] = static_cast<float>(ned.x), place[1] = static_cast<float>(ned.y),
-    place[2] = static_cast<float>(ned.z);
+TrajectoryPoint Px4LinkEnd::in_own_frame(const TrajectoryPoint& to) const noexcept {
+  const auto way = [&](const Vec3<double>& in_team) {
+    return in_local({{}, origin_.heading}, Motion{.p = in_team}).p;
   };
-  set(s.position, to.p - answered_at_.p, answered_.p), set(s.velocity, to.v, {}),
-      set(s.acceleration, to.a, {});
-  s.yaw = static_cast<float>(turned_over_yaw(answered_.heading + turn));
-  s.yawspeed = static_cast<float>(-to.r);
+  const double heading = answered_.heading + std::atan2(to.d.y, to.d.x) - heading_angle(answered_at_);
+  return {.p = answered_.p + way(to.p - answered_at_.p),
+          .v = way(to.v),
+          .a = way(to.a),
+          .d = {std::cos(heading), std::sin(heading)},
+          .r = to.r};
 }
 
 void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
@@ -328,7 +327,15 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
     s.yaw = px4_nan;
     if (output.setpoint == Setpoint::task) {
       rises_ = false;
-      follow(c.lead, s);
+      const TrajectoryPoint to = in_own_frame(c.lead);
+      const auto set = [](float* place, const Vec3<double>& enu) {
+        const Vec3<double> ned = turned_over(enu);
+        place[0] = static_cast<float>(ned.x), place[1] = static_cast<float>(ned.y),
+        place[2] = static_cast<float>(ned.z);
+      };
+      set(s.position, to.p), set(s.velocity, to.v), set(s.acceleration, to.a);
+      s.yaw = static_cast<float>(turned_over_yaw(std::atan2(to.d.y, to.d.x)));
+      s.yawspeed = static_cast<float>(-to.r);
     } else if (output.setpoint == Setpoint::climb) {
       const double below = height_ - poses().newest().motion.p.z;
       s.velocity[2] = static_cast<float>(-std::clamp(rise_gain * below, 0.0, rise_most));

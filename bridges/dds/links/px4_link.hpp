@@ -50,6 +50,9 @@ class Px4LinkEnd final : public LinkEnd {
   void stop_examining() override { aside_.reset(); }
   std::string reply() override;
   std::string counts() const override;
+  double stamps_behind() const noexcept override {
+    return aside_ && from_.source == PoseSource::odometry ? aside_->stamps_behind() : 0.0;
+  }
   const DelayHistogram* arrivals() const noexcept override {
     return stamps_ == Stamps::of_this_machine ? &latency_ : nullptr;
   }
@@ -107,9 +110,9 @@ class Px4LinkEnd final : public LinkEnd {
   std::uint64_t stamp() const noexcept;
   bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
   std::string failing() const;
-  /// Sets a set-point to a point of the trajectory, in its own local frame. Its place is that of the
-  /// vehicle's own pose, and the way from the pose in G: whatever shift of frames is between them.
-  void follow(const TrajectoryPoint& to, px4_msgs_msg_dds__TrajectorySetpoint_& s) noexcept;
+  /// A point of the trajectory in the vehicle's own local frame, ENU. Its place is that of the
+  /// vehicle's own pose plus the way from the pose in G, whatever frames are between.
+  TrajectoryPoint in_own_frame(const TrajectoryPoint& to) const noexcept;
   void command(Px4Command which, const std::array<float, 3>& params) noexcept;
 
   Px4Link px4_;
