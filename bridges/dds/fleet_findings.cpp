@@ -54,6 +54,10 @@ void examine_clock(double behind, double drift, FindingList& to) {
            "its stamps are {:.0f} s from our time: of its start, or of a simulation; set UXRCE_DDS_SYNCT = 1 "
            "of PX4, use_sim_time = false of ROS",
            std::abs(behind));
+  else if (std::abs(drift) >= RemoteClock::drift_max)
+    to.add(Aspect::clock, Light::red,
+           "its clock and ours drift apart by {:g} ms a second or more, expected less",
+           1e3 * std::abs(drift));
   else if (behind < -clocks_apart)
     to.add(Aspect::clock, Light::red,
            "its clock is {:.3f} s ahead of ours, expected {} s at most: have one of chrony or PTP set both",
@@ -63,10 +67,6 @@ void examine_clock(double behind, double drift, FindingList& to) {
            "its clock is {:.3f} s behind ours, or no pose is faster on its way; expected {} s at most: have "
            "one of chrony or PTP set both",
            behind, clocks_apart);
-  else if (std::abs(drift) >= RemoteClock::drift_max)
-    to.add(Aspect::clock, Light::red,
-           "its clock and ours drift apart by {:g} ms a second or more, expected less",
-           1e3 * std::abs(drift));
   else
     to.add(Aspect::clock, Light::green, "within {:.1f} ms of ours, drifts by {:.2f} ms a second",
            1e3 * std::abs(behind), 1e3 * std::abs(drift));

@@ -190,6 +190,15 @@ TEST(DdsWorld, AVehicleThatWasLeftInOffboardFliesAgain) {
   EXPECT_TRUE(test::eventually([&] { return nav == 4 && passes; }));
 }
 
+// Its estimator has a pose by vision, and no satellites.
+TEST(DdsWorld, AVehicleWithoutAGlobalOriginReceivesOne) {
+  Rig rig(row_of({"1.14", "1.16"}, 1.0));
+  for (const std::size_t i : {0u, 1u}) rig.vehicle(i).aside().lose_origin(true);
+  EXPECT_TRUE(rig.take_off()) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  for (const std::size_t i : {0u, 1u}) EXPECT_TRUE(rig.vehicle(i).aside().has_origin()) << i;
+  EXPECT_THAT(rig.reported, Contains("uav1: the request to take an origin is accepted"));
+}
+
 // PX4 holds from half the altitude of its take-off on. The start is above that altitude, or the floor is.
 TEST(DdsWorld, TheTaskBeginsAtItsStartHeightAboveTheFloor) {
   for (const auto& [start, floor] : {std::pair(1.6, 0.2), std::pair(0.6, 1.2)}) {
@@ -277,7 +286,7 @@ TEST(DdsWorld, AnEstimatorThatJumpsDuringTheTakeOffLandsAll) {
   Rig rig(row_of({"1.16", "1.18"}, 1.0));
   std::thread later([&] {
     EXPECT_TRUE(test::eventually([&] { return rig.vehicle(0).armed(); }, std::chrono::seconds(20)));
-    rig.faults(0).begin(Kind::jump, 2.0);
+    rig.faults(0).begin(Kind::jump, 4.0);
   });
   EXPECT_FALSE(rig.take_off());
   later.join();

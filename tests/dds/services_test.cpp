@@ -121,7 +121,8 @@ TEST_F(CalledFlight, AnEmergencyStopsEachOnceAndNothingIsSentAfter) {
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_FALSE(outcome.finite);
-  EXPECT_EQ(rig.world->ended(), "uav0: its motors were stopped by the operator");
+  EXPECT_EQ(rig.world->ended(),
+            "uav0: its motors were stopped by the operator; uav1: its motors were stopped by the operator");
   EXPECT_EQ(rig.world->faults().size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(rig.told_of(i).kills, 1) << i;

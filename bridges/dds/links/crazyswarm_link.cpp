@@ -101,6 +101,7 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
   switch (request) {
     case Request::none:
     case Request::hold:
+    case Request::origin:
       break;
     case Request::arm: {
       speakers_ = status_reader_->writers_came();

@@ -242,7 +242,11 @@ LinkOutput LinkMachine::step(double t, const LinkFacts& facts, LinkOrder order) 
   const bool idle = !facts.armed && facts.landed;
   switch (state_) {
     case LinkState::waiting:
-      if (facts.there && idle && offboard && !facts.contested) request(Request::hold, t, facts, output);
+      if (!facts.there || !idle || facts.contested) break;
+      if (offboard)
+        request(Request::hold, t, facts, output);
+      else if (facts.unplaced)
+        request(Request::origin, t, facts, output);
       break;
     case LinkState::arming:
       request(Request::arm, t, facts, output);

@@ -60,8 +60,9 @@ enum class AutopilotMode : std::uint8_t {
 
 /// State of a robot at one time, as reported and measured.
 struct LinkFacts {
-  bool there = false;    ///< its messages are recent
-  bool checked = false;  ///< its messages allow arming
+  bool there = false;     ///< its messages are recent
+  bool checked = false;   ///< its messages allow arming
+  bool unplaced = false;  ///< its checks fail for want of a global origin, which it takes on request
   bool armed = false;
   bool airborne = false;  ///< at the height where its take-off ends
   bool risen = true;      ///< at the height where its task begins
@@ -88,7 +89,7 @@ enum class LinkOrder : std::uint8_t {
 
 /// climb: zero velocity, and upwards as far as the height where the task begins.
 enum class Setpoint : std::uint8_t { none, zero, climb, task };
-enum class Request : std::uint8_t { none, arm, take_off, offboard, hold, land, emergency };
+enum class Request : std::uint8_t { none, arm, take_off, offboard, hold, origin, land, emergency };
 
 /// Output of one period.
 struct LinkOutput {

@@ -12,6 +12,11 @@
 namespace sightline::dds {
 namespace {
 
+double heading_angle(const Motion& motion) noexcept {
+  const Vec2<double> d = heading(rotation(motion.q));
+  return std::atan2(d.y, d.x);
+}
+
 Vec2<double> turned_by(double angle, const Vec2<double>& d) noexcept {
   return rotate<double>({std::cos(angle), std::sin(angle)}, d);
 }

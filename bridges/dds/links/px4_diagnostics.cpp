@@ -36,6 +36,7 @@ Px4Diagnostics::Px4Diagnostics(dds_entity_t participant, const Px4Link& link)
   for (const Field& field : flags_layout_.type().fields) {
     if (field.type != "boolean" || flag_names_.size() == flags_most) continue;
     if (field.name == transmitter_flag) transmitter_ = flag_names_.size();
+    if (field.name == px4_global_flag) global_ = flag_names_.size();
     flag_names_.push_back(field.name);
     flag_places_.push_back(flags_layout_.place(field.name));
   }
@@ -49,7 +50,8 @@ Px4Diagnostics::Px4Diagnostics(dds_entity_t participant, const Px4Link& link)
       }));
   readers_.push_back(std::make_unique<RawReader>(
       participant, px4_msgs_msg_dds__TimesyncStatus__desc, topic_of("TimesyncStatus", release_), of_sensors,
-      payload_size(px4_type("TimesyncStatus", release_)), Writers::all, [this](const void* m, const Arrival&) {
+      payload_size(px4_type("TimesyncStatus", release_)), Writers::all,
+      [this](const void* m, const Arrival&) {
         const auto& sync = *static_cast<const px4_msgs_msg_dds__TimesyncStatus_*>(m);
         stamps_behind_.put(1e-6 * static_cast<double>(sync.estimated_offset - sync.observed_offset));
       }));
@@ -216,6 +218,11 @@ void Px4Diagnostics::examine(const Surroundings& around, const Px4Battery& batte
            "it receives no pilot's transmitter: no pilot can take over by a switch");
   else
     to.add(Aspect::pilot, Light::green, "it receives a pilot's transmitter");
+}
+
+bool Px4Diagnostics::lacks_origin() const noexcept {
+  Flags flags;
+  return flags_.look(flags) && flags.set[global_];
 }
 
 double Px4Diagnostics::stamps_behind() const noexcept {

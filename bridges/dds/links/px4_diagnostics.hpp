@@ -18,6 +18,8 @@
 
 namespace sightline::dds {
 
+/// Failsafe flag of a vehicle without a global origin.
+inline constexpr std::string_view px4_global_flag = "global_position_invalid";
 /// Failsafe flag without heartbeats of a flyer.
 inline constexpr std::string_view px4_offboard_flag = "offboard_control_signal_lost";
 
@@ -41,6 +43,8 @@ class Px4Diagnostics {
   /// Failsafe flags that are set, " (mag_invalid, ..)"; empty: none. Of those that are usual before
   /// a flight, only `needed`.
   std::string failing(std::string_view needed) const;
+  /// Whether its checks fail for want of a global position, as without satellites. Allocates nothing.
+  bool lacks_origin() const noexcept;
   /// Error of its stamps by its own time sync: how far they are behind the agent's clock [s]; 0 if
   /// unknown.
   double stamps_behind() const noexcept;
@@ -85,7 +89,7 @@ class Px4Diagnostics {
   Px4Layout flags_layout_;
   std::vector<std::string> flag_names_;
   std::vector<std::size_t> flag_places_;
-  std::size_t transmitter_ = 0;  // index of the transmitter flag
+  std::size_t transmitter_ = 0, global_ = 0;  // indices of the flags of transmitter and global position
   int requested_ = 0;
 
   // Filled by the receive thread.

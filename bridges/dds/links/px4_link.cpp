@@ -25,14 +25,14 @@ constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
 constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
 constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
 constexpr double near_height = 0.1;             // below height_, where the climb is over [m]
-constexpr double stray_most = 1.0;  // from its take-off, sideways or downwards, before the task [m]
+constexpr double stray_most = 3.0;  // from its take-off, sideways or downwards, before the task [m]
 constexpr double rise_gain = 1.5, rise_most = 1.0;  // [1/s], [m/s]
 constexpr std::uint8_t ack_accepted = 0, ack_in_progress = 5;
 // In the order of the result of an acknowledgement, and of Request.
 constexpr std::array<std::string_view, 7> ack_results = {
     "accepted", "temporarily rejected", "denied", "unsupported", "failed", "in progress", "cancelled"};
-constexpr std::array<std::string_view, 7> request_names = {"nothing", "arm",  "take off",       "offboard",
-                                                           "hold",    "land", "stop its motors"};
+constexpr std::array<std::string_view, 8> request_names = {
+    "nothing", "arm", "take off", "offboard", "hold", "take an origin", "land", "stop its motors"};
 constexpr std::uint8_t our_system = 200, our_component = 191;  // component ID of a companion computer
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 // The current position, and the configured altitude.
@@ -184,7 +184,7 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
   latency_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
   if (!odometry_.accepts(local, sampled, arrival.monotonic)) return;
-  own_.put({local.p, heading_angle(local), m.timestamp_sample});
+  own_.put({local.p, m.timestamp_sample});
   anchor_.follow(local, m.reset_counter, odometry_.stamp());
   odometry_.put(local);
 }
@@ -192,7 +192,7 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
 bool Px4LinkEnd::look(SeenMotion& seen) noexcept {
   (void)own_.look(answered_);
   const bool there = poses().look(seen);
-  answered_at_ = seen.motion;
+  answered_at_ = seen.motion.p;
   return there;
 }
 
@@ -233,6 +233,7 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                   last_battery_.warning < px4_battery_critical && facts.landed && received_ &&
                   !odometry_.of_second_writer() && is_seen_well() &&
                   (px4_.target_system == 0 || px4_.target_system == s.system);
+  facts.unplaced = !s.preflight && has_valid_estimate() && aside_ && aside_->lacks_origin();
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && ends_->status->writers_came() > speakers_;
   facts.failsafe = s.failsafe;
@@ -302,12 +303,7 @@ TrajectoryPoint Px4LinkEnd::in_own_frame(const TrajectoryPoint& to) const noexce
   const auto way = [&](const Vec3<double>& in_team) {
     return in_local({{}, origin_.heading}, Motion{.p = in_team}).p;
   };
-  const double heading = answered_.heading + std::atan2(to.d.y, to.d.x) - heading_angle(answered_at_);
-  return {.p = answered_.p + way(to.p - answered_at_.p),
-          .v = way(to.v),
-          .a = way(to.a),
-          .d = {std::cos(heading), std::sin(heading)},
-          .r = to.r};
+  return {.p = answered_.p + way(to.p - answered_at_), .v = way(to.v), .a = way(to.a)};
 }
 
 void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
@@ -334,8 +330,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
         place[2] = static_cast<float>(ned.z);
       };
       set(s.position, to.p), set(s.velocity, to.v), set(s.acceleration, to.a);
-      s.yaw = static_cast<float>(turned_over_yaw(std::atan2(to.d.y, to.d.x)));
-      s.yawspeed = static_cast<float>(-to.r);
+      s.yawspeed = static_cast<float>(-c.r);
     } else if (output.setpoint == Setpoint::climb) {
       const double below = height_ - poses().newest().motion.p.z;
       s.velocity[2] = static_cast<float>(-std::clamp(rise_gain * below, 0.0, rise_most));
@@ -369,6 +364,9 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       break;
     case Request::hold:
       command(Px4Command::set_mode, {px4_custom_mode, px4_mode_auto, px4_auto_loiter});
+      break;
+    case Request::origin:
+      command(Px4Command::set_origin, {});  // 0 N, 0 E: its local frame alone is used
       break;
     case Request::land:
       command(Px4Command::land, px4_unset);

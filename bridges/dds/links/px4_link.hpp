@@ -21,7 +21,13 @@ namespace sightline::dds {
 // PX4's values of states and commands.
 enum class NavState : std::uint8_t { position = 2, hold = 4, takeoff = 17, land = 18, offboard = 14 };
 inline constexpr std::uint8_t px4_disarmed = 1, px4_armed = 2;
-enum class Px4Command : std::uint32_t { land = 21, takeoff = 22, set_mode = 176, arm_disarm = 400 };
+enum class Px4Command : std::uint32_t {
+  land = 21,
+  takeoff = 22,
+  set_mode = 176,
+  arm_disarm = 400,
+  set_origin = 100000
+};
 inline constexpr float px4_custom_mode = 1.0F, px4_mode_offboard = 6.0F, px4_mode_auto = 4.0F,
                        px4_auto_loiter = 3.0F;
 inline constexpr float px4_force = 21196.0F;  // param2 of arm_disarm: also in the air
@@ -89,7 +95,6 @@ class Px4LinkEnd final : public LinkEnd {
   /// Newest pose in its own local frame, ENU.
   struct OwnPose {
     Vec3<double> p{};           // [m]
-    double heading = 0.0;       // [rad]
     std::uint64_t sampled = 0;  // by the vehicle's clock [us]
   };
   struct Ends;
@@ -110,7 +115,7 @@ class Px4LinkEnd final : public LinkEnd {
   std::uint64_t stamp() const noexcept;
   bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
   std::string failing() const;
-  /// A point of the trajectory in the vehicle's own local frame, ENU. Its place is that of the
+  /// Position, velocity and acceleration in the vehicle's own local frame, ENU. The place is that of the
   /// vehicle's own pose plus the way from the pose in G, whatever frames are between.
   TrajectoryPoint in_own_frame(const TrajectoryPoint& to) const noexcept;
   void command(Px4Command which, const std::array<float, 3>& params) noexcept;
@@ -151,7 +156,7 @@ class Px4LinkEnd final : public LinkEnd {
   Px4Command requested_by_{};
   Nanoseconds requested_at_ = 0, replied_at_ = 0, beat_at_ = 0;
   OwnPose answered_{};                                // own_ at the pose that the next command answers
-  Motion answered_at_{};                              // that pose, in G
+  Vec3<double> answered_at_{};                        // position of that pose, in G [m]
   std::atomic<std::int64_t> sent_{0}, held_back_{0};  // set-points
   Vec3<double> left_{};                               // position at the arm request
   bool rises_ = false;                                // from the arm request until the task

@@ -110,6 +110,7 @@ void Ros2FlyerLinkEnd::send(const LinkOutput& output, const Command& command, Na
   switch (output.request) {
     case Request::none:
     case Request::hold:
+    case Request::origin:
       break;
     case Request::arm:
       phase_ = Phase::ours;

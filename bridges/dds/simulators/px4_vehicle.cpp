@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "sightline/base/now.hpp"
 
@@ -94,7 +93,7 @@ void Px4Vehicle::set_nav(NavState nav) {
 bool Px4Vehicle::hears_offboard() const { return monotonic_now() - heartbeat_at_ < offboard_loss; }
 
 bool Px4Vehicle::may_arm() const {
-  return checks_ && monotonic_now() - booted_ > checks_take &&
+  return checks_ && aside_.has_origin() && monotonic_now() - booted_ > checks_take &&
          (nav_ != NavState::offboard || hears_offboard());
 }
 
@@ -133,6 +132,10 @@ void Px4Vehicle::on_command(std::uint32_t command, const std::array<float, 3>& p
         set_nav(NavState::hold);
       }
       break;
+    case Px4Command::set_origin:
+      result = accepted;
+      aside_.lose_origin(false);
+      break;
     case Px4Command::land:
       result = accepted;
       nav_ = NavState::land;
@@ -165,11 +168,8 @@ void Px4Vehicle::on_setpoint(const void* message) {
   v_sp_ = in_G(turned, Motion{.p = given(s.velocity)}).p;
   a_sp_ = in_G(turned, Motion{.p = given(s.acceleration)}).p;
   r_sp_ = std::isfinite(s.yawspeed) ? -double{s.yawspeed} : 0.0;
-  has_p_sp_ = std::isfinite(s.position[0] + s.position[1] + s.position[2] + s.yaw);
-  if (has_p_sp_) {
-    p_sp_ = in_G(setup_.origin, Motion{.p = given(s.position)}).p;
-    heading_sp_ = turned_over_yaw(double{s.yaw}) + setup_.origin.heading;
-  }
+  has_p_sp_ = std::isfinite(s.position[0] + s.position[1] + s.position[2]);
+  if (has_p_sp_) p_sp_ = in_G(setup_.origin, Motion{.p = given(s.position)}).p;
 }
 
 void Px4Vehicle::on_heartbeat(bool position) {
@@ -184,11 +184,7 @@ void Px4Vehicle::move() {
   const double height = body_.motion().p.z;
   if (nav_ == NavState::offboard) {
     v = v_sp_, a = a_sp_, r = r_sp_;
-    if (has_p_sp_) {
-      const Motion& now = body_.motion();
-      v = v + mpc_xy_p * (p_sp_ - now.p - faults_.shift());
-      r += mc_yaw_p * std::remainder(heading_sp_ - heading_angle(now), 2 * std::numbers::pi);
-    }
+    if (has_p_sp_) v = v + mpc_xy_p * (p_sp_ - body_.motion().p - faults_.shift());
   }
   if (nav_ == NavState::takeoff || (nav_ == NavState::hold && !landed_))
     v.z = takeoff_speed(height, setup_.altitude);

@@ -87,8 +87,8 @@ class Px4Vehicle final : public VehicleSimulator {
   std::int64_t booted_, heartbeat_at_ = 0;
   SimulatedBody body_;
   Vec3<double> p_sp_{}, v_sp_{}, a_sp_{};  // in G
-  double heading_sp_ = 0.0, r_sp_ = 0.0;
-  bool has_p_sp_ = false;  // p_sp_ and heading_sp_
+  double r_sp_ = 0.0;
+  bool has_p_sp_ = false;
   Faults& faults_;
   Px4VehicleDiagnostics aside_;
   std::unique_ptr<Ends> ends_;

@@ -64,6 +64,7 @@ void Px4VehicleDiagnostics::send() {
   battery_writer_->write(battery.data());
   flags.set("timestamp", real_microseconds());
   flags.set("manual_control_signal_lost", transmitter_lost_.load());
+  flags.set(px4_global_flag, origin_lost_.load());
   flags.set("local_position_invalid", faults_.on(LinkFaultKind::estimator_invalid));
   flags.set("battery_warning", warning);
   flags.set(px4_offboard_flag, offboard_lost_.load());

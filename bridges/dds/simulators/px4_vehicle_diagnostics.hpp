@@ -27,6 +27,8 @@ class Px4VehicleDiagnostics {
   void set_battery(float remaining) { remaining_ = remaining; }   ///< 0 to 1
   void lose_transmitter(bool lost) { transmitter_lost_ = lost; }  ///< the pilot's transmitter
   void lose_offboard(bool lost) { offboard_lost_ = lost; }        ///< the heartbeats of a flyer
+  void lose_origin(bool lost) { origin_lost_ = lost; }            ///< of its estimator, without satellites
+  bool has_origin() const { return !origin_lost_; }
   /// Alignment of its estimator in tilt and heading.
   void set_alignment(bool tilt, bool heading) { tilt_ = tilt, heading_ = heading; }
   /// Responds with the layouts of that release.
@@ -39,7 +41,8 @@ class Px4VehicleDiagnostics {
   Faults& faults_;
   std::atomic<int> takes_;
   std::atomic<float> remaining_{0.8F};
-  std::atomic<bool> transmitter_lost_{false}, offboard_lost_{true}, tilt_{true}, heading_{true};
+  std::atomic<bool> transmitter_lost_{false}, origin_lost_{false}, offboard_lost_{true}, tilt_{true},
+      heading_{true};
   Px4Layout battery_, flags_, estimator_;
   std::unique_ptr<FaultyWriter> battery_writer_, flags_writer_, estimator_writer_, response_;
   std::unique_ptr<RawReader> request_;  // last member: destroyed before the writer it responds with

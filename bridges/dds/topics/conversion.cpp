@@ -68,9 +68,4 @@ Vec3<double> east_north_up(const GeoPoint& point, const GeoPoint& reference) {
       earth_radius * (point.latitude - reference.latitude) * degree, point.altitude - reference.altitude};
 }
 
-double heading_angle(const Motion& motion) noexcept {
-  const Vec2<double> d = heading(rotation(motion.q));
-  return std::atan2(d.y, d.x);
-}
-
 }  // namespace sightline::dds

@@ -34,8 +34,6 @@ Quaternion turned_over(const Quaternion& q);
 /// ENU heading of a NED yaw (clockwise from north): pi/2 - yaw, in (-pi, pi]; the inverse is the
 /// same function.
 double turned_over_yaw(double yaw);
-/// Heading of a motion, anticlockwise from x [rad]; 0 without an attitude.
-double heading_angle(const Motion& motion) noexcept;
 
 /// Product of two rotations: b first, then a.
 Quaternion operator*(const Quaternion& a, const Quaternion& b);
