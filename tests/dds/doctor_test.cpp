@@ -277,7 +277,7 @@ TEST(Doctor, ClocksThatDifferOrDriftAndMessagesThatAreLateAreFound) {
   fleet.all[0]->ahead = 0.05;
   fleet.all[1]->ahead = -0.05;
   fleet.all[2]->ahead = -1e-9 * static_cast<double>(realtime_now()) + 20.0;  // since its start
-  fleet.all[3]->drift = -0.08;  // its clock is slower
+  fleet.all[3]->drift = -0.08;                                               // its clock is slower
   fleet.all[4]->late = 0.08;
   fleet.speak(4.5);
   EXPECT_TRUE(fleet.finds(0, Aspect::clock, Light::red, "s ahead of ours, expected 0.03 s at most"));
