@@ -449,7 +449,7 @@ P read_part(const ParameterSource& from, std::span<const std::string_view> besid
 // depends on that machine, so the name of Lane contains both. The linker therefore never replaces
 // a function over lanes of one file by that of another.
 
-#if defined(__AVX512F__) || defined(__AVX__) || defined(__FMA__)
+#if defined(__SSE2__)
 #include <immintrin.h>
 #elif defined(__aarch64__)
 #include <arm_neon.h>
@@ -1062,12 +1062,6 @@ L norm(L x, L y) {
 }  // namespace sightline
 
 // Subnormal numbers as zero within a scope: each costs a hundred cycles and has no meaning here.
-
-#if defined(__SSE2__)
-#include <immintrin.h>
-#elif defined(__aarch64__)
-#include <cstdint>
-#endif
 
 namespace sightline {
 

@@ -330,6 +330,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
         place[2] = static_cast<float>(ned.z);
       };
       set(s.position, to.p), set(s.velocity, to.v), set(s.acceleration, to.a);
+      s.position[2] = px4_nan;  // the models climb at once, and a vehicle would make up for its lag
       s.yawspeed = static_cast<float>(-c.r);
     } else if (output.setpoint == Setpoint::climb) {
       const double below = height_ - poses().newest().motion.p.z;

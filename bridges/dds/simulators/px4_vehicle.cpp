@@ -168,7 +168,7 @@ void Px4Vehicle::on_setpoint(const void* message) {
   v_sp_ = in_G(turned, Motion{.p = given(s.velocity)}).p;
   a_sp_ = in_G(turned, Motion{.p = given(s.acceleration)}).p;
   r_sp_ = std::isfinite(s.yawspeed) ? -double{s.yawspeed} : 0.0;
-  has_p_sp_ = std::isfinite(s.position[0] + s.position[1] + s.position[2]);
+  has_p_sp_ = std::isfinite(s.position[0] + s.position[1]);
   if (has_p_sp_) p_sp_ = in_G(setup_.origin, Motion{.p = given(s.position)}).p;
 }
 
@@ -184,7 +184,10 @@ void Px4Vehicle::move() {
   const double height = body_.motion().p.z;
   if (nav_ == NavState::offboard) {
     v = v_sp_, a = a_sp_, r = r_sp_;
-    if (has_p_sp_) v = v + mpc_xy_p * (p_sp_ - body_.motion().p - faults_.shift());
+    if (has_p_sp_) {
+      const Vec3<double> way = p_sp_ - body_.motion().p - faults_.shift();
+      v = v + mpc_xy_p * Vec3<double>{way.x, way.y, 0.0};
+    }
   }
   if (nav_ == NavState::takeoff || (nav_ == NavState::hold && !landed_))
     v.z = takeoff_speed(height, setup_.altitude);

@@ -86,7 +86,7 @@ class Px4Vehicle final : public VehicleSimulator {
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
   SimulatedBody body_;
-  Vec3<double> p_sp_{}, v_sp_{}, a_sp_{};  // in G
+  Vec3<double> p_sp_{}, v_sp_{}, a_sp_{};  // in G; the height of p_sp_ is unused
   double r_sp_ = 0.0;
   bool has_p_sp_ = false;
   Faults& faults_;
