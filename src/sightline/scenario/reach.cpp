@@ -14,8 +14,8 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, sight_size> parts = {"p_x", "p_y", "p_z", "d_x",    "d_y",
-                                                            "v_x", "v_y", "v_z", "lean_f", "lean_s"};
+constexpr std::array<std::string_view, sight_size> sight_names = {"p_x", "p_y", "p_z", "d_x",    "d_y",
+                                                                  "v_x", "v_y", "v_z", "lean_f", "lean_s"};
 
 /// Which of the first `n` inputs of a graph a formula depends on.
 std::vector<bool> inputs_of(Graph& graph, const Symbol& formula, int n) {
@@ -51,7 +51,7 @@ class Reach {
 std::string what_it_sees(const bool* seen, std::string_view name) {
   std::vector<std::string_view> list;
   for (std::size_t i = 0; i < sight_size; ++i) {
-    if (seen[i]) list.push_back(parts[i]);
+    if (seen[i]) list.push_back(sight_names[i]);
   }
   return list.empty() ? "" : fmt::format("{} of {}", fmt::join(list, ", "), name);
 }
