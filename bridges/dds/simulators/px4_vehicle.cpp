@@ -19,7 +19,7 @@ constexpr std::int64_t vehicle_second = 1'000'000'000;
 constexpr std::int64_t checks_take = vehicle_second;    // after its start
 constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
 constexpr double fastest = 10.0;                        // limit of a set-point [m/s]
-constexpr double mpc_xy_p = 0.95, mc_yaw_p = 2.8;       // MPC_XY_P, MC_YAW_P of PX4 [1/s]
+constexpr double mpc_xy_p = 0.95;                       // MPC_XY_P of PX4 [1/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
 
 std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
