@@ -129,7 +129,7 @@ class LinkMachine {
   LinkState state() const noexcept { return state_; }
   /// The first reason other than as_requested; as_requested: no such transition.
   LinkReason reason() const noexcept { return reason_; }
-  double since() const noexcept { return since_; }  ///< time in this state [s]
+  double since() const noexcept { return since_; }  ///< time at which this state began [s]
   /// Whether the robot may be in flight under our control.
   bool in_our_hands() const noexcept { return state_ >= LinkState::arming && state_ <= LinkState::landing; }
   /// Maximum time in a state [s]. The states done and pilot are final and not limited.
