@@ -13,6 +13,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/scenario/starts.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -112,8 +113,7 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
     const std::string name(team_.name(link.robot));
     const Model& model = team_.model(link.robot);
     const GoalSpace space = goal_space(scenario_, model);
-    const std::vector<double> rest(size(model.nu()));
-    const double height = model.sight(&start_[size(team_.state_offset(link.robot))], rest.data()).p.z;
+    const double height = sight_at_start(scenario_, link.robot).p.z;
     std::unique_ptr<LinkEnd> end = made_end({{domain_->participant(), publish},
                                              link,
                                              name,

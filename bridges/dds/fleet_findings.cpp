@@ -10,6 +10,7 @@
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/scenario/starts.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -146,10 +147,7 @@ void examine_distances(const Scenario& scenario, std::span<const ExaminedRobot> 
         shared.push_back(fmt::format("{} and {}", robots[i].name, robots[j].name));
     }
     for (const UncooperativeBody& other : scenario.uncooperative) {
-      const std::vector<double> rest(size(scenario.team.model(other.body).nu()));
-      const std::size_t x = size(scenario.team.state_offset(other.body));
-      nearest.look(robots[i].link->robot, placed[i].p, other.body,
-                   scenario.team.model(other.body).sight(&scenario.x0[x], rest.data()).p);
+      nearest.look(robots[i].link->robot, placed[i].p, other.body, sight_at_start(scenario, other.body).p);
     }
   }
   if (!nearest.said().empty())
@@ -212,11 +210,7 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
       robots[i].tags->examine(robots[i].link->robot, around, list);
     } else if (robots[i].end->look(seen)) {
       placed[i] = {true, seen.motion.p};
-      const Team& team = scenario.team;
-      const BodyId robot = robots[i].link->robot;
-      const std::vector<double> rest(size(team.model(robot).nu()));
-      examine_place(scenario, seen.motion.p,
-                    team.model(robot).sight(&scenario.x0[size(team.state_offset(robot))], rest.data()).p,
+      examine_place(scenario, seen.motion.p, sight_at_start(scenario, robots[i].link->robot).p,
                     robots[i].link->origin.p.z, list);
     }
     std::vector<Finding> findings = list.take();

@@ -5,6 +5,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/scenario/starts.hpp"
 
 extern "C" {
 #include "ros.h"
@@ -66,8 +67,7 @@ SimulatedPoses::SimulatedPoses(dds_entity_t participant, const Scenario& scenari
     if (!from.by_others()) return;
     const std::size_t x = size(team.state_offset(body));
     seen_.push_back({std::string(team.name(body)), robot, x, from, {}});
-    const std::vector<double> rest(size(team.model(body).nu()));
-    const Sight<double> start = team.model(body).sight(&x_[x], rest.data());
+    const Sight<double> start = sight_at_start(scenario, body);
     seen_.back().start = {start.p, upright(robot < 0 ? Vec2<double>{1, 0} : start.d), {}, 0.0};
     if (from.source == PoseSource::tf) {
       if (ends_->tf) return;

@@ -9,6 +9,7 @@
 #include "bridges/dds/links/px4_release.hpp"
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/scenario/starts.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -21,8 +22,7 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
                                                  const Link& link, Faults& faults) {
   const Team& team = scenario.team;
   const Model& model = team.model(link.robot);
-  const std::vector<double> rest(size(model.nu()));
-  const Sight<double> start = model.sight(&scenario.x0[size(team.state_offset(link.robot))], rest.data());
+  const Sight<double> start = sight_at_start(scenario, link.robot);
   const Vec3<double> below = {start.p.x, start.p.y, 0.0};
   SimulatorSetup setup = {.participant = participant,
                           .robot = link.robot,

@@ -30,7 +30,6 @@ std::vector<Start> starts_of(const Scenario& scenario) {
     }
   }
   const Team& team = scenario.team;
-  const std::vector<double> u(static_cast<std::size_t>(team.nu()) + 1, 0.0);
   std::vector<Start> starts;
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
@@ -38,8 +37,7 @@ std::vector<Start> starts_of(const Scenario& scenario) {
     const bool absent = place < scenario.presence.size() && scenario.presence[place] == Presence::absent;
     const auto event = adding.find(i);
     if (absent && event == adding.end()) continue;
-    const double* x = scenario.x0.data() + team.state_offset(body);
-    starts.push_back({body, team.model(body).sight(x, u.data()).p, absent ? event->second : nullptr});
+    starts.push_back({body, sight_at_start(scenario, body).p, absent ? event->second : nullptr});
   }
   return starts;
 }
@@ -77,6 +75,12 @@ void add_walls(const Scenario& scenario, const Start& start, std::vector<std::st
 }
 
 }  // namespace
+
+Sight<double> sight_at_start(const Scenario& scenario, BodyId body) {
+  const Model& model = scenario.team.model(body);
+  const std::vector<double> rest(size(model.nu()));
+  return model.sight(scenario.x0.data() + scenario.team.state_offset(body), rest.data());
+}
 
 std::vector<std::string> warnings_of_starts(const Scenario& scenario) {
   const Team& team = scenario.team;

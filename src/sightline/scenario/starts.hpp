@@ -1,4 +1,5 @@
-/// Checks the bodies' starts against the floor, ceiling, world and hard distances of a scenario.
+/// Starts of the bodies, and their checks against the floor, ceiling, world and hard distances of a
+/// scenario.
 #pragma once
 
 #include <string>
@@ -7,6 +8,9 @@
 #include "sightline/scenario.hpp"
 
 namespace sightline {
+
+/// Sight of a body at its start, without inputs. Set-up: allocates.
+Sight<double> sight_at_start(const Scenario& scenario, BodyId body);
 
 /// A sentence for each start that violates [safety], and for each body that joins by an event at
 /// the start of another. Bodies that are absent at first count from their event on.

@@ -7,6 +7,7 @@
 #include "sightline/base.hpp"
 #include "sightline/model/state_roles.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/starts.hpp"
 
 namespace sightline {
 namespace {
@@ -142,9 +143,7 @@ ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, Ag
         p.x, p.y, p.z, beyond * least_radius, beyond * least_climb);
   const Team& team = scenario.team;
   for (const UncooperativeBody& other : scenario.uncooperative) {
-    const auto x = size(team.state_offset(other.body));
-    const std::vector<double> rest(size(team.model(other.body).nu()));
-    const Vec3<double> r = team.model(other.body).sight(&scenario.x0[x], rest.data()).p - p;
+    const Vec3<double> r = sight_at_start(scenario, other.body).p - p;
     const double kept = other.d_hard.value_or(scenario.safety ? scenario.safety->d_hard : 0.0);
     if (norm(r.x, r.y) < beyond * options.radius + kept)
       throw_invalid("{} is {:.2f} m from {}, expected more than {:.2f} m: less radius, or another place",
