@@ -120,8 +120,14 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
                                              model,
                                              fleet_of(scenario_).network,
                                              std::max(height, space.floor)});
-    robots.push_back({name, std::move(end), RobotState(model), LinkMachine(times_), size(link.robot.index),
-                      size(team_.state_offset(link.robot)), size(team_.input_offset(link.robot))});
+    robots.push_back({name,
+                      std::move(end),
+                      RobotState(model),
+                      LinkMachine(times_),
+                      {},
+                      size(link.robot.index),
+                      size(team_.state_offset(link.robot)),
+                      size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
     const auto goals = std::find_if(scenario_.goals.begin(), scenario_.goals.end(),
                                     [&](const RobotGoals& of) { return of.robot == link.robot; });
@@ -197,11 +203,12 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
   const bool seen = order == LinkOrder::task || bodies_.are_seen(now);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
-    LinkFacts facts = robot.end->facts(now);
-    facts.checked = facts.checked && preflight_.is_clear(i) && seen;
-    const LinkOutput output = robot.machine.step(t, facts, order);
+    robot.facts = robot.end->facts(now);
+    robot.facts.checked = robot.facts.checked && preflight_.is_clear(i) && seen;
+    const LinkOutput output = robot.machine.step(t, robot.facts, order);
     Command command;
-    RobotShown shown = {.state = robot.machine.state(), .reason = robot.machine.reason(), .facts = facts};
+    RobotShown shown = {
+        .state = robot.machine.state(), .reason = robot.machine.reason(), .facts = robot.facts};
     shown.seen = robot.end->look(shown.last);
     if (output.setpoint == Setpoint::task)
       command = robot.model.command(&estimated[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
@@ -366,14 +373,13 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
     calls_.is_at(FlightPhase::taking_off);
     steps_until(LinkOrder::take_off, interrupts, print, [&] {
       return out() || std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
-               return r.machine.state() == S::taking_off && r.end->facts(monotonic_now()).airborne;
+               return r.machine.state() == S::taking_off && r.facts.airborne;
              });
     });
     if (!out())
       steps_until(LinkOrder::hold, interrupts, print, [&] {
-        return out() || (each_is({S::holding}) && std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
-                           return r.end->facts(monotonic_now()).risen;
-                         }));
+        return out() || (each_is({S::holding}) &&
+                         std::all_of(robots_.begin(), robots_.end(), [](Robot& r) { return r.facts.risen; }));
       });
     for (Robot& robot : robots_) robot.end->stop_examining();
     const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);

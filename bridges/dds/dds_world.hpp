@@ -65,6 +65,7 @@ class DdsWorld final : public LinkedWorld {
     std::unique_ptr<LinkEnd> end;
     RobotState model;
     LinkMachine machine;
+    LinkFacts facts{};                   // of the last step
     std::size_t body, x, u;              // index in the team; offsets of state and input
     std::shared_ptr<GoalTrack> track{};  // null: accepts no goals
     std::unique_ptr<GoalSubscriber> goals{};

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 using IdentifyOverLink = FlyTest;
 
-// The stand-in follows climbs with a lag of 0.3 s and yaw rates with one of 0.1 s, as they are asked for. Forward and sideways it
+// The stand-in follows climbs with a lag of 0.3 s and yaw rates with one of 0.1 s, as commanded. Forward and sideways it
 // holds the trajectory of the model that is flown, which is found again. How its periods lie between ours is the delay that is found.
 TEST_F(IdentifyOverLink, FindsTheNumbersOfTheStandIn) {
   const fs::path fleet = desk("10.0");
