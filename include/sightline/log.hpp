@@ -487,6 +487,9 @@ struct RecordedPeriod {
 /// periods; missed periods are missed again. Commands have no effect; a sink compares them.
 class RecordedFlight final : public World, public Clock {
  public:
+  /// Word in the metadata of a log: absent robots stayed in the world of the flight.
+  static constexpr const char* absent_stay = "absent_robots_stay";
+
   /// @param team    of the scenario that was flown
   /// @param goals   of the team that received goals: their tracks are cleared and receive the
   ///   recorded goals
@@ -508,6 +511,8 @@ class RecordedFlight final : public World, public Clock {
   std::span<const double> start() const noexcept override { return start_; }
   MeasuredMost measured_max() const noexcept override { return most_; }
   void set_presence(std::span<const Presence>) noexcept override {}
+  bool absent_robots_stay() const noexcept override { return absent_robots_stay_; }
+  Joining prepare(BodyId robot) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> estimated, const Command& u, double period,
              std::int64_t periods) noexcept override;
@@ -531,6 +536,13 @@ class RecordedFlight final : public World, public Clock {
   };
   std::vector<RobotGoals> goals_;
   std::vector<RecordedGoal> sent_;
+  struct RecordedJoining {
+    std::int64_t number;  // of the period
+    BodyId robot;
+    Joining answer;
+  };
+  bool absent_robots_stay_ = false;
+  std::vector<RecordedJoining> joinings_;
   std::size_t next_goal_ = 0;
   std::size_t next_ = 0;  // next period to be measured
   bool measured_ = false;

@@ -334,8 +334,10 @@ enum class EventKind : std::uint8_t {
   found,           ///< the target is in view again; value: the body
   stale,           ///< a part of the team receives no predictions of this body any more; value: the body
   received,        ///< all parts receive them again; value: the body
+  robot_ready,     ///< a robot that an event adds has taken off and holds; value: the body
+  robot_refused,   ///< a robot that an event adds cannot join, the event is ignored; value: the body
 };
-inline constexpr int event_kinds = static_cast<int>(EventKind::received) + 1;
+inline constexpr int event_kinds = static_cast<int>(EventKind::robot_refused) + 1;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -830,8 +832,10 @@ class TeamSwitcher {
   /// All bodies that are ever present.
   const Team& world() const noexcept { return world_; }
 
-  /// Sets, before the first period, the start states of bodies that join later (nx of the world).
+  /// Sets the states in which absent bodies join (nx of the world). Not while a team is pending.
   void set_start(std::span<const double> x) { start_.assign(x.begin(), x.end()); }
+  /// Sets, before the first period, the world in which robots that events add take off first.
+  void set_world(World& flown_in) { flown_in_ = &flown_in; }
   /// Greatest number of events() that can wait.
   std::size_t events_max() const noexcept { return reported_.capacity(); }
 
@@ -847,7 +851,7 @@ class TeamSwitcher {
   /// @return whether the team has changed
   bool swap(double t, const ValidStates& x, std::span<const double> u, bool wait) noexcept;
   /// Evaluates triggers after the update at t, and requests the changes. The next solver continues
-  /// from this update's plan.
+  /// from this update's plan. An event that adds a robot waits until World::prepare() lets it join.
   /// @param ages  age of the knowledge of each body [s]; empty: all is new
   void look(double t, const ValidStates& x, std::span<const double> u, std::span<const double> ages) noexcept;
   /// Events that occurred or took effect since clear_events().
@@ -875,14 +879,19 @@ class TeamSwitcher {
   std::size_t number_of_tuned(std::size_t i) const noexcept { return script_.events.size() + i; }
   bool takes_tuned(double t) noexcept;
   void report_of(double t, std::size_t event) noexcept;
+  void ignore(double t, std::size_t event) noexcept;
+  Joining joining(double t, const TeamEvent& event) noexcept;
+  void request_awaited(double t) noexcept;
 
   Team world_;
+  World* flown_in_ = nullptr;  // null: robots join at once
   std::vector<double> start_;
   Script script_;
   EventMonitor monitor_;
   MakeSolver make_;
   std::shared_ptr<TunedScript> tuned_;
-  std::size_t taken_ = 0;  // number of tuned events taken
+  std::size_t taken_ = 0;             // number of tuned events taken
+  std::vector<std::size_t> awaited_;  // events that occurred and are not requested yet
   double period_ = 0.0;
   std::unique_ptr<Phase> present_;
   bool pending_ = false;

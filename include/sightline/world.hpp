@@ -320,6 +320,14 @@ struct MeasuredMost {
   std::size_t detections = 0, motions = 0, broadcasts = 0;
 };
 
+/// Whether a robot that an event adds can be steered.
+enum class Joining : std::uint8_t {
+  at_once,  ///< it appears at its start
+  ready,    ///< it has taken off and holds
+  waits,    ///< it takes off
+  refused,  ///< it cannot join in this flight
+};
+
 /// The world that a Loop controls. After construction nothing here allocates, locks, throws or
 /// prints; one thread.
 ///
@@ -337,6 +345,11 @@ class World {
   virtual MeasuredMost measured_max() const noexcept { return {}; }
   /// Sets which bodies are present from now on, one entry per body; before the first call, all are.
   virtual void set_presence(std::span<const Presence> presence) noexcept = 0;
+  /// Whether robots that are absent from the team stay in the world, where they are measured.
+  virtual bool absent_robots_stay() const noexcept { return false; }
+  /// Requests that an absent robot takes off. Called each period while an event that adds the robot
+  /// waits; the answer is constant within a period.
+  virtual Joining prepare(BodyId /*robot*/) noexcept { return Joining::at_once; }
   /// Applies changes that events make around the team, from now on. A world that is not simulated
   /// ignores them.
   virtual void surround(const Surroundings& /*around*/) noexcept {}

@@ -24,7 +24,8 @@ bool is_of_a_body(std::string_view kind) {
          kind == to_string(EventKind::barrier_conflict) || kind == to_string(EventKind::input_refused) ||
          kind == to_string(EventKind::added_too_near) || kind == to_string(EventKind::search) ||
          kind == to_string(EventKind::found) || kind == to_string(EventKind::stale) ||
-         kind == to_string(EventKind::received);
+         kind == to_string(EventKind::received) || kind == to_string(EventKind::robot_ready) ||
+         kind == to_string(EventKind::robot_refused);
 }
 
 bool is_of_the_script(std::string_view kind) {
@@ -57,6 +58,8 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   if (kind == to_string(EventKind::stale)) return fmt::format("{}: no messages of its part arrive", body);
   if (kind == to_string(EventKind::received))
     return fmt::format("{}: messages of its part arrive again", body);
+  if (kind == to_string(EventKind::robot_ready)) return fmt::format("{}: has taken off and can join", body);
+  if (kind == to_string(EventKind::robot_refused)) return fmt::format("{}: cannot join", body);
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);
 }

@@ -68,7 +68,9 @@ LoggedFlight fly_logged(const Scenario& scenario, const std::filesystem::path& f
   ClosedLoop loop(scenario, world, controllers, clock, sink, options.allocations, options.team_switcher,
                   options.stop);
 
-  Log log(scenario, folder, controllers, ring, options.written, options.flown);
+  McapWords flown = options.flown;
+  if (world.absent_robots_stay()) flown.emplace(RecordedFlight::absent_stay, "true");
+  Log log(scenario, folder, controllers, ring, options.written, flown);
   log.start();
   LoggedFlight flight;
   flight.outcome = options.fly ? options.fly(loop, sink) : loop.fly();

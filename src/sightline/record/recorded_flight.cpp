@@ -132,8 +132,15 @@ class RecordedFlight::Reader {
           [this, track = robot.track](const McapMessage&) { read_goal(track); };
     takes_["/team"] = [this](const McapMessage&) { period().team_answered = true; };
     takes_["/events"] = [this](const McapMessage&) {
-      if (text_.word("kind") == to_string(EventKind::missed_period))
-        order_.miss(flight_.number(text_.number("time")), std::llround(text_.number("value")));
+      const std::string_view kind = text_.word("kind");
+      const bool misses = kind == to_string(EventKind::missed_period),
+                 ready = kind == to_string(EventKind::robot_ready);
+      if (!misses && !ready && kind != to_string(EventKind::robot_refused)) return;
+      const std::int64_t number = flight_.number(text_.number("time")),
+                         value = std::llround(text_.number("value"));
+      if (misses) return order_.miss(number, value);
+      flight_.joinings_.push_back(
+          {number, BodyId{static_cast<int>(value)}, ready ? Joining::ready : Joining::refused});
     };
   }
 
@@ -268,6 +275,8 @@ RecordedFlight::RecordedFlight(const std::filesystem::path& log, Team team, std:
   for (const RobotGoals& robot : goals_) robot.track->clear();
   McapReader mcap(log);
   if (!mcap.ok()) throw std::runtime_error(mcap.error());
+  const auto words = mcap.metadata().find("sightline");
+  absent_robots_stay_ = words != mcap.metadata().end() && words->second.contains(absent_stay);
   Reader reader(*this);
   try {
     mcap.visit([&](const McapMessage& message) { reader.take(message); });
@@ -303,6 +312,15 @@ Measured RecordedFlight::measure(double) noexcept {
 bool RecordedFlight::apply(double, std::span<const double>, const Command&, double, std::int64_t) noexcept {
   if (std::exchange(measured_, false)) ++next_;
   return next_ < periods_.size();
+}
+
+/// The recorded answer of this period; without one, the robot still took off.
+Joining RecordedFlight::prepare(BodyId robot) noexcept {
+  if (!absent_robots_stay_) return Joining::at_once;
+  const std::int64_t now = number(periods_[std::min(next_, periods_.size() - 1)].time);
+  for (const RecordedJoining& joining : joinings_)
+    if (joining.number == now && joining.robot == robot) return joining.answer;
+  return Joining::waits;
 }
 
 std::int64_t RecordedFlight::wait(std::int64_t k) noexcept {

@@ -30,7 +30,9 @@ std::string_view to_string(EventKind kind) {
                                                                "search",
                                                                "found",
                                                                "unheard",
-                                                               "heard"};
+                                                               "heard",
+                                                               "robot_ready",
+                                                               "robot_refused"};
   return names[static_cast<std::size_t>(kind)];
 }
 

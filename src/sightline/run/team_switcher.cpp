@@ -70,7 +70,8 @@ TeamSwitcher::TeamSwitcher(ActiveTeam start, const Script& script, MakeSolver ma
   request_.plan.resize(size(horizon.N) * size(world_.nu()));
   request_.events.reserve(script_.events.size() + 1);
   refused_.reserve(script_.events.size() + 1);
-  reported_.reserve(3 * (script_.events.size() + 1) + 4);
+  awaited_.reserve(script_.events.size());
+  reported_.reserve(4 * (script_.events.size() + 1) + 4 + world_.agents().size());
   thread_.start_or_throw([this]() noexcept { work(); });
 }
 
@@ -110,10 +111,51 @@ void TeamSwitcher::report_of(double t, std::size_t event) noexcept {
   if (refused && event >= script_.events.size()) {
     tuned_->ignore(event - script_.events.size());
   } else if (refused) {
-    if (ignored_[event] != 0) return;
-    ignored_[event] = 1;
+    return ignore(t, event);
   }
   emit(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
+}
+
+/// Reports an ignored event of the script, once.
+void TeamSwitcher::ignore(double t, std::size_t event) noexcept {
+  if (std::exchange(ignored_[event], 1) == 0) emit(t, EventKind::event_ignored, event);
+}
+
+/// Requests the take-off of all robots that an event adds, and returns the worst answer.
+Joining TeamSwitcher::joining(double t, const TeamEvent& event) noexcept {
+  Joining worst = Joining::at_once;
+  if (flown_in_ == nullptr) return worst;
+  const auto each_added = [&](auto&& act) {
+    for (const Action& action : event.actions) {
+      const auto* const add = std::get_if<AddBody>(&action);
+      if (add == nullptr || !world_.is_agent(add->body)) continue;
+      if (present_->membership.presence[at(add->body)] == Presence::absent) act(add->body);
+    }
+  };
+  each_added([&](BodyId robot) { worst = std::max(worst, flown_in_->prepare(robot)); });
+  if (worst == Joining::at_once || worst == Joining::waits) return worst;
+  const EventKind kind = worst == Joining::ready ? EventKind::robot_ready : EventKind::robot_refused;
+  each_added([&](BodyId robot) {
+    if (flown_in_->prepare(robot) == worst) emit(t, kind, at(robot));
+  });
+  return worst;
+}
+
+/// Requests the events whose robots can join, and ignores those with a robot that cannot.
+void TeamSwitcher::request_awaited(double t) noexcept {
+  request_.events.clear();
+  std::size_t waiting = 0;
+  for (const std::size_t event : awaited_) {
+    const Joining answer = joining(t, script_.events[event]);
+    if (answer == Joining::waits) {
+      awaited_[waiting++] = event;
+    } else if (answer == Joining::refused) {
+      ignore(t, event);
+    } else {
+      request_.events.push_back(event);
+    }
+  }
+  awaited_.resize(waiting);
 }
 
 /// Whether the next tuned event occurs now. It has a period of its own, so that two changes of one
@@ -130,17 +172,17 @@ void TeamSwitcher::look(double t, const ValidStates& states, std::span<const dou
   const std::span<const double> x = states;
   const std::span<const std::size_t> triggered =
       monitor_.look({.t = t, .x = x, .u = u, .ages = ages, .presence = present_->membership.presence});
+  for (const std::size_t event : triggered) {
+    emit(t, EventKind::event_occurred, event);
+    if (std::find(awaited_.begin(), awaited_.end(), event) == awaited_.end()) awaited_.push_back(event);
+  }
+  request_awaited(t);
   const bool settles = t + period_ >= settles_at_ - same_time;
-  const bool tuned = triggered.empty() && takes_tuned(t);
-  if (triggered.empty() && !settles && !tuned) return;
+  const bool tuned = request_.events.empty() && takes_tuned(t);
+  if (request_.events.empty() && !settles && !tuned) return;
   if (settles) settles_at_ = never;
   request_.settles = settles;
   request_.t = t;
-  request_.events.clear();
-  for (const std::size_t event : triggered) {
-    emit(t, EventKind::event_occurred, event);
-    request_.events.push_back(event);
-  }
   if (tuned) {
     emit(t, EventKind::event_occurred, number_of_tuned(taken_ - 1));
     request_.events.push_back(number_of_tuned(taken_ - 1));

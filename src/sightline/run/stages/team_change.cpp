@@ -18,6 +18,7 @@ TeamChange::TeamChange(World& world, const Controllers& controllers, const Clock
         controllers.size());
   }
   options.team_switcher->set_start(world.start());
+  options.team_switcher->set_world(world);
   follow(p);
   if (options.guard != nullptr)
     options.guard->follow(options.team_switcher->present().membership, 0.0, world.start());
@@ -96,6 +97,9 @@ void TeamChange::look(Period& p) noexcept {
   if (options_.team_switcher == nullptr) return;
   std::transform(p.seen.stamps.begin(), p.seen.stamps.end(), ages_.begin(),
                  [&p](double stamp) { return p.t - stamp; });
+  // A robot on a link joins where it holds.
+  if (world_.absent_robots_stay() && !options_.team_switcher->pending())
+    options_.team_switcher->set_start(p.measured);
   options_.team_switcher->look(p.t, *p.estimate, p.u,
                                options_.guard != nullptr ? options_.guard->ages() : std::span(ages_));
   for (const Event& event : options_.team_switcher->events()) p.emit(event);

@@ -1,0 +1,133 @@
+// Robots that an event adds, in a world where absent robots stay and take off before they join.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/log.hpp"
+#include "sightline/scenario.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/replayed_flight.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+
+/// The simulated world of a scenario, but the take-off of an added robot lasts for `duration` [s].
+class TakeOffWorld final : public World {
+ public:
+  TakeOffWorld(const Scenario& scenario, double duration, Joining outcome)
+      : world_(make_world(scenario)), duration_(duration), outcome_(outcome) {}
+
+  const Team& team() const noexcept override { return world_->team(); }
+  std::span<const double> start() const noexcept override { return world_->start(); }
+  void set_presence(std::span<const Presence> presence) noexcept override { world_->set_presence(presence); }
+  bool absent_robots_stay() const noexcept override { return true; }
+  Joining prepare(BodyId) noexcept override {
+    if (began_ < 0) began_ = t_;
+    return t_ - began_ < duration_ - 1e-9 ? Joining::waits : outcome_;
+  }
+  Measured measure(double t) noexcept override {
+    t_ = t;
+    return world_->measure(t);
+  }
+  bool apply(double t, std::span<const double> estimated, const Command& u, double period,
+             std::int64_t periods) noexcept override {
+    return world_->apply(t, estimated, u, period, periods);
+  }
+  std::span<const double> truth() const noexcept override { return world_->truth(); }
+
+ private:
+  std::unique_ptr<World> world_;
+  double duration_, t_ = 0.0, began_ = -1.0;
+  Joining outcome_;
+};
+
+/// A flight with a log. Without a take-off absent robots do not stay.
+struct FlightWithTakeOff {
+  Scenario scenario;
+  test::Folder folder{"joining_robots"};
+  Recording run;
+
+  FlightWithTakeOff(const std::string& text, std::optional<double> duration, Joining outcome = Joining::ready)
+      : scenario(parse_scenario(text, "joining.toml")) {
+    lift_deadline(scenario.solver);
+    std::optional<TakeOffWorld> world;
+    if (duration) world.emplace(scenario, *duration, outcome);
+    const Controls controls(scenario);
+    SimulatedClock clock;
+    const LoggedFlight flight =
+        fly_logged(scenario, folder.path(), clock, controls.controllers(),
+                   {.world = world ? &*world : nullptr, .team_switcher = controls.team_switcher()});
+    EXPECT_TRUE(flight.logged);
+    run = read_recording(folder.path());
+  }
+
+  /// What happened to events and their robots: "1.50 robot_ready 1".
+  std::vector<std::string> occurred() const {
+    std::vector<std::string> all;
+    for (const Recording::Event& event : run.events)
+      if (event.kind.starts_with("event_") || event.kind.starts_with("robot_"))
+        all.push_back(fmt::format("{:.2f} {} {}", event.time, event.kind, event.value));
+    return all;
+  }
+  void expect_same_commands_again() const {
+    RecordedFlight flight(folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
+    const CommandComparison compared = test::replayed(scenario, flight);
+    EXPECT_EQ(compared.updates(), 250);
+    EXPECT_EQ(compared.differing(), 0);
+  }
+};
+
+std::string hovering_robot(std::string_view name, std::string_view p, std::string_view more = {}) {
+  return fmt::format(
+      "[agent.{0}]\nrobot = \"multirotor\"\nstart = {{ p = {1} }}\nQ = [1.5, 1.5, 1.6, 1, 1, 0, 0]\n"
+      "reference = {{ constant = {{ p = {1}, heading = 0.5 }} }}\n{2}\n",
+      name, p, more);
+}
+
+const std::string two_events =
+    "[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
+    hovering_robot("b", "[2.0, 0.0, 1.0]", "present = false") +
+    "[[couple]]\npotential = { too_far = { d_max = 1.5 } }\nbetween = [\"a\", \"b\"]\n"
+    "[[event]]\nat = 1.0\nadd = \"b\"\n"
+    "[[event]]\nat = 1.2\nretune = { agent = \"a\", R = [2.0, 2.0, 2.0, 2.0] }\n";
+
+TEST(JoiningRobots, AnEventWaitsForItsRobotAndOtherEventsDoNotWait) {
+  const FlightWithTakeOff flight(two_events, 0.5);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1",
+                          "1.50 robot_ready 1", "1.51 event_in_force 0"));
+  flight.expect_same_commands_again();
+}
+
+TEST(JoiningRobots, AnEventWhoseRobotCannotJoinIsIgnored) {
+  const FlightWithTakeOff flight(two_events, 0.5, Joining::refused);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1",
+                          "1.50 robot_refused 1", "1.50 event_ignored 0"));
+  flight.expect_same_commands_again();
+}
+
+TEST(JoiningRobots, AFlightThatEndsDuringTheTakeOffIsReplayed) {
+  const FlightWithTakeOff flight(two_events, 99.0);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1"));
+  flight.expect_same_commands_again();
+}
+
+TEST(JoiningRobots, WithoutATakeOffARobotJoinsAtOnceAndNothingIsReported) {
+  const FlightWithTakeOff flight(two_events, std::nullopt);
+  EXPECT_THAT(flight.occurred(), ElementsAre("1.00 event_happened 0", "1.01 event_in_force 0",
+                                             "1.20 event_happened 1", "1.21 event_in_force 1"));
+  flight.expect_same_commands_again();
+}
+
+}  // namespace
+}  // namespace sightline
