@@ -452,6 +452,9 @@ struct GuardOptions {
   std::vector<BodyId> searchers{};       ///< robots that search
   std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
   std::vector<LimitsToCome> limits_to_come{};  ///< the barrier uses the tightest of all limits
+  /// Whether absent robots stay in the world. The barrier then keeps the distance from them and
+  /// from robots that land, as from bodies that do not give way.
+  bool absent_robots_stay = false;
   /// Threads for the barriers of `shared_from` robots or more; null: the calling thread alone. The
   /// result is the same.
   std::shared_ptr<ThreadPool> pool{};
@@ -508,8 +511,8 @@ class Guard {
   /// Whether the last measurement of a body was accepted.
   bool trusts(BodyId body) const noexcept { return !supervisor_ || supervisor_->trusts(body); }
 
-  /// Switches to another membership. The barrier ignores bodies that are absent. Robots that sink
-  /// may pass the floor. See Supervisor::follow().
+  /// Switches to another membership. The barrier ignores bodies that are absent, except for robots
+  /// that stay. Robots that sink may pass the floor. See Supervisor::follow().
   void follow(const Membership& now, double t, std::span<const double> x) noexcept;
   /// Sets which robots receive each other's messages. Robots that do not are uncooperative to each
   /// other. Null: all do. The object must outlive the guard.
@@ -530,6 +533,7 @@ class Guard {
 
  private:
   bool is_there(BodyId body) const noexcept { return presence_[at(body)] != Presence::absent; }
+  void see_absent(double t, std::span<const double> measured, std::span<const double> stamps) noexcept;
   void emit(const Event& event) noexcept;
   void emit_stale(double t) noexcept;
 
@@ -541,6 +545,7 @@ class Guard {
   Search search_;
   std::vector<char> searches_;  // whether each searcher searches, as last reported
   ValidStates estimated_;
+  ValidStates seen_;  // as measured; of absent robots that stay
   std::vector<double> ages_, stamps_;
   std::vector<double> sigmas_;    // of each body, last received [m]
   bool awaits_position_ = false;  // a robot that is present has never had a position

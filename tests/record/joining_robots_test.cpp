@@ -129,5 +129,28 @@ TEST(JoiningRobots, WithoutATakeOffARobotJoinsAtOnceAndNothingIsReported) {
   flight.expect_same_commands_again();
 }
 
+TEST(JoiningRobots, TheBarrierKeepsTheDistanceFromAnAbsentRobotThatStays) {
+  for (const char* supervisor : {"", "[safety.supervisor]\n"}) {
+    const std::string text =
+        "[simulation]\nduration = 6.0\n[[simulation.signal]]\nname = \"go\"\n"
+        "[safety]\nd_hard = 0.6\nbarrier = \"on\"\n" +
+        std::string(supervisor) +
+        "[agent.a]\nrobot = \"multirotor\"\nstart = { p = [-2.0, 0.05, 1.0] }\nQ = [1.5, 1.5, 1.6, 1, 1, 0, "
+        "0]\n"
+        "reference = { waypoints = { times = [0.5, 5.5], p = [[-2.0, 0.05, 1.0], [2.0, 0.05, 1.0]], heading "
+        "= [0.0, 0.0] } }\n" +
+        hovering_robot("b", "[0.0, 0.0, 1.0]", "present = false") +
+        "[[event]]\nsignal = \"go\"\nadd = \"b\"\n";
+    const auto nearest = [](const FlightWithTakeOff& flight) {
+      double least = 1e9;
+      for (const Vec3<double>& p : flight.run.bodies[0].p)
+        least = std::min(least, norm(p - Vec3<double>{0.0, 0.0, 1.0}));
+      return least;
+    };
+    EXPECT_GE(nearest(FlightWithTakeOff(text, 1.0)), 0.6) << supervisor;
+    EXPECT_LT(nearest(FlightWithTakeOff(text, std::nullopt)), 0.3) << supervisor;
+  }
+}
+
 }  // namespace
 }  // namespace sightline

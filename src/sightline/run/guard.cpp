@@ -80,6 +80,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       search_(team_, options_.searchers, options_.search),
       searches_(options_.searchers.size()),
       estimated_(team, std::vector<double>(static_cast<std::size_t>(team.nx()))),
+      seen_(estimated_),
       ages_(options_.bodies.size()),
       stamps_(options_.bodies.size()),
       sigmas_(options_.bodies.size()),
@@ -105,6 +106,7 @@ const ValidStates& Guard::accept_measurement(double t, std::span<const double> m
       ages_[i] = std::max(0.0, supervisor_->age(BodyId{static_cast<int>(i)}));
       stamps_[i] = t - ages_[i];
     }
+    see_absent(t, measured, stamps);
     return estimated_.take(estimate, stamps_);
   }
   (void)estimated_.take(measured, stamps);
@@ -114,7 +116,16 @@ const ValidStates& Guard::accept_measurement(double t, std::span<const double> m
     ages_[i] = known ? std::max(0.0, t - estimated_.stamps()[i]) : infinity;
     awaits_position_ |= !known && presence_[i] != Presence::absent;
   }
+  see_absent(t, measured, stamps);
   return estimated_;
+}
+
+/// Takes the measured states of absent robots that stay in the world.
+void Guard::see_absent(double t, std::span<const double> measured, std::span<const double> stamps) noexcept {
+  if (!options_.absent_robots_stay) return;
+  (void)seen_.take(measured, stamps);
+  for (int i = 0; i < team_.bodies(); ++i)
+    if (!is_there(BodyId{i})) ages_[at(i)] = std::max(0.0, t - seen_.stamps()[at(i)]);
 }
 
 void Guard::follow(const Membership& now, double t, std::span<const double> x) noexcept {
@@ -164,7 +175,10 @@ void Guard::fall_back(double t, const ValidStates& x, std::span<const double> pl
 void Guard::keep_distances(double t, const ValidStates& x, std::span<const double> added,
                            std::span<double> u) noexcept {
   if (!barrier_) return;
-  barrier_->keep_distances(t, {x, estimated_, ages_, sigmas_, presence_, levels_, connectivity_}, added, u);
+  std::span<const double> absent;
+  if (options_.absent_robots_stay) absent = seen_;
+  barrier_->keep_distances(t, {x, estimated_, absent, ages_, sigmas_, presence_, levels_, connectivity_},
+                           added, u);
   for (const BodyId robot : barrier_->conflicts())
     emit({t, EventKind::barrier_conflict, 0, static_cast<double>(robot.index)});
 }

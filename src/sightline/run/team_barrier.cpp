@@ -154,17 +154,19 @@ void TeamBarrier::keep_distances(double t, const Situation& now, std::span<const
   std::copy(u.begin(), u.end(), before_.begin());
 }
 
-/// Collects all bodies that are present and were measured once. A robot of the team is at the state
-/// where its command takes effect; any other body is at its last estimate, with a greater age.
+/// Collects all bodies that are in the world and were measured once. A robot of the team is at the
+/// state where its command takes effect, an absent robot is where it was measured. Any other body
+/// is at its last estimate, with a greater age.
 void TeamBarrier::see_all(const Situation& now) noexcept {
   threats_.clear();
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
-    if (!now.is_there(body) || !std::isfinite(now.ages[at(body)])) continue;
-    const bool is_agent = team_.is_agent(body);
-    sights_[at(body)] = team_.model(body).sight(
-        &(is_agent ? now.x : now.estimated)[static_cast<std::size_t>(team_.state_offset(body))],
-        before_.data() + (is_agent ? team_.input_offset(body) : 0));
+    const bool is_agent = team_.is_agent(body), is_there = now.is_there(body);
+    if (!is_there && (!is_agent || now.absent.empty())) continue;
+    if (!std::isfinite(now.ages[at(body)])) continue;
+    const std::span<const double> states = !is_there ? now.absent : is_agent ? now.x : now.estimated;
+    sights_[at(body)] = team_.model(body).sight(&states[static_cast<std::size_t>(team_.state_offset(body))],
+                                                before_.data() + (is_agent ? team_.input_offset(body) : 0));
     const BodySafety& safety = options_.bodies[at(body)];
     threats_.add({i, sights_[at(body)].p, sights_[at(body)].v, safety.d_hard,
                   now.is_grounded(body) ? 0.0 : safety.speed_max});
@@ -173,6 +175,9 @@ void TeamBarrier::see_all(const Situation& now) noexcept {
 
 /// Whether a body keeps its distance to the robot as well, by its own barrier.
 bool TeamBarrier::gives_way(const Situation& now, const Robot& robot, BodyId other) const noexcept {
+  // A robot behind a link lands by its autopilot.
+  const Presence presence = now.presence[at(other)];
+  if (presence == Presence::absent || (presence == Presence::land && !now.absent.empty())) return false;
   if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.climbs_late()) return false;
   if (team_.is_agent(other) ? now.is_grounded(other) : now.connectivity == nullptr) return false;
   return now.connectivity == nullptr || now.connectivity->receives_from(robot.body, other);

@@ -19,6 +19,7 @@ class TeamBarrier {
     bool is_grounded(BodyId body) const noexcept { return levels[at(body)] == FallbackLevel::grounded; }
 
     std::span<const double> x, estimated;  // states where the commands take effect; last estimates (nx)
+    std::span<const double> absent;        // measured, of absent robots (nx); empty: none is in the world
     std::span<const double> ages, sigmas;  // of the estimates [s], of their positions [m]
     std::span<const Presence> presence;
     std::span<const FallbackLevel> levels;

@@ -21,9 +21,10 @@
 namespace sightline {
 namespace {
 
-std::optional<Guard> guard_of(const Scenario& scenario) {
+std::optional<Guard> guard_of(const Scenario& scenario, const World& world) {
   std::optional<GuardOptions> options = guard_options(scenario);
   if (!options) return std::nullopt;
+  options->absent_robots_stay = world.absent_robots_stay();
   options->pool = scenario.pool;
   return std::optional<Guard>(std::in_place, scenario.team, *options);
 }
@@ -191,7 +192,7 @@ std::unique_ptr<World> make_world(const Scenario& scenario) {
 ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers& controllers, Clock& clock,
                        Sink<Sample>& sink, std::int64_t (*allocations)() noexcept,
                        TeamSwitcher* team_switcher, const std::atomic<bool>* stop)
-    : guard_(guard_of(scenario)),
+    : guard_(guard_of(scenario, world)),
       localizer_(localizer_of(scenario)),
       compensation_(compensation_of(scenario)),
       loop_(world, controllers, clock, sink,
