@@ -1,8 +1,8 @@
 /// Sinks between a flight and its log.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
+#include <cstddef>
 
 #include "bridges/dds/fleet/bridge.hpp"
 #include "sightline/loop.hpp"
@@ -35,8 +35,8 @@ class WatchingSink : public Sink<Sample> {
   Sample* sample_ = nullptr;
 };
 
-/// Publishes each period, and ends the flight if the fallback of a robot requires landing or a
-/// landing is requested. The link then lands all robots.
+/// Publishes each period, and ends the flight if the fallback of a robot of the team requires
+/// landing or a landing is requested. The link then lands all robots.
 class LinkedSink final : public WatchingSink {
  public:
   /// @param stop  ends the loop
@@ -48,8 +48,11 @@ class LinkedSink final : public WatchingSink {
 
  private:
   void watch(const Sample& sample) noexcept override {
-    const auto lands = [](FallbackLevel level) { return level >= FallbackLevel::land; };
-    too_old_ = too_old_ || std::any_of(sample.levels.begin(), sample.levels.end(), lands);
+    for (std::size_t i = 0; i < sample.levels.size(); ++i) {
+      const Presence presence = sample.presence[i];
+      const bool flies = presence == Presence::steered || presence == Presence::hold;
+      too_old_ = too_old_ || (flies && sample.levels[i] >= FallbackLevel::land);
+    }
     if (too_old_ || world_.requested_to_land()) stop_.store(true, std::memory_order_relaxed);
     world_.show(sample);
   }

@@ -19,12 +19,50 @@ namespace sightline::dds {
 namespace {
 
 constexpr std::int64_t looks_each = 200'000'000;  // examination interval before a flight [ns]
+constexpr double rises_before = 15.0;             // from the take-off of a robot to its event with a time [s]
+
+bool is_absent_at_start(const Scenario& scenario, BodyId robot) {
+  return at(robot) < scenario.presence.size() && scenario.presence[at(robot)] == Presence::absent;
+}
+
+/// Rejects events that add a robot which cannot take off in the task.
+void refuse_added_robots(const Scenario& scenario) {
+  for (const LocalizedRobot& localized : scenario.localization.robots)
+    if (is_absent_at_start(scenario, localized.robot))
+      throw std::invalid_argument(
+          fmt::format("agent.{}.present = false, expected true: the pose of a robot localized by vision must "
+                      "be known before it joins",
+                      scenario.team.name(localized.robot)));
+  for (std::size_t i = 0; i < scenario.script.events.size(); ++i) {
+    for (const Action& action : scenario.script.events[i].actions) {
+      const auto* const add = std::get_if<AddBody>(&action);
+      if (add == nullptr || !scenario.team.is_agent(add->body) || is_absent_at_start(scenario, add->body))
+        continue;
+      throw std::invalid_argument(
+          fmt::format("event[{0}].add = \"{1}\", expected a robot with present = false: {1} takes off at the "
+                      "start, and no robot takes off twice in a flight",
+                      i, scenario.team.name(add->body)));
+    }
+  }
+}
+
+/// Time in the task at which a robot takes off for an event with a time [s]; infinity: none.
+double rises_at(const Scenario& scenario, BodyId robot) {
+  double earliest = std::numeric_limits<double>::infinity();
+  for (const TeamEvent& event : scenario.script.events) {
+    const auto* const timed = std::get_if<AtTime>(&event.trigger);
+    if (timed == nullptr || !event.stage.empty() || timed->t >= scenario.simulation.duration) continue;
+    for (const Action& action : event.actions)
+      if (const auto* const add = std::get_if<AddBody>(&action); add != nullptr && add->body == robot)
+        earliest = std::min(earliest, timed->t - rises_before);
+  }
+  return earliest;
+}
 
 /// Rejects scenarios that the fleet cannot follow.
 const Scenario& flown(const Scenario& scenario) {
   const std::vector<BodyLink>& links = fleet_of(scenario).bodies;
-  if (changes_in_flight(scenario))
-    throw std::invalid_argument("event = the team changes in flight, which a fleet does not follow yet");
+  refuse_added_robots(scenario);
   for (const UncooperativeBody& body : scenario.uncooperative) {
     const bool seen =
         std::any_of(links.begin(), links.end(), [&](const BodyLink& link) { return link.body == body.body; });
@@ -86,6 +124,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       node_(fleet_of(scenario).network.node),
       domain_(std::move(domain)),
       robots_(made_robots(publish)),
+      told_(robots_.size()),
       bodies_(scenario_, domain_->participant()),
       telemetry_(scenario_, subscribers(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
@@ -120,15 +159,20 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
                                              model,
                                              fleet_of(scenario_).network,
                                              std::max(height, space.floor)});
+    const bool absent = is_absent_at_start(scenario_, link.robot);
+    LinkTimes limits = times_;
+    if (absent) limits.called += limits.task;
     robots.push_back({name,
                       std::move(end),
                       RobotState(model),
-                      LinkMachine(times_),
+                      LinkMachine(limits),
                       {},
                       size(link.robot.index),
                       size(team_.state_offset(link.robot)),
                       size(team_.input_offset(link.robot))});
     robots.back().estimated = link.poses.estimated();
+    robots.back().role = absent ? Role::grounded : Role::flies;
+    robots.back().rises_at = rises_at(scenario_, link.robot);
     const auto goals = std::find_if(scenario_.goals.begin(), scenario_.goals.end(),
                                     [&](const RobotGoals& of) { return of.robot == link.robot; });
     if (goals == scenario_.goals.end()) continue;
@@ -154,6 +198,38 @@ std::vector<ExaminedRobot> DdsWorld::examined() const {
 DdsWorld::~DdsWorld() {
   done_ = true;
   watcher_.join();
+}
+
+void DdsWorld::set_presence(std::span<const Presence> presence) noexcept {
+  for (Robot& robot : robots_) {
+    const Presence now = presence[robot.body];
+    if (now == Presence::steered || now == Presence::hold)
+      robot.role = Role::flies;
+    else if (robot.role == Role::flies)
+      robot.role = Role::leaves;
+  }
+}
+
+Joining DdsWorld::prepare(BodyId body) noexcept {
+  Robot& robot = robots_[at(body)];
+  if (robot.role == Role::grounded) robot.role = Role::joins;
+  if (robot.role == Role::leaves || robot.machine.state() >= LinkState::landing) return Joining::refused;
+  return robot.holds ? Joining::ready : Joining::waits;
+}
+
+LinkOrder DdsWorld::order_of(Role role, LinkOrder order) noexcept {
+  if (order >= LinkOrder::land) return order;
+  switch (role) {
+    case Role::grounded:
+      return LinkOrder::check;
+    case Role::joins:
+      return LinkOrder::hold;
+    case Role::leaves:
+      return LinkOrder::land;
+    case Role::flies:
+      break;
+  }
+  return order;
 }
 
 Measured DdsWorld::measure(double t) noexcept {
@@ -183,7 +259,7 @@ Measured DdsWorld::measure(double t) noexcept {
   return all;
 }
 
-bool DdsWorld::apply(double, std::span<const double> estimated, const sightline::Command& u, double,
+bool DdsWorld::apply(double t, std::span<const double> estimated, const sightline::Command& u, double,
                      std::int64_t periods) noexcept {
   // Without a measurement since the last call, these periods were missed; no command can be sent
   // for them.
@@ -191,8 +267,12 @@ bool DdsWorld::apply(double, std::span<const double> estimated, const sightline:
     periods_ += periods, missed_ += periods;
     return true;
   }
+  for (Robot& robot : robots_)
+    if (robot.role == Role::grounded && t >= robot.rises_at) robot.role = Role::joins;
   step_all(LinkOrder::task, estimated, u);
-  return each_is({LinkState::holding, LinkState::flying});
+  return each_in_team([](const Robot& r) {
+    return r.machine.state() == LinkState::holding || r.machine.state() == LinkState::flying;
+  });
 }
 
 void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
@@ -205,11 +285,17 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
     Robot& robot = robots_[i];
     robot.facts = robot.end->facts(now);
     robot.facts.checked = robot.facts.checked && preflight_.is_clear(i) && seen;
-    const LinkOutput output = robot.machine.step(t, robot.facts, order);
+    const LinkOutput output = robot.machine.step(t, robot.facts, order_of(robot.role, order));
     Command command;
     RobotShown shown = {
         .state = robot.machine.state(), .reason = robot.machine.reason(), .facts = robot.facts};
     shown.seen = robot.end->look(shown.last);
+    const bool risen = shown.state == LinkState::holding && robot.facts.risen;
+    if (!risen) robot.risen_since = t;
+    robot.holds = risen && (norm(shown.last.motion.v) < standing || t - robot.risen_since >= stands_within);
+    told_[i].joins = robot.role == Role::joins;
+    told_[i].reason = shown.reason;
+    told_[i].state = shown.state;
     if (output.setpoint == Setpoint::task)
       command = robot.model.command(&estimated[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
     else
@@ -238,7 +324,7 @@ bool DdsWorld::each_is(std::initializer_list<LinkState> states) const {
 }
 
 bool DdsWorld::each_stands() const {
-  return std::all_of(robots_.begin(), robots_.end(), [](const Robot& r) {
+  return each_in_team([](const Robot& r) {
     SeenMotion seen;
     return r.end->look(seen) && norm(seen.motion.v) < standing;
   });
@@ -252,19 +338,26 @@ void DdsWorld::report_changes(const PrintMessage& print) {
   for (Robot& robot : robots_) {
     if (const std::string reply = robot.end->reply(); !reply.empty())
       print(fmt::format("{}: {}", robot.name, reply));
-    const LinkState state = robot.machine.state();
-    if (state == robot.reported) continue;
-    robot.reported = state;
-    const LinkReason reason = robot.machine.reason();
-    print(fmt::format("{}: {}{}{}", robot.name, to_string(state),
-                      reason != LinkReason::as_requested ? ", " : "",
-                      reason != LinkReason::as_requested ? to_string(reason) : ""));
+  }
+  report_states(print);
+}
+
+void DdsWorld::report_states(const PrintMessage& print) {
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const LinkState state = told_[i].state;
+    if (state == std::exchange(robots_[i].reported, state)) continue;
+    const LinkReason reason = told_[i].reason;
+    const bool fails = reason != LinkReason::as_requested;
+    print(fmt::format("{}: {}{}{}{}", robots_[i].name, to_string(state), fails ? ", " : "",
+                      fails ? to_string(reason) : "",
+                      fails && told_[i].joins ? ": it does not join, the others fly on" : ""));
   }
 }
 
 void DdsWorld::report_news() {
   const std::scoped_lock lock(news_);
   if (!news_go_to_) return;
+  report_states(news_go_to_);
   if (talk_)
     for (const std::string& sentence : talk_->news()) news_go_to_(sentence);
   for (Robot& robot : robots_) {
@@ -372,14 +465,14 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
     }
     calls_.is_at(FlightPhase::taking_off);
     steps_until(LinkOrder::take_off, interrupts, print, [&] {
-      return out() || std::all_of(robots_.begin(), robots_.end(), [](Robot& r) {
+      return out() || each_in_team([](const Robot& r) {
                return r.machine.state() == S::taking_off && r.facts.airborne;
              });
     });
     if (!out())
       steps_until(LinkOrder::hold, interrupts, print, [&] {
-        return out() || (each_is({S::holding}) &&
-                         std::all_of(robots_.begin(), robots_.end(), [](Robot& r) { return r.facts.risen; }));
+        return out() ||
+               each_in_team([](const Robot& r) { return r.machine.state() == S::holding && r.facts.risen; });
       });
     for (Robot& robot : robots_) robot.end->stop_examining();
     const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);

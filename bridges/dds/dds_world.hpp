@@ -1,8 +1,10 @@
 /// World of a fleet that is connected by DDS links.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,7 +38,9 @@ class DdsWorld final : public LinkedWorld {
   const Team& team() const noexcept override { return team_; }
   std::span<const double> start() const noexcept override { return start_; }
   MeasuredMost measured_max() const noexcept override { return telemetry_.most(); }
-  void set_presence(std::span<const Presence>) noexcept override {}
+  void set_presence(std::span<const Presence> presence) noexcept override;
+  bool absent_robots_stay() const noexcept override { return true; }
+  Joining prepare(BodyId robot) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> estimated, const sightline::Command& u, double period,
              std::int64_t periods) noexcept override;
@@ -60,6 +64,14 @@ class DdsWorld final : public LinkedWorld {
   }
 
  private:
+  /// Relation of a robot to the team.
+  enum class Role : std::uint8_t {
+    grounded,  ///< absent: it stays on the ground
+    joins,     ///< takes off and holds
+    flies,     ///< in the team
+    leaves,    ///< has left the team: it lands
+  };
+
   struct Robot {
     std::string name;
     std::unique_ptr<LinkEnd> end;
@@ -71,6 +83,17 @@ class DdsWorld final : public LinkedWorld {
     std::unique_ptr<GoalSubscriber> goals{};
     LinkState reported = LinkState::waiting;
     bool estimated = false, knows = false, knew = false;  // localized by vision; pose known now; known once
+    Role role = Role::flies;
+    double rises_at = std::numeric_limits<double>::infinity();  // in the task, ahead of its event [s]
+    double risen_since = 0.0;                                   // monotonic clock [s]
+    bool holds = false;                                         // at the height of its start, at rest
+  };
+
+  /// State of a robot for other threads.
+  struct Told {
+    std::atomic<LinkState> state{LinkState::waiting};
+    std::atomic<LinkReason> reason{LinkReason::as_requested};
+    std::atomic<bool> joins{false};
   };
 
   std::vector<Robot> made_robots(PublishMode publish) const;
@@ -78,6 +101,7 @@ class DdsWorld final : public LinkedWorld {
   std::vector<ExaminedRobot> examined() const;
   void step_all(LinkOrder order, std::span<const double> estimated, std::span<const double> u) noexcept;
   void report_changes(const PrintMessage& print);
+  void report_states(const PrintMessage& print);
   void report_news();
   /// Prints the sentence and publishes it to the flight log.
   void report_all(const std::string& sentence, const PrintMessage& print);
@@ -87,6 +111,13 @@ class DdsWorld final : public LinkedWorld {
   void stand(LinkOrder order) noexcept;
   void begin_together(const Interrupts& interrupts, const PrintMessage& print);
   bool each_is(std::initializer_list<LinkState> states) const;
+  /// Whether each robot that is in the team now fulfils a condition.
+  template <class Is>
+  bool each_in_team(const Is& is) const {
+    return std::all_of(robots_.begin(), robots_.end(),
+                       [&](const Robot& r) { return r.role != Role::flies || is(r); });
+  }
+  static LinkOrder order_of(Role role, LinkOrder order) noexcept;
   bool each_stands() const;
   bool in_our_hands() const;
 
@@ -98,6 +129,7 @@ class DdsWorld final : public LinkedWorld {
   std::string node_;
   std::shared_ptr<Domain> domain_;
   std::vector<Robot> robots_;  // in team order; robots are the first bodies of the team
+  std::vector<Told> told_;     // of robots_
   SeenBodies bodies_;
   std::unique_ptr<PredictionExchange> talk_;  // null unless the team is planned in parts
   LinkTelemetry telemetry_;

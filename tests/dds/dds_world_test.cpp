@@ -384,8 +384,11 @@ TEST(DdsWorld, WhatItCannotFlyIsRefusedWithASentence) {
                      "[target.t]\nmotion = { circle = { centre = [9, 9, 1], radius = 1, rate = 1 } }\n")),
       HasSubstr("t moves, and no topic has its pose"));
   EXPECT_EQ(refusal(row_of({"1.16"}, 1.0, "[target.t]\np = [9, 9, 1]\n")), "");
-  EXPECT_THAT(refusal(row_of({"1.16", "1.16"}, 1.0, "[[event]]\nat = 0.5\nremove = \"uav0\"\n")),
-              HasSubstr("changes in flight"));
+  const std::string leaves = "[[event]]\nat = 0.5\nremove = \"uav0\"\n";
+  EXPECT_EQ(refusal(row_of({"1.16", "1.16"}, 1.0, leaves)), "");
+  EXPECT_THAT(refusal(row_of({"1.16", "1.16"}, 1.0, leaves + "[[event]]\nat = 0.8\nadd = \"uav0\"\n")),
+              HasSubstr("event[1].add = \"uav0\", expected a robot with present = false: uav0 takes off at "
+                        "the start"));
   const auto of_link = [&](const std::string& robot, const std::string& link) {
     return refusal(test::scenario_of("[fleet]\n[agent.a]\nrobot = \"" + robot +
                                      "\"\nstart = { p = [0, 0, 1] }\n[agent.a.link]\nkind = \"" + link));

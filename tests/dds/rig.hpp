@@ -27,9 +27,10 @@ namespace sightline::dds {
 using Fields = std::vector<std::string>;
 using Kind = LinkFaultKind;
 
-/// Robots in a row, 3 m apart, of these releases.
+/// Robots in a row, 3 m apart, of these releases. From number `absent` on they are absent at first.
 inline Scenario row_of(const Fields& releases, double duration, const std::string& more = "",
-                       const std::string& kind = "model", const std::string& barrier = "on") {
+                       const std::string& kind = "model", const std::string& barrier = "on",
+                       std::size_t absent = 1000) {
   std::string text = fmt::format(
       "[fleet]\ndomain = {}\n[world]\nkind = \"{}\"\n[simulation]\nduration = {}\n"
       "[safety]\nbarrier = \"{}\"\nfloor = 0.2\nposition_sigma = 0.01\nheading_sigma = "
@@ -39,10 +40,10 @@ inline Scenario row_of(const Fields& releases, double duration, const std::strin
     text += fmt::format(
         "[agent.uav{0}]\nrobot = \"multirotor\"\nstart = {{ p = [{1}, 0.0, 0.6], heading = 1.0 }}\nQ = [1.5, "
         "1.5, 1.6, 0, 0, 0, 0]\n"
-        "reference = {{ circle = {{ centre = [{1}, 0.0, 0.8], radius = 0.3, rate = 0.5 }} }}\n"
+        "reference = {{ circle = {{ centre = [{1}, 0.0, 0.8], radius = 0.3, rate = 0.5 }} }}\n{3}"
         "[agent.uav{0}.link]\nkind = \"px4\"\nrelease = \"{2}\"\nnamespace = \"/px4_{0}\"\n"
         "origin = {{ p = [{1}, 0.1, 0.2], heading = 0.4 }}\n",
-        i, 3.0 * static_cast<double>(i), releases[i]);
+        i, 3.0 * static_cast<double>(i), releases[i], i < absent ? "" : "present = false\n");
   }
   return test::scenario_of(text + more);
 }
@@ -101,9 +102,11 @@ class Rig {
   LoopOutcome fly(double after = 0, const std::function<void()>& occurs = {}, Arming arming = Arming::real) {
     const Controls controls(scenario);
     SteadyClock clock;
-    NullSink sink(sized_sample(*world, controls.controllers()));
+    switcher = controls.team_switcher();
+    NullSink sink(sized_sample(*world, controls.controllers(), switcher));
     cli::LinkedSink shown(sink, *world, stop);
-    ClosedLoop loop(scenario, *world, controls.controllers(), clock, shown, cli::allocations, nullptr, &stop);
+    ClosedLoop loop(scenario, *world, controls.controllers(), clock, shown, cli::allocations, switcher,
+                    &stop);
     LoopOutcome outcome;
     if (!take_off(arming)) return outcome;
     std::thread other([&] {
@@ -141,7 +144,10 @@ class Rig {
   std::thread stepping;
   std::unique_ptr<DdsWorld> world;
   Fields reported;
+  int count(EventKind kind) const { return occurred.at(static_cast<std::size_t>(kind)); }
+
   std::array<int, event_kinds> occurred{};  // events of the task, by kind
+  TeamSwitcher* switcher = nullptr;         // of the task, while it is flown
   Px4VehicleCounts after_task;
 };
 

@@ -1,0 +1,183 @@
+// Events over links: robots that join take off first, robots that leave land, the others fly on.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sightline/log.hpp"
+#include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/replayed_flight.hpp"
+
+namespace sightline::dds {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Two robots that fly and a third that joins by a signal.
+Scenario fleet_with_a_joiner(double duration) {
+  return row_of({"1.16", "1.15", "1.16"}, duration,
+                "[[simulation.signal]]\nname = \"go\"\n[[event]]\nsignal = \"go\"\nadd = \"uav2\"\n", "model",
+                "on", 2);
+}
+
+TEST(ChangingFleet, ARobotJoinsAnotherLeavesAndAReplayGivesTheSameCommands) {
+  Scenario scenario = row_of({"1.16", "1.16", "1.16"}, 15.0,
+                             "[[event]]\nat = 6.0\nadd = \"uav2\"\n[[event]]\nat = 8.0\nremove = \"uav0\"\n"
+                             "[[event]]\nat = 8.5\nretune = { agent = \"uav1\", R = [2.0, 2.0, 2.0, 2.0] }\n",
+                             "model", "on", 2);
+  lift_deadline(scenario.solver);
+  Rig rig(scenario);
+  const test::Folder folder("changing_fleet");
+  const Controls controls(rig.scenario);
+  SteadyClock clock;
+  std::atomic<bool> in_task{false}, over{false}, left_alone{false};
+  FlightOptions options{.world = rig.world.get(),
+                        .team_switcher = controls.team_switcher(),
+                        .allocations = cli::allocations,
+                        .stop = &rig.stop};
+  options.fly = [&](ClosedLoop& loop, Sink<Sample>& sink) {
+    LoopOutcome outcome;
+    if (rig.take_off()) {
+      EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+      in_task = true;
+      outcome = loop.fly();
+      in_task = false;
+      rig.land();
+    }
+    sink.close();
+    return outcome;
+  };
+  std::thread observer([&] {
+    while (!over && !left_alone) {
+      const bool landed = rig.told_of(0).setpoints > 100 && !rig.vehicle(0).armed();
+      const bool others_fly = rig.vehicle(1).armed() && rig.vehicle(2).armed();
+      left_alone = landed && others_fly && in_task;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+  const LoggedFlight flown = fly_logged(rig.scenario, folder.path(), clock, controls.controllers(), options);
+  over = true;
+  observer.join();
+  const std::string said = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(flown.outcome.finite) << said;
+  EXPECT_GE(flown.outcome.updates + flown.outcome.missed, 1500) << said;
+  EXPECT_EQ(flown.outcome.max_allocations, 0);
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << said;
+  EXPECT_TRUE(left_alone) << "uav0 is on the ground, disarmed, while the others fly";
+
+  std::map<std::string, std::vector<double>> times;
+  const Recording run = read_recording(folder.path());
+  for (const Recording::Event& event : run.events) times[event.kind].push_back(event.time);
+  ASSERT_EQ(times["event_in_force"].size(), 3U) << said;
+  EXPECT_THAT(times["event_ignored"], IsEmpty());
+  EXPECT_THAT(times["added_too_near"], IsEmpty());
+  ASSERT_EQ(times["robot_ready"].size(), 1U);
+  EXPECT_NEAR(times["robot_ready"][0], 6.0, 0.05) << "it has taken off before its time";
+  EXPECT_GT(times["event_in_force"][0], times["robot_ready"][0]);
+  // It joins in the air, where it holds.
+  const auto row = std::lower_bound(run.time.begin(), run.time.end(), times["event_in_force"][0] - 1e-6);
+  const Vec3<double> joined = run.bodies[2].p[static_cast<std::size_t>(row - run.time.begin())];
+  EXPECT_NEAR(joined.z, 0.6, 0.15);
+  EXPECT_NEAR(norm(joined.x - 6.0, joined.y), 0.0, 0.15);
+
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(rig.state(i), LinkState::done) << i;
+    EXPECT_EQ(rig.told_of(static_cast<std::size_t>(i)).arm_requests, 1) << i;
+    EXPECT_FALSE(rig.vehicle(static_cast<std::size_t>(i)).armed()) << i;
+  }
+  EXPECT_GT(rig.told_of(2).setpoints, 700);
+  expect_well_treated(rig);
+
+  RecordedFlight flight(folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
+  const CommandComparison compared = test::replayed(scenario, flight);
+  EXPECT_EQ(compared.updates(), flown.outcome.updates);
+  EXPECT_EQ(compared.differing(), 0);
+}
+
+TEST(ChangingFleet, ARobotThatNoEventAddsStaysOnTheGroundWithoutARequestOrASetPoint) {
+  Rig rig(fleet_with_a_joiner(3.0));
+  const LoopOutcome outcome = rig.fly();
+  EXPECT_GE(outcome.updates + outcome.missed, 300) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+  EXPECT_EQ(rig.told_of(2).offboard_requests, 0);
+  EXPECT_EQ(rig.told_of(2).setpoints, 0);
+  EXPECT_FALSE(rig.vehicle(2).armed());
+  EXPECT_NEAR(rig.vehicle(2).motion().p.z, 0.0, 1e-6);
+  EXPECT_EQ(rig.state(2), LinkState::done);
+  EXPECT_GT(rig.told_of(1).setpoints, 250);
+}
+
+TEST(ChangingFleet, AnEventBySignalWaitsUntilItsRobotHolds) {
+  Rig rig(fleet_with_a_joiner(12.0));
+  const LoopOutcome outcome = rig.fly(1.0, [&] { rig.switcher->signal("go"); });
+  const std::string said = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(outcome.finite) << said;
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << said;
+  EXPECT_EQ(rig.count(EventKind::robot_ready), 1) << said;
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 1) << said;
+  EXPECT_THAT(rig.reported, Contains("uav2: flying"));
+  EXPECT_FALSE(rig.vehicle(2).armed());
+  expect_well_treated(rig);
+}
+
+TEST(ChangingFleet, ARobotThatRefusesToArmDoesNotJoinAndTheOthersFlyOn) {
+  Rig rig(fleet_with_a_joiner(4.0));
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    rig.vehicle(2).fail_checks(true);
+    rig.switcher->signal("go");
+  });
+  EXPECT_TRUE(outcome.finite);
+  EXPECT_GE(outcome.updates + outcome.missed, 400);
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: it refused to arm"));
+  EXPECT_THAT(rig.reported, Contains("uav2: done, it refused to arm: it does not join, the others fly on"));
+  EXPECT_EQ(rig.count(EventKind::robot_refused), 1);
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 0);
+  EXPECT_EQ(rig.told_of(2).setpoints, 0);
+}
+
+TEST(ChangingFleet, ARobotThatIsLostWhileItClimbsDoesNotJoinAndTheOthersFlyOn) {
+  Rig rig(fleet_with_a_joiner(8.0));
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    rig.switcher->signal("go");
+    EXPECT_TRUE(test::eventually([&] { return rig.vehicle(2).motion().p.z > 0.1; }, std::chrono::seconds(5)));
+    rig.faults(2).begin(Kind::silent);
+  });
+  EXPECT_TRUE(outcome.finite);
+  EXPECT_GE(outcome.updates + outcome.missed, 800);
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: nothing came from it any more"));
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("it does not join, the others fly on")));
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 0);
+  for (const std::size_t i : {0u, 1u}) EXPECT_FALSE(rig.vehicle(i).armed()) << i;
+}
+
+TEST(ChangingFleet, ARobotThatIsLostAfterItLeftDoesNotEndTheFlight) {
+  Rig rig(row_of({"1.16", "1.16"}, 10.0,
+                 "[[event]]\nat = 0.5\nremove = { agent = \"uav0\", then = \"land\" }\n"));
+  const LoopOutcome outcome = rig.fly(1.0, [&] {
+    EXPECT_TRUE(test::eventually([&] { return !rig.vehicle(0).armed(); }, std::chrono::seconds(6)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));  // until it is done
+    rig.faults(0).begin(Kind::silent);
+  });
+  EXPECT_TRUE(outcome.finite);
+  EXPECT_GE(outcome.updates + outcome.missed, 1000) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 1);
+}
+
+}  // namespace
+}  // namespace sightline::dds
