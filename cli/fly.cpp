@@ -133,15 +133,12 @@ int fly_fleet(const FlyCommand& command, const Registry& parts) {
                       fleet.file.native(), command.part));
     if (!command.part.empty()) fleet.set.push_back(fmt::format("partition.part=\"{}\"", command.part));
     scenario = read_fleet(fleet, parts);
-    if (command.view.tune)
-      throw std::invalid_argument(
-          "--tune of robots on links, expected none: `sightline view FLEET --tune` flies them in simulation, "
-          "and what it writes is a fleet to fly");
     if (changes_surroundings(scenario.script))
       throw std::invalid_argument(
           fmt::format("{}: an event with move, wind or fault, expected none: it changes a simulated world",
                       fleet.file.native()));
     refuse_without_part(scenario, command);
+    if (command.view.tune) make_tunable(scenario, TunedScript::Scope::team);
     scenario.simulation.compare.clear();
     lift_deadline(scenario.solver);  // replayable: no wall-clock deadline affects the plan
     scenario.pool = std::make_shared<ThreadPool>(command.threads);

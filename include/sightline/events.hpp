@@ -466,7 +466,12 @@ class TunedScript {
  public:
   static constexpr std::size_t room = 1000;  ///< greatest number of events of one flight
 
-  TunedScript() : all_(room) {}
+  /// What the events may change: the team alone, or the simulated world around it, too.
+  enum class Scope { team, world };
+
+  explicit TunedScript(Scope scope = Scope::world) : scope_(scope), all_(room) {}
+
+  Scope scope() const noexcept { return scope_; }
 
   bool is_full() const noexcept { return size() == room; }
   /// Appends an event. By one thread; not once the script is full.
@@ -502,6 +507,7 @@ class TunedScript {
     std::atomic<bool> ignored{false};
   };
 
+  Scope scope_;
   std::vector<std::unique_ptr<Tuned>> all_;
   std::atomic<std::size_t> size_{0};
 };

@@ -602,7 +602,7 @@ std::unique_ptr<World> make_world(const Scenario& scenario);
 /// Prepares a scenario for changes in flight. Clears `simulation.compare`, in its text too: many
 /// solvers do not support a team that changes, and the text with the changes must be replayable.
 /// @throws std::invalid_argument for a team that plans in parts, and as check_solvers()
-void make_tunable(Scenario& scenario);
+void make_tunable(Scenario& scenario, TunedScript::Scope scope = TunedScript::Scope::world);
 
 /// Removes the deadline for simulated time, so that a run gives the same result on any machine.
 void lift_deadline(SolverChoice& choice);

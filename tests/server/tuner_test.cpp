@@ -168,6 +168,26 @@ TEST(Tuner, WhatCannotBeIsRefusedAsCheckRefusesIt) {
   EXPECT_EQ(scenario.tuned->size(), 3U);
 }
 
+TEST(Tuner, OfAFlightOverLinksTheTeamAloneIsTuned) {
+  Scenario scenario = scenario_of(tuned_scenario(1.0));
+  make_tunable(scenario, TunedScript::Scope::team);
+  Tuner tuner(scenario);
+  for (const char* change :
+       {R"({"move":{"obstacle":"post","p":[1,2,3]}})", R"({"wind":{"acceleration":[0.1,0,0]}})",
+        R"({"fault":{"kind":"freeze","body":"uav1","for":1}})"}) {
+    const std::string said =
+        refusal_of<std::invalid_argument>([&] { (void)tuner.change(Tuner::Json::parse(change), 0.5, 0.1); });
+    EXPECT_THAT(said, HasSubstr("expected one of retune, reference")) << change;
+    EXPECT_THAT(said, testing::Not(HasSubstr("wind, fault"))) << change;
+  }
+  EXPECT_EQ(scenario.tuned->size(), 0U);
+  const Tuner::Json reported = tuner.tunables();
+  for (const char* list : {"bodies", "faults"}) EXPECT_EQ(reported[list], Tuner::Json::array()) << list;
+  EXPECT_TRUE(reported["wind"].is_null());
+  (void)tuner.change(Tuner::Json::parse(lighter), 0.5, 0.1);
+  EXPECT_EQ(scenario.tuned->size(), 1U);
+}
+
 TEST(Tuner, SaysWhatMayBeTunedWithTheBoundsThatPartsSay) {
   Scenario scenario = scenario_of(tuned_scenario(1.0));
   scenario.tuned = std::make_shared<TunedScript>();

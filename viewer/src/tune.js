@@ -220,7 +220,7 @@ export class Tune {
   }
 
   build() {
-    const { terms, references, bodies, wind } = this.tunables, few = terms.length <= 4;
+    const { terms, references, bodies, wind, faults } = this.tunables, few = terms.length <= 4;
     this.answer = make('output', { className: this.answer?.className ?? '', textContent: this.answer?.textContent ?? '' });
     this.answer.setAttribute('role', 'status');
     const groups = terms.map((term, i) => this.group(`term ${i}`, `${term.potential ?? 'potential'} ${term.agents.join(' › ')}`, this.termRows(term), few && i === 0));
@@ -234,11 +234,14 @@ export class Tune {
         return this.place(`${body.name} [m]`, seen.slice(0, 3), (p) => this.moveBody(body, p));
       }), false));
     }
-    const blow = [...wind];
-    groups.push(this.group('wind', 'wind', blow.map((v, k) => this.slider(`wind ${k}`, `${'xyz'[k]} [m/s²]`, { value: v, low: -2, high: 2 }, 'acceleration of all robots', (to) => {
-      blow[k] = to;
-      this.ask('wind', { event: { wind: { acceleration: [...blow] } } });
-    })), false), this.group('faults', 'faults of measurements', [this.faults()], false));
+    if (wind) { // of a simulated world alone
+      const blow = [...wind];
+      groups.push(this.group('wind', 'wind', blow.map((v, k) => this.slider(`wind ${k}`, `${'xyz'[k]} [m/s²]`, { value: v, low: -2, high: 2 }, 'acceleration of all robots', (to) => {
+        blow[k] = to;
+        this.ask('wind', { event: { wind: { acceleration: [...blow] } } });
+      })), false));
+    }
+    if (faults.length > 0) groups.push(this.group('faults', 'faults of measurements', [this.faults()], false));
     this.element.replaceChildren(make('h2', { textContent: 'Tune' }), this.buttons(), this.write(), this.answer, ...groups);
   }
 }

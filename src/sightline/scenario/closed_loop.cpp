@@ -89,13 +89,13 @@ void check_solvers(const ScenarioSpec& spec) { check_abilities(spec, changes_in_
 
 void check_solvers(const Scenario& scenario) { check_abilities(scenario, changes_in_flight(scenario)); }
 
-void make_tunable(Scenario& scenario) {
+void make_tunable(Scenario& scenario, TunedScript::Scope scope) {
   if (scenario.partition) throw_invalid("--tune of a team that plans in parts, expected one solver for all");
   TomlDocument document = parse_toml(scenario.text, scenario.file.native());
   toml::table* const simulation = document.root["simulation"].as_table();
   if (simulation != nullptr && simulation->erase("compare") > 0) scenario.text = printed(document);
   scenario.simulation.compare.clear();
-  scenario.tuned = std::make_shared<TunedScript>();
+  scenario.tuned = std::make_shared<TunedScript>(scope);
   check_solvers(scenario);
 }
 

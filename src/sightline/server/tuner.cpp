@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -25,7 +26,8 @@ namespace {
 using Json = Tuner::Json;
 
 constexpr std::array<std::string_view, 5> tuned_keys = {"retune", "reference", "move", "wind", "fault"};
-constexpr double longest_ramp = 60.0;  // [s]
+constexpr std::size_t keys_of_team = 2;  // the first ones; the others change a simulated world
+constexpr double longest_ramp = 60.0;    // [s]
 
 bool is_bare(std::string_view key) {
   return !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
@@ -184,13 +186,13 @@ Tuner::Term& Tuner::Values::term(const std::string& kind, const std::string& nam
 
 /// Keys of the event except `at`.
 std::string Tuner::keys_of(const Json& change, double ramp) const {
+  const auto keys = std::span(tuned_keys).first(changes_world() ? tuned_keys.size() : keys_of_team);
   if (!change.is_object() || change.empty())
-    throw_invalid("event = {}, expected an object with one of {}", json_text(change),
-                  fmt::join(tuned_keys, ", "));
+    throw_invalid("event = {}, expected an object with one of {}", json_text(change), fmt::join(keys, ", "));
   std::string text;
   for (const auto& [key, value] : change.items()) {
-    if (std::find(tuned_keys.begin(), tuned_keys.end(), key) == tuned_keys.end())
-      throw_invalid("event.{}, expected one of {}", key, fmt::join(tuned_keys, ", "));
+    if (std::find(keys.begin(), keys.end(), key) == keys.end())
+      throw_invalid("event.{}, expected one of {}", key, fmt::join(keys, ", "));
     for (const Json& one : value.is_array() ? value : Json::array({value})) {
       if (key == "retune" && one.is_object() && one.contains("agent"))
         throw_invalid(
@@ -356,15 +358,18 @@ Json Tuner::tunables() const {
                                              : Json::array()}});
   }
   for (const Agent& agent : scenario_.team.agents()) references.push_back(reference_of(agent.name));
-  for (const BodyId body : scenario_.targets)
-    bodies.push_back({{"kind", "target"}, {"name", scenario_.team.name(body)}});
-  for (const BodyId body : scenario_.obstacles)
-    bodies.push_back({{"kind", "obstacle"}, {"name", scenario_.team.name(body)}});
+  const bool all = changes_world();
+  const auto add_bodies = [&](std::string_view kind, const std::vector<BodyId>& of_kind) {
+    for (const BodyId body : of_kind)
+      if (all) bodies.push_back({{"kind", kind}, {"name", scenario_.team.name(body)}});
+  };
+  add_bodies("target", scenario_.targets);
+  add_bodies("obstacle", scenario_.obstacles);
   return {{"terms", terms},
           {"references", references},
           {"bodies", bodies},
-          {"wind", now_.wind},
-          {"faults", fault_words},
+          {"wind", all ? now_.wind : Json()},
+          {"faults", all ? Json(fault_words) : Json::array()},
           {"ramp", usual_ramp},
           {"changes", scenario_.tuned->size()}};
 }

@@ -26,7 +26,8 @@ namespace sightline {
 ///   {"wind": {"acceleration": [0.3, 0, 0]}}
 ///   {"fault": {"kind": "dropout", "body": "uav1", "for": 0.5}}
 ///
-/// A robot's own Q, R and limits are not tunable, because they change at once.
+/// A robot's own Q, R and limits are not tunable, because they change at once. Move, wind and fault
+/// are refused in a flight over links.
 class Tuner {
  public:
   using Json = nlohmann::ordered_json;
@@ -61,7 +62,8 @@ class Tuner {
   ///
   /// `kind` of a term is "couple" or "constrain", the key of retune. `value` is the table of the
   /// reference, `goal` its position [m], `places` the indices of the position in a "state". low and
-  /// high are null if there is no such bound.
+  /// high are null if there is no such bound. In a flight over links `bodies` and `faults` are
+  /// empty, and `wind` is null.
   Json tunables() const;
 
  private:
@@ -84,6 +86,7 @@ class Tuner {
     void take(const Json& change, const TeamEvent& event);
   };
 
+  bool changes_world() const { return scenario_.tuned->scope() == TunedScript::Scope::world; }
   std::string keys_of(const Json& change, double ramp) const;
   Json completed(const Json& change) const;
   Json reference_of(const std::string& agent) const;
