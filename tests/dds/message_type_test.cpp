@@ -96,7 +96,7 @@ const MessageType& ros(const std::string& name) {
 
 TEST(MessageType, EachLayoutOfPx4HasItsFieldsSizeAndTopicInEachRelease) {
   const auto rows = section("PX4 layouts");
-  ASSERT_EQ(rows.size(), 37u);
+  ASSERT_EQ(rows.size(), 38u);
   for (const auto& row : rows) {
     for (const auto& [release, version] : releases_of(row[1])) {
       const MessageType& type = px4_type(row[0], release);
@@ -160,6 +160,9 @@ TEST(MessageType, AFixedMessageLiesInMemoryAsOnTheWire) {
   using OdometryLayout = px4_msgs_msg_dds__VehicleOdometry_;
   EXPECT_EQ(places("VehicleOdometry", 16)[3], offsetof(OdometryLayout, position));
   EXPECT_EQ(places("VehicleOdometry", 16).back() - 1, offsetof(OdometryLayout, quality));
+  using ImuLayout = px4_msgs_msg_dds__SensorCombined_;
+  EXPECT_EQ(places("SensorCombined", 14)[4], offsetof(ImuLayout, accelerometer_m_s2));
+  EXPECT_EQ(places("SensorCombined", 18).back() - 1, offsetof(ImuLayout, gyro_calibration_count));
   using Command = px4_msgs_msg_dds__VehicleCommand_15_;
   EXPECT_EQ(places("VehicleCommand", 15)[5], offsetof(Command, param5));
   EXPECT_EQ(places("VehicleCommand", 15).back() - 1, offsetof(Command, from_external));

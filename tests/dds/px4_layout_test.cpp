@@ -29,7 +29,7 @@ TEST(Px4Layout, EachReleaseHasAllThatAVehicleSaysBeside) {
   for (int release = px4_first; release <= px4_last; ++release) {
     for (const char* message :
          {"VehicleStatus", "VehicleLocalPosition", "VehicleOdometry", "FailsafeFlags", "BatteryStatus",
-          "VehicleCommand", "OffboardControlMode", "TrajectorySetpoint"})
+          "VehicleCommand", "OffboardControlMode", "TrajectorySetpoint", "SensorCombined"})
       EXPECT_EQ(Px4Layout(message, release).size(), *payload_size(px4_type(message, release))) << message;
     EXPECT_TRUE(Px4Layout("FailsafeFlags", release).has("manual_control_signal_lost"));
     EXPECT_TRUE(Px4Layout("BatteryStatus", release).has("remaining"));

@@ -16,18 +16,18 @@ namespace sightline::dds {
 
 std::span<const dds_topic_descriptor_t* const> px4_descriptors() {
 #define LAYOUT(message) &px4_msgs_msg_dds__##message##_desc
-  static const std::array<const dds_topic_descriptor_t*, 32> all = {
+  static const std::array<const dds_topic_descriptor_t*, 33> all = {
       LAYOUT(TrajectorySetpoint_),      LAYOUT(OffboardControlMode_14_),  LAYOUT(OffboardControlMode_15_),
       LAYOUT(VehicleCommand_14_),       LAYOUT(VehicleCommand_15_),       LAYOUT(VehicleCommandAck_14_),
       LAYOUT(VehicleCommandAck_15_),    LAYOUT(VehicleStatus_14_),        LAYOUT(VehicleStatus_15_),
       LAYOUT(VehicleStatus_16_),        LAYOUT(VehicleStatus_18_),        LAYOUT(VehicleOdometry_),
       LAYOUT(VehicleLocalPosition_14_), LAYOUT(VehicleLocalPosition_15_), LAYOUT(VehicleLocalPosition_16_),
-      LAYOUT(VehicleAttitude_),         LAYOUT(VehicleLandDetected_),     LAYOUT(TimesyncStatus_),
-      LAYOUT(FailsafeFlags_14_),        LAYOUT(FailsafeFlags_15_),        LAYOUT(FailsafeFlags_16_),
-      LAYOUT(FailsafeFlags_17_),        LAYOUT(FailsafeFlags_18_),        LAYOUT(BatteryStatus_14_),
-      LAYOUT(BatteryStatus_16_),        LAYOUT(BatteryStatus_17_),        LAYOUT(MessageFormatRequest_),
-      LAYOUT(MessageFormatResponse_),   LAYOUT(RoverSpeedSetpoint_),      LAYOUT(RoverRateSetpoint_),
-      LAYOUT(RoverThrottleSetpoint_),   LAYOUT(EstimatorStatusFlags_)};
+      LAYOUT(VehicleAttitude_),         LAYOUT(SensorCombined_),          LAYOUT(VehicleLandDetected_),
+      LAYOUT(TimesyncStatus_),          LAYOUT(FailsafeFlags_14_),        LAYOUT(FailsafeFlags_15_),
+      LAYOUT(FailsafeFlags_16_),        LAYOUT(FailsafeFlags_17_),        LAYOUT(FailsafeFlags_18_),
+      LAYOUT(BatteryStatus_14_),        LAYOUT(BatteryStatus_16_),        LAYOUT(BatteryStatus_17_),
+      LAYOUT(MessageFormatRequest_),    LAYOUT(MessageFormatResponse_),   LAYOUT(RoverSpeedSetpoint_),
+      LAYOUT(RoverRateSetpoint_),       LAYOUT(RoverThrottleSetpoint_),   LAYOUT(EstimatorStatusFlags_)};
 #undef LAYOUT
   return all;
 }
