@@ -3,7 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
+
+extern "C" {
+#include "px4.h"
+}
 
 namespace sightline::dds {
 namespace {
@@ -25,9 +32,9 @@ TEST(VehicleSimulator, FaultsOfTheFileBeginAndEndInTheirTime) {
   const Interrupts never{0};
   vehicle_simulators.run(0.5, never, [&](std::string_view sentence) { reported.emplace_back(sentence); });
   EXPECT_EQ(reported, (Fields{"uav0: drop begins", "uav0: drop ends"})) << "it was never steered";
-  // 20 poses, a status, 2 of each slow message; the same each time.
-  EXPECT_EQ(vehicle_simulators.faults(0).counts().dropped, 25);
-  EXPECT_THAT(vehicle_simulators.counts()[0], HasSubstr("; 25 messages lost"));
+  // 20 poses, 40 of its IMU, a status, 2 of each slow message; the same each time.
+  EXPECT_EQ(vehicle_simulators.faults(0).counts().dropped, 65);
+  EXPECT_THAT(vehicle_simulators.counts()[0], HasSubstr("; 65 messages lost"));
 }
 
 TEST(VehicleSimulator, ARestartedOneBeginsAnewAndWhatItDidBeforeIsTold) {
@@ -39,6 +46,34 @@ TEST(VehicleSimulator, ARestartedOneBeginsAnewAndWhatItDidBeforeIsTold) {
               testing::ElementsAre(HasSubstr("uav0, before it began anew: 0 set-points"), "uav0: gone"));
   vehicle_simulators.run(0.3, never, {});
   EXPECT_THAT(vehicle_simulators.counts()[1], HasSubstr("uav0: 0 set-points"));
+}
+
+// On the ground it measures that of gravity, upwards.
+TEST(VehicleSimulator, TheImuOfAPx4VehicleMeasuresFromOneStampToTheNextInItsOwnAxes) {
+  const Scenario scenario = row_of({"1.14"}, 1.0);
+  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
+  std::vector<px4_msgs_msg_dds__SensorCombined_> all;
+  const RawReader reader(
+      domain->another_participant(), px4_msgs_msg_dds__SensorCombined__desc, "/px4_0/fmu/out/sensor_combined",
+      {.depth = 100}, 48u, Writers::all,
+      taking<px4_msgs_msg_dds__SensorCombined_>([&](const auto& m, const auto&) { all.push_back(m); }));
+  DdsVehicleSimulators vehicle_simulators(scenario, domain);
+  ASSERT_TRUE(test::eventually([&] { return reader.matched() > 0; }));
+  const Interrupts never{0};
+  vehicle_simulators.run(1.0, never, {});
+  ASSERT_GT(all.size(), 150u);
+  double up = 0.0, turn = 0.0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].timestamp, all[i - 1].timestamp + all[i].gyro_integral_dt);
+    EXPECT_EQ(all[i].gyro_integral_dt, all[i].accelerometer_integral_dt);
+    const double dt = 1e-6 * all[i].gyro_integral_dt;
+    up -= dt * all[i].accelerometer_m_s2[2];
+    turn += dt * (std::abs(all[i].gyro_rad[0]) + std::abs(all[i].gyro_rad[2]));
+  }
+  const double seconds = 1e-6 * static_cast<double>(all.back().timestamp - all.front().timestamp);
+  EXPECT_NEAR(up / seconds, gravity, 5 * Imu::bmi088().accelerometer_bias);
+  EXPECT_LT(turn / seconds, 0.05);
+  EXPECT_NE(all[10].accelerometer_m_s2[0], all[11].accelerometer_m_s2[0]) << "it has noise";
 }
 
 TEST(VehicleSimulator, KeysBeginAndEndTheFaultsThatARobotCanHave) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sightline/base/now.hpp"
 
@@ -33,7 +34,7 @@ struct Px4Vehicle::Ends {
         ack_layout("VehicleCommandAck", release) {}
 
   Px4Layout status_layout, position_layout, ack_layout;
-  std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position;
+  std::unique_ptr<FaultyWriter> odometry, status, ack, landed, position, inertial;
   std::unique_ptr<RawReader> command, setpoint, heartbeat;
 };
 
@@ -42,6 +43,7 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
       setup_(setup),
       booted_(monotonic_now()),
       body_(setup.p, setup.heading, setup.rotors),
+      imu_(Imu::bmi088(), setup.system),
       faults_(faults),
       aside_(participant, link, faults),
       ends_(std::make_unique<Ends>(release_)) {
@@ -62,6 +64,7 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
   ends_->status = writer("VehicleStatus");
   ends_->ack = writer("VehicleCommandAck");
   ends_->position = writer("VehicleLocalPosition");
+  ends_->inertial = writer("SensorCombined");
   send_status();  // readers from before its start learn at once that it is disarmed
   ends_->command = reader("VehicleCommand", 16, [this](const Px4Layout& in) {
     return [this, command = in.place("command"), param1 = in.place("param1"), param2 = in.place("param2"),
@@ -242,6 +245,7 @@ void Px4Vehicle::send_odometry() {
   using K = LinkFaultKind;
   const double jump = faults_.on(K::clock_jump) ? faults_.size(K::clock_jump) : 0.0;
   m.timestamp = m.timestamp_sample = microseconds() + static_cast<std::uint64_t>(std::llround(1e6 * jump));
+  send_inertial(m.timestamp_sample);
   m.pose_frame = m.velocity_frame = px4_frame_ned;
   const Vec3<double> p = turned_over(local.p), v = turned_over(local.v);
   const Quaternion q = turned_over(local.q);
@@ -254,6 +258,26 @@ void Px4Vehicle::send_odometry() {
   m.angular_velocity[2] = static_cast<float>(-body_.motion().r);
   m.reset_counter = static_cast<std::uint8_t>(faults_.resets());
   ends_->odometry->write(&m);
+}
+
+// Two measurements before each odometry, as of PX4 with IMU_INTEG_RATE = 200.
+void Px4Vehicle::send_inertial(std::uint64_t now) {
+  const Motion before = std::exchange(sensed_, body_.motion());
+  const std::uint64_t begin = std::exchange(sensed_at_, now);
+  if (begin == 0 || now < begin + 2) return;
+  const InertialSample exact = inertial_between(before, sensed_, 1e-6 * static_cast<double>(now - begin));
+  const std::uint64_t middle = begin + (now - begin) / 2;
+  for (const auto& [from, to] : {std::pair{begin, middle}, std::pair{middle, now}}) {
+    const InertialSample measured = imu_.measure(exact, 1e-6 * static_cast<double>(to - from));
+    const Vec3<double> w = body_turned_over(measured.gyro), f = body_turned_over(measured.force);
+    const std::array<double, 3> rates = {w.x, w.y, w.z}, forces = {f.x, f.y, f.z};
+    px4_msgs_msg_dds__SensorCombined_ m{};
+    m.timestamp = to;
+    m.gyro_integral_dt = m.accelerometer_integral_dt = static_cast<std::uint32_t>(to - from);
+    for (std::size_t k = 0; k < 3; ++k)
+      m.gyro_rad[k] = static_cast<float>(rates[k]), m.accelerometer_m_s2[k] = static_cast<float>(forces[k]);
+    ends_->inertial->write(&m);
+  }
 }
 
 void Px4Vehicle::send_status() {

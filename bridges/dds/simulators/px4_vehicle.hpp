@@ -13,6 +13,7 @@
 #include "bridges/dds/simulators/faults.hpp"
 #include "bridges/dds/simulators/px4_vehicle_diagnostics.hpp"
 #include "bridges/dds/simulators/simulated_body.hpp"
+#include "bridges/dds/simulators/simulated_imu.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/delay_histogram.hpp"
@@ -70,6 +71,7 @@ class Px4Vehicle final : public VehicleSimulator {
   void on_heartbeat(bool position);
   void move();
   void send_odometry();
+  void send_inertial(std::uint64_t now);
   void send_status();
   void send_slow();
   void suffer();
@@ -86,6 +88,9 @@ class Px4Vehicle final : public VehicleSimulator {
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
   SimulatedBody body_;
+  SimulatedImu imu_;
+  Motion sensed_{};                        // at the last inertial measurement, in G
+  std::uint64_t sensed_at_ = 0;            // by its clock [us]; 0: none yet
   Vec3<double> p_sp_{}, v_sp_{}, a_sp_{};  // in G; the height of p_sp_ is unused
   double r_sp_ = 0.0;
   bool has_p_sp_ = false;
