@@ -126,7 +126,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       robots_(made_robots(publish)),
       told_(robots_.size()),
       bodies_(scenario_, domain_->participant()),
-      telemetry_(scenario_, subscribers(), domain_->participant()),
+      telemetry_(scenario_, ends(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
   if (publish == PublishMode::on && plans_apart(scenario_))
     talk_ = std::make_unique<PredictionExchange>(scenario_, domain_->participant());
@@ -153,12 +153,13 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
     const Model& model = team_.model(link.robot);
     const GoalSpace space = goal_space(scenario_, model);
     const double height = sight_at_start(scenario_, link.robot).p.z;
-    std::unique_ptr<LinkEnd> end = made_end({{domain_->participant(), publish},
-                                             link,
-                                             name,
-                                             model,
-                                             fleet_of(scenario_).network,
-                                             std::max(height, space.floor)});
+    std::unique_ptr<LinkEnd> end = made_end({.at = {domain_->participant(), publish},
+                                             .link = link,
+                                             .name = name,
+                                             .model = model,
+                                             .network = fleet_of(scenario_).network,
+                                             .height = std::max(height, space.floor),
+                                             .inertial = uses_attitude_filter(scenario_, link.robot)});
     const bool absent = is_absent_at_start(scenario_, link.robot);
     LinkTimes limits = times_;
     if (absent) limits.called += limits.task;
@@ -182,9 +183,9 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
   return robots;
 }
 
-std::vector<PoseSubscriber*> DdsWorld::subscribers() const {
-  std::vector<PoseSubscriber*> all;
-  for (const Robot& robot : robots_) all.push_back(&robot.end->subscriber());
+std::vector<LinkEnd*> DdsWorld::ends() const {
+  std::vector<LinkEnd*> all;
+  for (const Robot& robot : robots_) all.push_back(robot.end.get());
   return all;
 }
 

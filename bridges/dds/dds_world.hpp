@@ -97,7 +97,7 @@ class DdsWorld final : public LinkedWorld {
   };
 
   std::vector<Robot> made_robots(PublishMode publish) const;
-  std::vector<PoseSubscriber*> subscribers() const;
+  std::vector<LinkEnd*> ends() const;
   std::vector<ExaminedRobot> examined() const;
   void step_all(LinkOrder order, std::span<const double> estimated, std::span<const double> u) noexcept;
   void report_changes(const PrintMessage& print);

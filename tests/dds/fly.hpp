@@ -50,11 +50,12 @@ class FlyTest : public testing::Test {
     EXPECT_THAT(done.out, testing::HasSubstr(" commands, 0 differ"));
   }
   /// Takes off on a desk, flies for so long, lands, and flies again from its log; hard distances are kept, all exit with 0.
-  void expect_flies(const std::string& name, const std::string& duration) const {
+  /// @param set  further words of `fly`
+  void expect_flies(const std::string& name, const std::string& duration, const std::string& set = "") const {
     const std::filesystem::path fleet = fleet_of(name, duration);
     const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
     const auto flown =
-        test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string(), folder);
+        test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string() + set, folder);
     EXPECT_EQ(flown.code, 0) << flown.out << flown.err;
     EXPECT_THAT(flown.out, testing::ContainsRegex("allocations in an update +0\n"));
     vehicles->end(SIGINT);

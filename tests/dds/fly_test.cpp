@@ -41,6 +41,14 @@ TEST_F(Fly, ARobotWithoutAPositionFliesByWhatItSees) {
   EXPECT_THAT(said("vehicles.out"), HasSubstr("pictures with tags: "));
 }
 
+// The log has each motion sample with the means of its IMU: the estimates of a replay are the same bits.
+TEST_F(Fly, ARobotWithTheAttitudeFilterFliesByItsImuAndIsReplayed) {
+  expect_flies("localize", whole_campaign() ? "60.0" : "3.0",
+               " --set 'agent.uav0.estimate.filter=\"attitude\"'");
+  const auto replayed = test::sightline("replay " + (folder / "flown").string(), folder);
+  EXPECT_THAT(replayed.out, testing::ContainsRegex("[1-9][0-9]* estimates of poses, 0 differ"));
+}
+
 // As `sightline check` does.
 TEST_F(Fly, EachShippedFleetIsRead) {
   for (const auto& file : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/fleets")) {

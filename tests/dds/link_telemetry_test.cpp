@@ -7,6 +7,7 @@
 
 #include "bridges/dds/topics/channel.hpp"
 #include "tests/dds/rig.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/refusal.hpp"
 
 extern "C" {
@@ -17,6 +18,8 @@ namespace sightline::dds {
 namespace {
 
 using testing::HasSubstr;
+
+const std::string by_attitude_filter = "agent.uav0.estimate.filter=\"attitude\"";
 
 Scenario localized(double duration, const std::vector<std::string>& set = {}) {
   std::vector<std::string> all = {fmt::format("fleet.domain={}", test::own_domain()),
@@ -45,11 +48,49 @@ TEST(LinkTelemetry, ACommandIsTheSameForTheRobotInAnyFrame) {
   EXPECT_NEAR(local.lead.d.y, d.y, 1e-12);
 }
 
-TEST(LinkTelemetry, AFilterThatNoLinkServesIsRefused) {
-  const Scenario scenario = localized(1.0, {"agent.uav0.estimate.filter=\"attitude\""});
+TEST(LinkTelemetry, TheAttitudeFilterBehindALinkWithoutAnImuIsRefused) {
+  Scenario scenario = localized(1.0, {by_attitude_filter});
+  own_fleet(scenario).links[0].kind = Crazyswarm2Link{.name_space = "/cf0"};
   EXPECT_THAT(
       refusal_of([&] { DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network)); }),
-      HasSubstr("agent.uav0.estimate.filter = attitude"));
+      HasSubstr("agent.uav0.estimate.filter = attitude, for which a link of kind crazyswarm2 has no "
+                "accelerations, expected \"heading\", or a link of kind px4"));
+}
+
+TEST(LinkTelemetry, WithoutItsImuItStaysOnTheGround) {
+  const Scenario scenario = localized(1.0, {by_attitude_filter});
+  EXPECT_THAT(
+      not_ready(scenario, std::make_shared<Domain>(fleet_of(scenario).network), 0.5),
+      testing::Contains("uav0: rt/px4_1/fmu/out/sensor_combined: no measurement of its IMU, which the "
+                        "attitude filter needs: it has no publisher"));
+}
+
+// Its IMU is examined before, and no other robot's.
+TEST(LinkTelemetry, ARobotFliesByWhatItSeesAndItsImu) {
+  const Scenario scenario = localized(4.0, {by_attitude_filter});
+  Rig rig(scenario);
+  std::vector<std::string> rates;
+  EXPECT_TRUE(test::eventually([&] {
+    rates.clear();
+    for (const Finding& finding : rig.world->examine())
+      if (finding.sentence.find("measurements of its IMU a second") != std::string::npos)
+        rates.push_back(fmt::format("{} {}", finding.robot, to_string(finding.light)));
+    return rates == std::vector<std::string>{"uav0 green"};
+  })) << fmt::format("{}", fmt::join(rates, "\n"));
+  double distance = -1.0;
+  const LoopOutcome outcome = rig.fly(3.5, [&] {
+    const Motion own = rig.vehicle(0).motion(), seen = rig.vehicle(1).motion();
+    distance = norm(own.p - seen.p);
+  });
+  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_EQ(outcome.max_allocations, 0);
+  EXPECT_GT(distance, 1.2);
+  EXPECT_LT(distance, 1.8);
+  EXPECT_THAT(rig.counted("uav0: "),
+              testing::ContainsRegex("[1-9][0-9]* measurements of its IMU, 0 not finite"));
+  EXPECT_EQ(rig.counted("uav1: ").find("IMU"), std::string::npos);
+  EXPECT_THAT(rig.world->faults(), testing::IsEmpty());
+  expect_well_treated(rig);
 }
 
 /// It keeps its distance to the body that it sees.

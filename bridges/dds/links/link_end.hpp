@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/links/inertial_samples.hpp"
 #include "bridges/dds/links/link_machine.hpp"
 #include "bridges/dds/links/robot_state.hpp"
 #include "bridges/dds/topics/channel.hpp"
@@ -42,6 +43,8 @@ class LinkEnd {
   virtual std::string reply() { return {}; }
   /// Subscriber of the robot's pose and motion.
   virtual PoseSubscriber& subscriber() noexcept = 0;
+  /// Its inertial measurements; null unless EndSetup requires them and the kind of link has them.
+  virtual InertialSamples* inertial() noexcept { return nullptr; }
   /// Geodetic origin of its local frame, if the robot reports one.
   virtual std::optional<GeoPoint> reference() const { return std::nullopt; }
   /// How far its stamps are behind its clock, as it reports [s]; 0 if unknown. Examining thread.
@@ -61,6 +64,7 @@ struct EndSetup {
   const Model& model;
   const FleetNetwork& network;
   double height = -std::numeric_limits<double>::infinity();  ///< where the task begins, in G [m]
+  bool inertial = false;                                     ///< its estimator requires inertial measurements
 };
 inline std::unique_ptr<LinkEnd> made_end(const EndSetup& setup) {
   return std::visit([&](const auto& kind) { return kind.end(setup); }, setup.link.kind);

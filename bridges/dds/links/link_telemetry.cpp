@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "sightline/base.hpp"
@@ -43,25 +44,31 @@ Command in_local(const LinkOrigin& frame, const Command& command) {
   return local;
 }
 
-LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<PoseSubscriber*>& subscribers,
+bool uses_attitude_filter(const Scenario& scenario, BodyId robot) {
+  const auto& all = scenario.localization.robots;
+  return std::any_of(all.begin(), all.end(), [&](const LocalizedRobot& one) {
+    return one.robot == robot && one.filter.filter == FilterKind::attitude;
+  });
+}
+
+LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<LinkEnd*>& ends,
                              dds_entity_t participant)
     : team_(scenario.team), radio_(scenario.radio), rest_(size(team_.nu())) {
   std::vector<WatchedCamera> cameras;
   const auto& links = fleet_of(scenario).links;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const BodyId robot = links[i].robot;
-    const auto& all = scenario.localization.robots;
-    const auto localized =
-        std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.robot == robot; });
-    if (localized == all.end()) continue;
-    if (localized->filter.filter == FilterKind::attitude)
-      throw std::invalid_argument(
-          fmt::format("agent.{}.estimate.filter = attitude, for which no link has accelerations, expected "
-                      "\"heading\"",
-                      team_.name(robot)));
-    robots_.push_back({robot, subscribers[i]});
+    if (!links[i].poses.estimated()) continue;
+    PoseSubscriber& odometry = ends[i]->subscriber();
+    InertialSamples* const inertial = ends[i]->inertial();
+    if (inertial == nullptr && uses_attitude_filter(scenario, robot))
+      throw std::invalid_argument(fmt::format(
+          "agent.{}.estimate.filter = attitude, for which a link of kind {} has no accelerations, "
+          "expected \"heading\", or a link of kind px4",
+          team_.name(robot), links[i].kind_name()));
+    robots_.push_back({robot, &odometry, inertial});
     if (const RobotCamera* const camera = scenario.vision.camera_of(robot))
-      cameras.push_back({*camera, subscribers[i]});
+      cameras.push_back({*camera, &odometry});
   }
   if (robots_.empty()) return;
   for (const BodyId body : telemetry_options(scenario).broadcasters) emitters_.push_back({body});
@@ -75,8 +82,10 @@ MeasuredMost LinkTelemetry::most() const noexcept {
 }
 
 void LinkTelemetry::begin() noexcept {
-  for (Robot& robot : robots_)
+  for (Robot& robot : robots_) {
     for (SeenMotion seen; robot.odometry->next(seen);) (void)robot.samples.take(seen, 0);
+    if (robot.inertial != nullptr) robot.inertial->forget();
+  }
   if (tags_) tags_->forget();
 }
 
@@ -85,8 +94,11 @@ void LinkTelemetry::measure(Nanoseconds origin, Measured& now) noexcept {
   motions_.clear();
   for (Robot& robot : robots_) {
     SeenMotion seen;
-    for (std::size_t i = 0; i < motions_most && robot.odometry->next(seen); ++i)
-      if (const auto sample = robot.samples.take(seen, origin)) motions_.push_back({robot.body, *sample});
+    for (std::size_t i = 0; i < motions_most && robot.odometry->next(seen); ++i) {
+      std::optional<MotionSample> sample = robot.samples.take(seen, origin);
+      if (!sample || (robot.inertial != nullptr && !robot.inertial->fill(seen.sampled, *sample))) continue;
+      motions_.push_back({robot.body, *sample});
+    }
   }
   broadcasts_.clear();
   for (TelemetryEmitter& emitter : emitters_) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/dds/links/link_end.hpp"
 #include "bridges/dds/links/motion_samples.hpp"
 #include "bridges/dds/topics/tag_subscriber.hpp"
 #include "sightline/world.hpp"
@@ -21,18 +22,20 @@ LinkOrigin carried_frame(const Motion& odometry, double age, const Motion& estim
 /// A command in G, expressed in that frame.
 Command in_local(const LinkOrigin& frame, const Command& command);
 
+/// Whether a robot's pose is estimated by the attitude filter.
+bool uses_attitude_filter(const Scenario& scenario, BodyId robot);
+
 /// Telemetry of a fleet; empty without a vision-localized robot. Motions come from the robots' own
-/// odometry.
+/// odometry; for the attitude filter also from their IMUs, without which there is no motion.
 /// Observed bodies broadcast their measured poses, with the error model of [estimate.broadcast].
 class LinkTelemetry {
  public:
   static constexpr std::size_t motions_most = 16;  ///< per robot and period
 
-  /// @param subscribers  odometry of each robot, in link order; must outlive this
+  /// @param ends  of each robot, in link order; must outlive this
   /// @throws std::invalid_argument if a robot's filter needs an input that no link provides,
   ///   std::runtime_error if /tf cannot be read
-  LinkTelemetry(const Scenario& scenario, const std::vector<PoseSubscriber*>& subscribers,
-                dds_entity_t participant);
+  LinkTelemetry(const Scenario& scenario, const std::vector<LinkEnd*>& ends, dds_entity_t participant);
 
   bool empty() const noexcept { return robots_.empty(); }
   MeasuredMost most() const noexcept;
@@ -49,6 +52,7 @@ class LinkTelemetry {
   struct Robot {
     BodyId body{};
     PoseSubscriber* odometry = nullptr;
+    InertialSamples* inertial = nullptr;  // of the attitude filter alone
     MotionSamples samples{};
   };
   struct TelemetryEmitter {

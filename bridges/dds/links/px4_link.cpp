@@ -22,6 +22,7 @@ constexpr Nanoseconds px4_second = 1'000'000'000;
 constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
 constexpr Nanoseconds newcomers_wait = 50'000'000;
 constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
+constexpr std::int64_t inertial_needed = 20;    // before their rate is judged
 constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
 constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
 constexpr double near_height = 0.1;             // below height_, where the climb is over [m]
@@ -65,11 +66,11 @@ struct Px4LinkEnd::Ends {
 
   Px4Layout mode_layout, command_layout;
   Px4Message mode, order;
-  std::unique_ptr<RawReader> status, position, alignment, landed, battery, ack;
+  std::unique_ptr<RawReader> status, position, alignment, landed, battery, ack, inertial;
   std::unique_ptr<RawWriter> heartbeat, setpoint, command;
 };
 
-Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height)
+Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height, Inertial inertial)
     : px4_(std::get<Px4Link>(link.kind)),
       from_(link.poses),
       origin_(link.origin),
@@ -77,6 +78,7 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double
       stamps_(stamps),
       height_(height),
       odometry_(link.origin),
+      inertial_(inertial == Inertial::read ? std::make_unique<InertialSamples>() : nullptr),
       aside_(std::make_unique<Px4Diagnostics>(participant, px4_)),
       ends_(std::make_unique<Ends>(release_)) {
   const auto writer = [&](std::string_view message) {
@@ -86,6 +88,7 @@ Px4LinkEnd::Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double
   };
   read_state(participant);
   read_poses(participant);
+  if (inertial_) read_inertial(participant);
   ends_->setpoint = writer("TrajectorySetpoint");
   ends_->heartbeat = writer("OffboardControlMode");
   ends_->command = writer("VehicleCommand");
@@ -161,6 +164,19 @@ void Px4LinkEnd::read_poses(dds_entity_t participant) {
   if (!from_.by_others()) return;
   seen_ = std::make_unique<PoseSubscriber>();
   read_seen_poses(*seen_, participant, from_, Attitude::needed);
+}
+
+void Px4LinkEnd::read_inertial(dds_entity_t participant) {
+  const auto take = [this](const void* message, const Arrival& arrival) {
+    const auto& m = *static_cast<const px4_msgs_msg_dds__SensorCombined_*>(message);
+    if (m.timestamp > last_microsecond || m.accelerometer_timestamp_relative == px4_no_acceleration) return;
+    inertial_->put({of_microseconds(m.timestamp), body_turned_over(vec3_of(m.gyro_rad)),
+                    body_turned_over(vec3_of(m.accelerometer_m_s2))},
+                   arrival.monotonic);
+  };
+  // Several may arrive before the receive thread reads them: none replaces another.
+  ends_->inertial = px4_reader(participant, px4_, Px4Layout("SensorCombined", release_), "SensorCombined",
+                               {.depth = 8}, Writers::first, [&](const Px4Layout&) { return take; });
 }
 
 void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
@@ -432,6 +448,27 @@ void Px4LinkEnd::examine_estimator(FindingList& to) const {
                says ? "; it knows what is level, and its heading" : "");
 }
 
+void Px4LinkEnd::examine_inertial(const Surroundings& around, FindingList& to) const {
+  const RawReader& reader = *ends_->inertial;
+  const Nanoseconds now = monotonic_now();
+  const ArrivalFigures f = inertial_->arrivals().figures(now, 0);
+  if (f.count == 0)
+    to.add(Aspect::topics, Light::red, "{}: no measurement of its IMU, which the attitude filter needs: {}",
+           reader.topic(),
+           reader.counts().received == 0  ? why_nothing_comes(reader, around)
+           : inertial_->not_finite() == 0 ? "they ceased, or have no acceleration"
+                                          : fmt::format("{} are not finite", inertial_->not_finite()));
+  if (reader.counts().foreign > 0)
+    to.add(Aspect::writers, Light::red, "{}: {} messages of a second writer", reader.topic(),
+           reader.counts().foreign.load());
+  if (f.count < inertial_needed) return;
+  const bool rare = f.rate < InertialSamples::rate_least;
+  to.add(Aspect::rate, rare ? Light::red : Light::green,
+         "{:.0f} measurements of its IMU a second, the longest gap {:.3f} s, the last {:.3f} s old{}", f.rate,
+         f.gap_longest, f.age,
+         rare ? fmt::format("; the attitude filter needs {:.0f}", InertialSamples::rate_least) : "");
+}
+
 std::optional<GeoPoint> Px4LinkEnd::reference() const {
   Position position;
   if (!position_.look(position) || !position.global) return std::nullopt;
@@ -457,6 +494,7 @@ void Px4LinkEnd::examine_state(FindingList& to) {
 
 void Px4LinkEnd::examine(const Surroundings& around, FindingList& to) {
   if (!aside_) return;
+  if (inertial_) examine_inertial(around, to);
   examine_topics(around, to);
   odometry_.examine("NED, counted from its origin", "frames that are not NED", to);
   if (seen_) {
@@ -480,6 +518,9 @@ std::string Px4LinkEnd::counts() const {
     wrong += reader->counts().too_long + reader->counts().too_short;
   std::string words = fmt::format("{}, {} messages of other sizes, {} set-points sent", poses().counts(),
                                   wrong, sent_.load());
+  if (inertial_)
+    words += fmt::format(", {} measurements of its IMU, {} not finite",
+                         ends_->inertial->counts().received.load(), inertial_->not_finite());
   if (held_back_ > 0)
     words += fmt::format(", {} held back: it reported another mode in that period", held_back_.load());
   if (anchor_.jumps() > 0)
@@ -492,5 +533,6 @@ std::string Px4LinkEnd::counts() const {
 std::unique_ptr<sightline::dds::LinkEnd> sightline::Px4Link::end(const dds::EndSetup& setup) const {
   const bool loopback = setup.network.interfaces == std::vector<std::string>{"lo"};
   return std::make_unique<dds::Px4LinkEnd>(
-      setup.at, setup.link, loopback ? dds::Stamps::of_this_machine : dds::Stamps::none, setup.height);
+      setup.at, setup.link, loopback ? dds::Stamps::of_this_machine : dds::Stamps::none, setup.height,
+      setup.inertial ? dds::Inertial::read : dds::Inertial::unread);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -34,8 +35,13 @@ inline constexpr float px4_force = 21196.0F;  // param2 of arm_disarm: also in t
 inline constexpr std::uint8_t px4_frame_ned = 1, px4_velocity_body = 3;
 inline constexpr std::uint8_t px4_battery_good = 0, px4_battery_critical = 2;  // BatteryStatus.warning
 
+/// accelerometer_timestamp_relative of a SensorCombined without an acceleration.
+inline constexpr std::int32_t px4_no_acceleration = std::numeric_limits<std::int32_t>::max();
+
 /// Source of the stamps of sent messages.
 enum class Stamps { none, of_this_machine };
+/// Whether the end reads the vehicle's IMU.
+enum class Inertial { unread, read };
 
 class Px4LinkEnd final : public LinkEnd {
  public:
@@ -43,7 +49,7 @@ class Px4LinkEnd final : public LinkEnd {
   ///   stamp as current
   /// @param height  where the task begins, in G [m]
   /// @throws std::runtime_error if a topic cannot be created
-  Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height);
+  Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height, Inertial inertial);
   ~Px4LinkEnd() override;
 
   bool look(SeenMotion& seen) noexcept override;
@@ -52,6 +58,7 @@ class Px4LinkEnd final : public LinkEnd {
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
   PoseSubscriber& subscriber() noexcept override { return poses(); }
+  InertialSamples* inertial() noexcept override { return inertial_.get(); }
   std::optional<GeoPoint> reference() const override;
   void stop_examining() override { aside_.reset(); }
   std::string reply() override;
@@ -101,6 +108,7 @@ class Px4LinkEnd final : public LinkEnd {
 
   void read_state(dds_entity_t participant);
   void read_poses(dds_entity_t participant);
+  void read_inertial(dds_entity_t participant);
   bool has_valid_estimate() const noexcept;
   LinkReason unfit(const Vec3<double>& p) const noexcept;
   void on_odometry(const void* message, const Arrival& arrival);
@@ -111,6 +119,7 @@ class Px4LinkEnd final : public LinkEnd {
   void examine_topics(const Surroundings& around, FindingList& to) const;
   void examine_writers(const Surroundings& around, FindingList& to) const;
   void examine_estimator(FindingList& to) const;
+  void examine_inertial(const Surroundings& around, FindingList& to) const;
   void examine_state(FindingList& to);
   std::uint64_t stamp() const noexcept;
   bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
@@ -163,9 +172,10 @@ class Px4LinkEnd final : public LinkEnd {
   int speakers_ = -1;  // status writers matched at the arm request; -1: none requested yet
 
   PoseSubscriber odometry_;
-  std::unique_ptr<PoseSubscriber> seen_;   // poses from others, if the link uses them
-  std::unique_ptr<Px4Diagnostics> aside_;  // until arming
-  std::unique_ptr<Ends> ends_;             // last member: readers end before the members they fill
+  std::unique_ptr<PoseSubscriber> seen_;       // poses from others, if the link uses them
+  std::unique_ptr<InertialSamples> inertial_;  // if the pose estimator uses them
+  std::unique_ptr<Px4Diagnostics> aside_;      // until arming
+  std::unique_ptr<Ends> ends_;                 // last member: readers end before the members they fill
 };
 
 }  // namespace sightline::dds

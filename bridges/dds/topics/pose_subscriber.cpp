@@ -23,7 +23,7 @@ bool PoseSubscriber::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) no
 }
 
 void PoseSubscriber::put(const Motion& local) noexcept {
-  const SeenMotion seen = {in_G(origin_, local), clock_.on_ours()};
+  const SeenMotion seen = {in_G(origin_, local), clock_.on_ours(), clock_.on_ours() - clock_.offset()};
   motion_.put(seen);
   SeenMotion* const place = each_ ? each_->claim() : nullptr;
   if (place == nullptr) return;

@@ -21,8 +21,9 @@ namespace sightline::dds {
 
 /// Last known motion of a body.
 struct SeenMotion {
-  Motion motion{};        ///< in G
-  Nanoseconds stamp = 0;  ///< time of the motion, monotonic clock
+  Motion motion{};          ///< in G
+  Nanoseconds stamp = 0;    ///< time of the motion, monotonic clock
+  Nanoseconds sampled = 0;  ///< the same by the sender's clock
 };
 
 /// Queue length for robots whose estimator uses every motion: 0.6 s at 100 Hz.
