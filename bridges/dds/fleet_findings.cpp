@@ -36,18 +36,6 @@ const LadderTimes* times_of(const Scenario& scenario) {
   return scenario.safety && scenario.safety->supervisor ? &scenario.safety->supervisor->times : nullptr;
 }
 
-void examine_rate(const Scenario& scenario, const ArrivalFigures& f, FindingList& to) {
-  const LadderTimes* const times = times_of(scenario);
-  const double needed = times_fresh / f.rate;
-  const bool rare = times != nullptr && needed > times->fresh * 1.02;  // 2 % for rounding
-  to.add(Aspect::rate, rare ? Light::red : Light::green,
-         "{:.0f} poses a second, the longest gap {:.3f} s, the last {:.3f} s old{}", f.rate, f.gap_longest,
-         f.age,
-         rare ? fmt::format("; levels flap unless safety.supervisor.fresh = {} s is {:.3f} s or more",
-                            times->fresh, needed)
-              : "");
-}
-
 /// @param behind  its clock behind ours [s]
 void examine_clock(double behind, double drift, FindingList& to) {
   if (std::abs(behind) > another_time)
@@ -189,6 +177,28 @@ void examine_origins(std::span<const ExaminedRobot> robots, FindingList& to) {
 
 }  // namespace
 
+void examine_rate(const Scenario& scenario, const PosesFrom& from, const ArrivalFigures& f, FindingList& to) {
+  if (f.count < poses_needed) {
+    if (f.count > 0 && from.by_others())
+      to.add(Aspect::rate, Light::unknown, "{} poses, too few to judge their rate", f.count);
+    return;
+  }
+  const LadderTimes* const times = times_of(scenario);
+  const double needed = times_fresh / f.rate;
+  const bool rare = times != nullptr && needed > times->fresh * 1.02;  // 2 % for rounding
+  const bool absent = times != nullptr && from.by_others() && f.gap_longest > times->slow_after;
+  to.add(Aspect::rate, rare || absent ? Light::red : Light::green,
+         "{:.0f} poses a second, the longest gap {:.3f} s, the last {:.3f} s old{}{}", f.rate, f.gap_longest,
+         f.age,
+         rare ? fmt::format("; levels flap unless safety.supervisor.fresh = {} s is {:.3f} s or more",
+                            times->fresh, needed)
+              : "",
+         absent ? fmt::format("; a gap beyond safety.supervisor.slow_after = {} s scales commands: let more "
+                              "cameras see it",
+                              times->slow_after)
+                : "");
+}
+
 std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const ExaminedRobot> robots,
                                    const Surroundings& around) {
   const Nanoseconds now = monotonic_now();
@@ -198,8 +208,8 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
     FindingList list(robots[i].name);
     robots[i].end->examine(around, list);
     const ArrivalFigures f = robots[i].end->subscriber().arrivals().figures(now, realtime_now() - now);
+    examine_rate(scenario, robots[i].link->poses, f, list);
     if (f.count >= poses_needed) {
-      examine_rate(scenario, f, list);
       const PoseSubscriber& poses = robots[i].end->subscriber();
       const double offset = 1e-9 * static_cast<double>(poses.clock_offset() + realtime_now() - now);
       examine_clock(offset - robots[i].end->stamps_behind(), poses.clock_drift(), list);

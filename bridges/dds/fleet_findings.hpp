@@ -23,6 +23,10 @@ struct ExaminedRobot {
   const TagSubscriber* tags = nullptr;  ///< tag observations of vision-localized robots; null: there are none
 };
 
+/// Rate and longest gap of a body's poses, against the supervisor's limits. Few poses of motion
+/// capture or /tf give an unknown finding, few of a robot's own odometry none.
+void examine_rate(const Scenario& scenario, const PosesFrom& from, const ArrivalFigures& f, FindingList& to);
+
 /// Findings per robot, then those of the fleet. Call it on the one thread that examines the link
 /// ends; allocates.
 std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const ExaminedRobot> robots,

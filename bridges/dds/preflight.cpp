@@ -28,7 +28,7 @@ Preflight::Preflight(const Scenario& scenario, std::vector<ExaminedRobot> robots
 
 std::vector<Finding> Preflight::examine() {
   std::vector<Finding> findings = examine_fleet(scenario_, examined_, discovery_.look());
-  bodies_.examine(findings);
+  bodies_.examine(scenario_, findings);
   return findings;
 }
 

@@ -7,8 +7,10 @@
 #include <limits>
 #include <utility>
 
+#include "bridges/dds/fleet_findings.hpp"
 #include "bridges/dds/topics/seen_poses.hpp"
 #include "sightline/base.hpp"
+#include "sightline/base/now.hpp"
 
 namespace sightline::dds {
 namespace {
@@ -58,10 +60,13 @@ bool SeenBodies::are_seen(Nanoseconds now) noexcept {
   });
 }
 
-void SeenBodies::examine(std::vector<Finding>& to) const {
+void SeenBodies::examine(const Scenario& scenario, std::vector<Finding>& to) const {
+  const Nanoseconds now = monotonic_now();
   for (const Body& body : bodies_) {
     FindingList found(body.name);
-    body.subscriber().examine("the frame that is G", other_frames_than(body.from), found);
+    const PoseSubscriber& poses = body.subscriber();
+    poses.examine("the frame that is G", other_frames_than(body.from), found);
+    examine_rate(scenario, body.from, poses.arrivals().figures(now, 0), found);
     for (Finding& finding : found.take()) to.push_back(std::move(finding));
   }
 }

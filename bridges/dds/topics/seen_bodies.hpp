@@ -28,7 +28,7 @@ class SeenBodies {
   bool are_seen(Nanoseconds now) noexcept;
 
   /// Adds the findings about each body.
-  void examine(std::vector<Finding>& to) const;
+  void examine(const Scenario& scenario, std::vector<Finding>& to) const;
   /// Adds counts of received and rejected messages, one line per body.
   void counts(std::vector<std::string>& to) const;
 
