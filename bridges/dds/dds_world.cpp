@@ -159,7 +159,8 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
                                              .model = model,
                                              .network = fleet_of(scenario_).network,
                                              .height = std::max(height, space.floor),
-                                             .inertial = uses_attitude_filter(scenario_, link.robot)});
+                                             .inertial = uses_attitude_filter(scenario_, link.robot),
+                                             .period = scenario_.horizon.dt});
     const bool absent = is_absent_at_start(scenario_, link.robot);
     LinkTimes limits = times_;
     if (absent) limits.called += limits.task;

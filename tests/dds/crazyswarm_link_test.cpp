@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "bridges/dds/simulators/crazyflie_vehicle.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/child.hpp"
@@ -83,6 +85,88 @@ TEST(CrazyswarmLink, CrazyfliesTakeOffFlyTheirTaskAndLandAndServicesAreBelievedB
   }
   EXPECT_EQ(crazyflie_of(rig, 2).reported().locked_out, 0);
   EXPECT_LT(crazyflie_of(rig, 2).motion().p.z, 0.02);
+}
+
+TEST(CrazyswarmLink, TheRateOfSetpointsIsTheGreatestThatTheRadioCarries) {
+  EXPECT_EQ(periods_of_setpoint(0, 0.0, 0.01), 1) << "unknown";
+  EXPECT_EQ(periods_of_setpoint(10, 20.0, 0.01), 1) << "no packet waits";
+  EXPECT_EQ(periods_of_setpoint(25, 0.0, 0.01), 3);
+  EXPECT_EQ(periods_of_setpoint(25, 300.0, 0.01), 1) << "a single packet was late";
+  EXPECT_EQ(periods_of_setpoint(300, 40.0, 0.01), 3) << "packets queue up";
+  EXPECT_EQ(periods_of_setpoint(5000, 0.0, 0.01), 10);
+  EXPECT_EQ(periods_of_setpoint(5000, 1.0, 0.04), 2);
+  EXPECT_EQ(periods_of_setpoint(5000, 1.0, 0.2), 1);
+  for (int latency = 11; latency < 200; ++latency) {
+    for (double rate = 5.0; rate < 500.0; rate += 7.0) {
+      const double carried = std::max(rate, 1e3 / latency);
+      const int each = periods_of_setpoint(latency, rate, 0.01);
+      if (each < 10) {
+        EXPECT_LE(100.0 / each, 1.101 * carried) << latency << " ms, " << rate;
+      }
+      if (each > 1) {
+        EXPECT_GT(100.0 / (each - 1), carried) << latency << " ms, " << rate;
+      }
+    }
+  }
+}
+
+/// Waits until this is found red about the radio of a Crazyflie.
+bool finds_radio(Rig& rig, const std::string& robot, const std::string& part) {
+  return test::eventually([&] {
+    const std::vector<Finding> all = rig.world->examine();
+    return std::any_of(all.begin(), all.end(), [&](const Finding& f) {
+      return f.robot == robot && f.aspect == Aspect::radio && f.light == Light::red &&
+             f.sentence.find(part) != std::string::npos;
+    });
+  });
+}
+
+// cf0 hears 40 packets a second, cf1 250.
+TEST(CrazyswarmLink, ASlowRadioIsFoundAndReceivesNoMoreSetpointsThanItCarries) {
+  Rig rig(crazyflies(2, 2.5));
+  crazyflie_of(rig, 0).set_radio(25, 1.0);
+  crazyflie_of(rig, 1).set_radio(4, 0.8);
+  EXPECT_TRUE(
+      finds_radio(rig, "cf0",
+                  "latency 25 ms, expected 10 ms at most: it receives a set-point each 3 periods; set "
+                  "horizon.period = 0.03 s"));
+  EXPECT_TRUE(finds_radio(rig, "cf1", "of which 80 % arrive, latency 4 ms, expected 90 % at least"));
+  (void)rig.fly();
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  for (std::size_t i = 0; i < 2; ++i) expect_well_flown(rig, i);
+  const CrazyflieCounts slow = crazyflie_of(rig, 0).reported(), fast = crazyflie_of(rig, 1).reported();
+  const double ratio = static_cast<double>(fast.setpoints) / static_cast<double>(slow.setpoints);
+  EXPECT_GT(ratio, 2.5);
+  EXPECT_LT(ratio, 4.5);
+  EXPECT_LT(slow.radio_wait, 0.1) << "set-points do not queue up";
+  EXPECT_GT(fast.setpoints, 200);
+}
+
+TEST(CrazyswarmLink, WhereTheRadioGetsSlowInFlightTheRateFallsAndDoesNotRiseAgain) {
+  Rig rig(crazyflies(1, 6.0));
+  CrazyflieVehicle& crazyflie = crazyflie_of(rig, 0);
+  const auto setpoints_of_a_second = [&] {
+    const std::int64_t before = crazyflie.reported().setpoints;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    return crazyflie.reported().setpoints - before;
+  };
+  std::int64_t slow = 0, after = 0;
+  const LoopOutcome outcome = rig.fly(0.5, [&] {
+    crazyflie.set_radio(25, 1.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    slow = setpoints_of_a_second();
+    crazyflie.set_radio(4, 1.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    after = setpoints_of_a_second();
+  });
+  EXPECT_TRUE(outcome.finite);
+  for (const std::int64_t count : {slow, after}) {
+    EXPECT_GT(count, 15);
+    EXPECT_LT(count, 45);
+  }
+  EXPECT_LT(crazyflie.reported().radio_wait, 0.6);
+  EXPECT_EQ(rig.counted("a set-point each 1 periods"), "");
+  expect_well_flown(rig, 0);
 }
 
 TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {

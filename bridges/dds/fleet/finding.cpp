@@ -15,25 +15,11 @@ struct AspectWords {
   std::string_view word;
   bool keeps_grounded;
 };
-constexpr std::array<AspectWords, aspects> aspect_words = {{{"topics", true},
-                                                            {"release", true},
-                                                            {"system", true},
-                                                            {"frames", true},
-                                                            {"writers", true},
-                                                            {"rate", false},
-                                                            {"clock", true},
-                                                            {"latency", false},
-                                                            {"place", true},
-                                                            {"camera", true},
-                                                            {"estimator", true},
-                                                            {"checks", true},
-                                                            {"state", true},
-                                                            {"battery", true},
-                                                            {"pilot", false},
-                                                            {"distance", true},
-                                                            {"origins", true},
-                                                            {"tags", false},
-                                                            {"timing", false}}};
+constexpr std::array<AspectWords, aspects> aspect_words = {
+    {{"topics", true}, {"release", true},   {"system", true},   {"frames", true}, {"writers", true},
+     {"rate", false},  {"clock", true},     {"latency", false}, {"radio", false}, {"place", true},
+     {"camera", true}, {"estimator", true}, {"checks", true},   {"state", true},  {"battery", true},
+     {"pilot", false}, {"distance", true},  {"origins", true},  {"tags", false},  {"timing", false}}};
 constexpr std::array<std::string_view, 3> light_words = {"green", "unknown", "red"};
 constexpr std::array<std::string_view, 3> light_colours = {"\033[32m", "\033[33m", "\033[31m"};
 constexpr std::string_view colours_end = "\033[0m";

@@ -29,6 +29,7 @@ enum class Aspect : std::uint8_t {
   rate,       ///< rate of its poses, against the supervisor's limit for fresh poses
   clock,      ///< offset of its clock to ours
   latency,    ///< of its poses, from the stamp to reception
+  radio,      ///< of a Crazyflie: rate, loss and latency of its packets, against the control period
   place,      ///< its position in G is within the walls
   camera,     ///< of a vision-localized robot: tags that it detects, and when
   estimator,  ///< its own estimate is valid
@@ -43,7 +44,7 @@ enum class Aspect : std::uint8_t {
   // Of this machine.
   timing,  ///< of the control loop
 };
-inline constexpr int aspects = 19;
+inline constexpr int aspects = 20;
 /// A stable word: "topics".
 std::string_view to_string(Aspect aspect);
 /// Whether `sightline fly` arms no robot while this aspect is red. Other aspects only predict the

@@ -22,6 +22,9 @@ constexpr Nanoseconds setpoints_end_most = 50'000'000;  // timeout of the stop a
 constexpr int looks_least = 5;                          // discovery checks required, at 5 Hz
 constexpr Nanoseconds takeoff_patience = 2 * crazyflie_second;
 constexpr std::uint32_t remain_valid = 100;         // [ms]; new firmware ignores it
+constexpr double setpoints_apart_most = 0.1;        // [s]
+constexpr double same_period = 0.1;                 // part of a period, for jitter of the status
+constexpr double arriving_least = 0.9;              // share of the unicast packets
 constexpr double landing_pace = 0.3;                // [m/s]
 constexpr double landing_time_least = 1.0;          // [s]
 constexpr double touchdown_height = 0.02;           // above the ground, where the motors stop [m]
@@ -38,10 +41,18 @@ geometry_msgs_msg_dds__Vector3_ vector3(const Vec3<double>& a) { return {a.x, a.
 
 }  // namespace
 
-CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link)
+int periods_of_setpoint(int latency, double rate, double period) noexcept {
+  const double by_latency = 1e-3 * latency / period, by_rate = rate > 0 ? 1 / (rate * period) : by_latency,
+               most = std::max(1.0, setpoints_apart_most / period);
+  if (by_latency <= 1) return 1;
+  return static_cast<int>(std::clamp(std::ceil(std::min(by_latency, by_rate) - same_period), 1.0, most));
+}
+
+CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double period)
     : crazyflie_(std::get<Crazyswarm2Link>(link.kind)),
       from_(link.poses),
       origin_(link.origin),
+      period_(period),
       full_state_(std::make_unique<RawWriter>(participant, crazyflie_interfaces_msg_dds__FullState__desc,
                                               crazyflie_.name_space + "/cmd_full_state", of_ros_commands)),
       takeoff_(participant, takeoff_service, crazyflie_.name_space + "/takeoff"),
@@ -57,14 +68,29 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link)
     read_pose_stamped(poses_, participant, crazyflie_.name_space + "/pose", "", Attitude::needed);
   status_reader_ = std::make_unique<RawReader>(
       participant, crazyflie_interfaces_msg_dds__Status__desc, crazyflie_.name_space + "/status", of_sensors,
-      std::nullopt, Writers::all, [this](const void* message, const Arrival& arrival) {
-        const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__Status_*>(message);
-        status_.put({arrival.monotonic, m.supervisor_info, m.pm_state, m.battery_voltage});
-      });
+      std::nullopt, Writers::all,
+      [this](const void* message, const Arrival& arrival) { on_status(message, arrival.monotonic); });
+}
+
+// The server counts packets from one status to the next.
+void CrazyswarmLinkEnd::on_status(const void* message, Nanoseconds arrived) {
+  const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__Status_*>(message);
+  Status& s = taken_;
+  if (s.first == 0) {
+    s.first = arrived;
+  } else {
+    s.sent += m.num_tx_unicast, s.received += m.num_rx_unicast;
+    s.rate = m.num_tx_unicast / (1e-9 * static_cast<double>(arrived - s.arrived));
+  }
+  s.arrived = arrived, s.supervisor = m.supervisor_info, s.pm_state = m.pm_state;
+  s.voltage = m.battery_voltage, s.latency = m.latency_unicast;
+  status_.put(s);
 }
 
 LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   (void)status_.look(last_status_);
+  const int needed = periods_of_setpoint(last_status_.latency, last_status_.rate, period_);
+  each_ = phase_ < Phase::setpoints ? needed : std::max(each_.load(), needed);
   const bool flies = has(is_flying);
   down_ = down_ || (landing_ == Landing::requested && !flies);
   LinkFacts facts;
@@ -161,7 +187,8 @@ void CrazyswarmLinkEnd::send(const LinkOutput& output, const Command& command, N
     landing_ = Landing::none;  // it has left our control
   go_on_landing(now);
   // A set-point after the land request would end the landing.
-  if (output.setpoint == Setpoint::none || phase_ != Phase::setpoints) return;
+  if (output.setpoint == Setpoint::none || phase_ != Phase::setpoints || --wait_ > 0) return;
+  wait_ = each_;
   if (output.setpoint == Setpoint::task) {
     holds_ = false;
     send_state(command.lead);
@@ -219,6 +246,35 @@ void CrazyswarmLinkEnd::examine_battery(FindingList& to) const {
   to.add_green(Aspect::battery, "{:.2f} V", s.voltage);
 }
 
+void CrazyswarmLinkEnd::examine_radio(FindingList& to) const {
+  const Status& s = last_status_;
+  if (s.latency == 0 || s.sent == 0) {
+    to.add(Aspect::radio, Light::unknown, "its status counts no unicast packets, or has no latency of them");
+    return;
+  }
+  const double rate = static_cast<double>(s.sent) / (1e-9 * static_cast<double>(s.arrived - s.first)),
+               share = static_cast<double>(s.received) / static_cast<double>(s.sent);
+  const bool lossy = s.received > 0 && share < arriving_least, rare = rate * period_ < 1.0;
+  const std::string figures =
+      fmt::format("{:.0f} unicast packets a second{}, latency {} ms", rate,
+                  s.received > 0 ? fmt::format(", of which {:.0f} % arrive", 100 * share) : "", s.latency);
+  if (each_ > 1)
+    to.add(Aspect::radio, Light::red,
+           "{}, expected {:g} ms at most: it receives a set-point each {} periods; set horizon.period = {:g} "
+           "s, or have fewer Crazyflies on a radio",
+           figures, 1e3 * period_, each_.load(), each_ * period_);
+  else if (lossy)
+    to.add(Aspect::radio, Light::red,
+           "{}, expected {:.0f} % at least: set a greater horizon.period or another channel", figures,
+           100 * arriving_least);
+  else
+    to.add(Aspect::radio, rare ? Light::unknown : Light::green, "{}{}", figures,
+           rare ? fmt::format("; a set-point each period needs {:.0f}: if the radio carries no more, set a "
+                              "greater horizon.period",
+                              1 / period_)
+                : "");
+}
+
 void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   const Nanoseconds now = monotonic_now();
   const LinkFacts f = facts(now);
@@ -246,6 +302,7 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   to.add_green(Aspect::writers, "no other program publishes in its place or steers it");
   if (!known) return;
   examine_battery(to);
+  examine_radio(to);
   const bool may_arm = has(arms_itself) ? has(can_fly) : has(can_be_armed);
   if (f.failsafe)
     to.add(Aspect::checks, Light::red, "it has {}",
@@ -261,7 +318,8 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
 }
 
 std::string CrazyswarmLinkEnd::counts() const {
-  return fmt::format("{}, {} of its status", poses_.counts(), status_reader_->counts().received.load());
+  return fmt::format("{}, {} of its status, a set-point each {} periods", poses_.counts(),
+                     status_reader_->counts().received.load(), each_.load());
 }
 
 }  // namespace sightline::dds
@@ -271,5 +329,5 @@ std::unique_ptr<sightline::dds::LinkEnd> sightline::Crazyswarm2Link::end(const d
     throw std::invalid_argument(fmt::format(
         "agent.{}.link.kind = crazyswarm2, behind which a {} does not drive, expected a robot that flies",
         setup.name, setup.model.name()));
-  return std::make_unique<dds::CrazyswarmLinkEnd>(setup.at, setup.link);
+  return std::make_unique<dds::CrazyswarmLinkEnd>(setup.at, setup.link, setup.period);
 }

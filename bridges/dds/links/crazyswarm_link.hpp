@@ -30,13 +30,28 @@ enum SupervisorBit : std::uint16_t {
 inline constexpr std::uint8_t on_battery = 0;
 inline constexpr std::uint8_t battery_low = 3;
 
+/// Periods from one set-point to the next, so that the radio carries one before the next. At most
+/// 0.1 s: the firmware levels out after 0.5 s.
+///
+/// A latency beyond the period means that packets wait for the radio. Then their rate is what the
+/// radio carries, which is at least one packet per latency.
+/// @param latency  of a unicast packet [ms]; 0: unknown
+/// @param rate     of unicast packets [1/s]; 0: unknown
+/// @param period   [s]
+int periods_of_setpoint(int latency, double rate, double period) noexcept;
+
 /// A Crazyflie has no flight modes and no exclusive controller: the last command received is in
 /// force. The mode is therefore the last requested one, if the status agrees.
 /// Set-points lock out the take-off and landing commander until a request ends them.
+///
+/// The radio serves its Crazyflies in turns. On the ground the rate of set-points follows what the
+/// server reports of the radio. In flight it only falls, since a lower latency may be the effect of
+/// fewer set-points.
 class CrazyswarmLinkEnd final : public LinkEnd {
  public:
+  /// @param period  between two calls of send() [s]
   /// @throws std::runtime_error if a topic cannot be created
-  CrazyswarmLinkEnd(Port participant, const Link& link);
+  CrazyswarmLinkEnd(Port participant, const Link& link, double period);
 
   bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
@@ -52,6 +67,11 @@ class CrazyswarmLinkEnd final : public LinkEnd {
     std::uint16_t supervisor = 0;
     std::uint8_t pm_state = 0;
     float voltage = 0.0F;
+    int latency = 0;    // of a unicast packet [ms]; 0: unknown
+    double rate = 0.0;  // of unicast packets since the status before [1/s]
+    // Unicast packets since the first status; received: 0 if the firmware does not count them.
+    Nanoseconds first = 0;
+    std::int64_t sent = 0, received = 0;
   };
   enum class Phase : std::uint8_t { ground, arming, takeoff, setpoints, landing };
   /// Landing sequence: the set-points end first, then the land request follows.
@@ -62,7 +82,9 @@ class CrazyswarmLinkEnd final : public LinkEnd {
     return last_status_.pm_state == on_battery && last_status_.voltage >= crazyflie_.battery_min;
   }
   double height() noexcept { return poses_.newest().motion.p.z - origin_.p.z; }
+  void on_status(const void* message, Nanoseconds arrived);
   void examine_battery(FindingList& to) const;
+  void examine_radio(FindingList& to) const;
   void request(Request request, Nanoseconds now) noexcept;
   void go_on_landing(Nanoseconds now) noexcept;
   void send_state(const TrajectoryPoint& point) noexcept;
@@ -70,8 +92,11 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   Crazyswarm2Link crazyflie_;
   PosesFrom from_;
   LinkOrigin origin_;
+  double period_;  // [s]
 
-  Mailbox<Status> status_;  // filled by the receive thread
+  // Receive thread.
+  Status taken_{};
+  Mailbox<Status> status_;
 
   std::atomic<bool> received_{false};  // set by watch()
   std::atomic<int> rivals_{0};
@@ -84,8 +109,10 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   Nanoseconds requested_at_ = 0;
   double land_from_ = 0.0;  // height at the landing request [m]
   bool holds_ = false, down_ = false, disarms_ = false;
-  TrajectoryPoint hold_{};  // pose at the hold request
-  int speakers_ = -1;       // status writers matched at the arm request; -1: none requested yet
+  std::atomic<int> each_{1};  // periods from one set-point to the next; any thread reads it
+  int wait_ = 0;              // periods until the next one
+  TrajectoryPoint hold_{};    // pose at the hold request
+  int speakers_ = -1;         // status writers matched at the arm request; -1: none requested yet
 
   std::unique_ptr<RawWriter> full_state_;
   ServiceCaller takeoff_, land_, arm_, setpoints_stop_, emergency_;

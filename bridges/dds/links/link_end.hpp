@@ -65,6 +65,7 @@ struct EndSetup {
   const FleetNetwork& network;
   double height = -std::numeric_limits<double>::infinity();  ///< where the task begins, in G [m]
   bool inertial = false;                                     ///< its estimator requires inertial measurements
+  double period = 0.01;                                      ///< control period [s]
 };
 inline std::unique_ptr<LinkEnd> made_end(const EndSetup& setup) {
   return std::visit([&](const auto& kind) { return kind.end(setup); }, setup.link.kind);

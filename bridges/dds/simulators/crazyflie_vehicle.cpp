@@ -19,6 +19,7 @@ constexpr std::int64_t level_out_after = 500'000'000,
                        motors_off_after = 2'000'000'000;   // as in the firmware [ns]
 constexpr std::int64_t flying_lasts = 2'000'000'000;       // after the motors last lifted [ns]
 constexpr double position_gain = 2.0, heading_gain = 2.0;  // [1/s]
+constexpr double status_period = 0.1;                      // [s]
 constexpr double furthest = 2.0;                           // distance of a set-point from the vehicle [m]
 constexpr double up_to_ground = 0.1;                       // height below which a landing ends [m]
 
@@ -80,6 +81,9 @@ void CrazyflieVehicle::on_state(const void* message) {
   const std::scoped_lock lock(lock_);
   ++reported_.setpoints;
   if (!has(is_flying)) ++reported_.setpoints_outside;
+  const std::int64_t now = monotonic_now(), sent_from = std::max(radio_free_, now);
+  reported_.radio_wait = std::max(reported_.radio_wait, 1e-9 * static_cast<double>(sent_from - now));
+  radio_free_ = sent_from + std::int64_t{1'000'000} * latency_;
   const auto& p = m.pose.position;
   const auto& q = m.pose.orientation;
   const auto& v = m.twist.linear;
@@ -192,7 +196,7 @@ void CrazyflieVehicle::step(std::int64_t number) {
   supervise();
   send_pose();  // the pose before this step, stamped now
   move();
-  if (number % 10 == 0) send_status();
+  if (number % std::llround(status_period / period) == 0) send_status();
 }
 
 void CrazyflieVehicle::send_pose() {
@@ -216,6 +220,10 @@ void CrazyflieVehicle::send_status() {
   m.supervisor_info = supervisor_;
   m.battery_voltage = static_cast<float>(voltage_);
   m.pm_state = pm_state();
+  const std::int64_t waits = std::max<std::int64_t>(radio_free_ - monotonic_now(), 0) / 1'000'000;
+  m.latency_unicast = static_cast<std::uint16_t>(std::min<std::int64_t>(latency_ + waits, 10'000));
+  m.num_tx_unicast = static_cast<std::uint32_t>(1e3 * status_period / latency_);
+  m.num_rx_unicast = static_cast<std::uint32_t>(share_ * m.num_tx_unicast);
   ends_->status->write(&m);
 }
 
@@ -234,6 +242,10 @@ std::uint16_t CrazyflieVehicle::supervisor() const {
 void CrazyflieVehicle::set_voltage(double voltage) {
   const std::scoped_lock lock(lock_);
   voltage_ = voltage;
+}
+void CrazyflieVehicle::set_radio(int latency, double share) {
+  const std::scoped_lock lock(lock_);
+  latency_ = latency, share_ = share;
 }
 void CrazyflieVehicle::serve(Serving serving) {
   const std::scoped_lock lock(lock_);

@@ -21,6 +21,7 @@ struct CrazyflieCounts {
   std::int64_t locked_out = 0;    ///< take-off and landing requests rejected during set-points
   double levelled_after = 0.0;    ///< time after the last set-point [s]; 0: never
   double motors_off_after = 0.0;  ///< time after the last set-point [s]; 0: never
+  double radio_wait = 0.0;        ///< longest time that a set-point waits for the radio [s]
 };
 
 /// Behaviour of the services when called.
@@ -29,6 +30,7 @@ enum class Serving { well, without_answer, not_at_all };
 /// Starts on the ground below its robot's start. Reproduces the firmware:
 /// - Set-points override the take-off and landing commander until a request ends them.
 /// - Without set-points it levels out after 0.5 s and stops its motors for good after 2 s.
+/// - Its radio sends one packet at a time. Set-points wait for it, which the status has as latency.
 /// - It arms if its supervisor allows it, and takes off if it is armed and the battery is good.
 class CrazyflieVehicle final : public VehicleSimulator {
  public:
@@ -51,8 +53,11 @@ class CrazyflieVehicle final : public VehicleSimulator {
   CrazyflieCounts reported() const;
   Motion motion() const override;
   std::uint16_t supervisor() const;
-  /// Injects a voltage [V], a service behaviour, or a tumble.
+  /// Injects a voltage [V], a radio, a service behaviour, or a tumble.
   void set_voltage(double voltage);
+  /// @param latency  of a unicast packet that does not wait [ms], at least 1
+  /// @param share    of the packets that arrive, 0 to 1
+  void set_radio(int latency, double share);
   void serve(Serving serving);
   void tumble();
 
@@ -93,6 +98,9 @@ class CrazyflieVehicle final : public VehicleSimulator {
   SimulatedBody body_;
   std::uint16_t supervisor_ = 0;
   double voltage_ = 4.1;
+  int latency_ = 4;              // of a unicast packet [ms]
+  double share_ = 1.0;           // of the packets that arrive
+  std::int64_t radio_free_ = 0;  // when it has sent all set-points [ns]
   Serving serving_ = Serving::well;
   bool lands_ = false;
   Commander commander_ = Commander::stopped;
