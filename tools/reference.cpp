@@ -84,11 +84,12 @@ std::string reference() {
                   keys("[simulation.disturbance] airflow", Airflow{}),
                   keys("[simulation.disturbance] noise", Noise{}),
                   keys("[simulation.disturbance] odometry", Odometry{})}) +
-         section("Safety",
-                 {keys("[safety]", Safety{}), keys("[safety]", Safety{}.barrier_options),
-                  keys("[safety.supervisor]", LadderTimes{}), keys("[safety.supervisor]", LadderSigmas{}),
-                  keys("[safety.supervisor]", SupervisorOptions{}),
-                  keys("[safety.supervisor]", TrackLimits{}), keys("[safety.search]", SearchOptions{})}) +
+         section(
+             "Safety",
+             {keys("[safety]", Safety{}), keys("[safety]", Safety{}.barrier_options),
+              keys("[[safety.zone]]", Zone{}), keys("[safety.supervisor]", LadderTimes{}),
+              keys("[safety.supervisor]", LadderSigmas{}), keys("[safety.supervisor]", SupervisorOptions{}),
+              keys("[safety.supervisor]", TrackLimits{}), keys("[safety.search]", SearchOptions{})}) +
          section("Estimates", {keys("[estimate], [agent.NAME.estimate]", FilterOptions{}),
                                keys("[estimate.broadcast] simulated", Radio{}),
                                keys("[estimate.broadcast] received", BroadcastOptions{})}) +

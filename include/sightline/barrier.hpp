@@ -31,10 +31,14 @@
 /// threads.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <span>
 #include <string_view>
+#include <tuple>
+#include <vector>
 
 #include "sightline/base.hpp"
 #include "sightline/model.hpp"
@@ -63,6 +67,28 @@ struct Neighbour {
   Behavior behavior = Behavior::uncooperative;
 };
 
+/// A room that robots stay inside, or a forbidden zone that they stay outside: an upright prism.
+struct Zone {
+  enum class Keep { inside, outside };
+  static constexpr std::array<std::string_view, 2> sides = {"inside", "outside"};
+  static constexpr std::size_t most_corners = 64;
+
+  /// Corners of a simple polygon, convex or not, in either orientation [m].
+  std::vector<Vec2<double>> polygon{};
+  double from = -std::numeric_limits<double>::infinity(),
+         to = std::numeric_limits<double>::infinity();  ///< least and greatest height [m]
+  Keep keep = Keep::outside;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        KeyText{"polygon", "[[x, y], ...]", "3 to 64 corners; edges neither cross nor touch [m]",
+                "must be given"},
+        KeyText{"keep", "one of inside, outside", "side of the prism that robots keep", "must be given"},
+        KeyText{"from", "finite", "least height of the prism [m]", "none"},
+        KeyText{"to", "> from", "greatest height of the prism [m]", "none"}};
+  }
+};
+
 struct BarrierOptions {
   double floor = -std::numeric_limits<double>::infinity(), ceiling = std::numeric_limits<double>::infinity();
   double world = std::numeric_limits<double>::infinity();  ///< greatest |p_x| and |p_y| [m], > 0
@@ -71,6 +97,7 @@ struct BarrierOptions {
   double authority = 0.9;       ///< part of the acceleration that plans use, in (0, 1]; the rest is for wind
   double velocity_sigma = 0.0;  ///< standard deviation of the robot's estimated velocity [m/s], >= 0
   double share = 0.5;           ///< part of a cooperative pair's reserve that this robot may use, in (0, 1]
+  std::vector<Zone> zones{};    ///< all are kept
 
   static constexpr auto parameters() {
     using O = BarrierOptions;
@@ -79,7 +106,7 @@ struct BarrierOptions {
         parameter("ceiling", &O::ceiling, "m", any_finite, "greatest height, > floor"),
         parameter("margin", &O::margin, "m", from_zero, "added to d_hard for the motion between samples"),
         parameter("wall_margin", &O::wall_margin, "m", from_zero,
-                  "added to floor, ceiling and world; a vehicle that climbs late needs 0.1 m")};
+                  "added to floor, ceiling, world and zones; a vehicle that climbs late needs 0.1 m")};
   }
 };
 

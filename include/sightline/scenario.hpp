@@ -374,7 +374,8 @@ struct Safety {
                   "least distance of a robot to any other body, centre to centre"),
         parameter("world", &S::world, "m", above_zero, "greatest magnitude of p_x and p_y"),
         KeyText{"start_outside", "true or false",
-                "allows a start beyond a wall or within d_hard: judged from when it is first kept", "false"},
+                "allows a start beyond a wall or zone, or within d_hard: judged from when it is first kept",
+                "false"},
         parameter("position_sigma", &S::position_sigma, "m", from_zero,
                   "standard deviation of a measurement, each axis; default: that of the simulated noise"),
         parameter("heading_sigma", &S::heading_sigma, "rad", from_zero, "the same of the heading")};

@@ -215,6 +215,71 @@ start = { p = [5.0, 0.0, 2.0] }
   EXPECT_EQ(alike[0], BodySafety{}.speed_max) << "they cooperate";
 }
 
+constexpr const char* two_zones = R"(
+[safety]
+barrier = "on"
+wall_margin = 0.1
+[[safety.zone]]
+polygon = [[-5, -5], [12, -5], [12, 5], [-5, 5]]
+from = 0.2
+keep = "inside"
+[[safety.zone]]
+polygon = [[1, 1], [1, 2], [2, 2]]
+to = 2.5
+keep = "outside"
+)";
+
+TEST(ReadSafety, ZonesReachTheBarrierAndTheSummary) {
+  const Scenario scenario = with_bodies(two_zones);
+  const auto guard = guard_options(scenario);
+  ASSERT_TRUE(guard);
+  const std::vector<Zone>& zones = guard->barrier_options.zones;
+  ASSERT_EQ(zones.size(), 2U);
+  EXPECT_EQ(zones[0].keep, Zone::Keep::inside);
+  EXPECT_EQ(zones[0].polygon.size(), 4U);
+  EXPECT_EQ(zones[0].polygon[1].x, 12.0);
+  EXPECT_EQ(zones[0].polygon[1].y, -5.0);
+  EXPECT_EQ(zones[0].from, 0.2);
+  EXPECT_EQ(zones[0].to, infinity);
+  EXPECT_EQ(zones[1].keep, Zone::Keep::outside);
+  EXPECT_EQ(zones[1].from, -infinity);
+  EXPECT_EQ(zones[1].to, 2.5);
+  const std::string text = summary(scenario);
+  EXPECT_THAT(text, testing::HasSubstr("zone        keep inside 4 corners, from 0.2 m\n"));
+  EXPECT_THAT(text, testing::HasSubstr("zone        keep outside 3 corners, to 2.5 m\n"));
+}
+
+TEST(ReadSafety, AStartOnTheWrongSideOfAZoneNeedsTheKeyThatAllowsIt) {
+  const std::string zone =
+      "[[safety.zone]]\npolygon = [[2, -1], [4, -1], [4, 1], [2, 1]]\nkeep = \"outside\"\n";
+  EXPECT_THAT(
+      test::scenario_refusal(bodies + zone),
+      testing::HasSubstr("agent.b.start.p = [3, 0, 1], expected a place outside safety.zone[0], 1 m"));
+  EXPECT_TRUE(with_bodies("[safety]\nstart_outside = true\n" + zone).safety->start_outside);
+  EXPECT_THAT(
+      test::scenario_refusal(bodies + std::string("[safety]\nstart_outside = true\n") +
+                             "[[safety.zone]]\npolygon = [[2, 2], [4, 2], [4, 3]]\nkeep = \"outside\"\n"),
+      testing::HasSubstr("within the walls and zones that are judged"));
+}
+
+TEST(ReadSafety, AReferenceThatZonesLeaveNoPlaceForIsAWarning) {
+  const auto warnings = [](const std::string& reference) {
+    return check_scenario(test::scenario_of("[agent.a]\nrobot = \"multirotor\"\nQ = [1, 1, 1, 1, 1, 0, 0]\n"
+                                            "start = { p = [0.0, 0.0, 1.0] }\n" +
+                                            reference + std::string(two_zones)))
+        .warnings;
+  };
+  const auto no_place = testing::HasSubstr("no place for the reference of a");
+  EXPECT_THAT(warnings("reference = { constant = { p = [0.0, 0.0, 1.0] } }\n"),
+              testing::Not(testing::Contains(no_place)));
+  for (const char* p : {"[1.2, 1.7, 1.0]", "[2.05, 2.0, 1.0]", "[12.5, 0.0, 1.0]", "[0.0, 0.0, 0.25]"})
+    EXPECT_THAT(warnings(fmt::format("reference = {{ constant = {{ p = {} }} }}\n", p)),
+                testing::Contains(no_place))
+        << p;
+  EXPECT_THAT(warnings("reference = { constant = { p = [1.2, 1.7, 2.7] } }\n"),
+              testing::Not(testing::Contains(no_place)));
+}
+
 TEST(ReadSafety, WhatIsSwitchedOnIsPrinted) {
   const std::string text = summary(with_bodies(R"(
 [safety]

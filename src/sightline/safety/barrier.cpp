@@ -15,6 +15,7 @@
 #include "sightline/safety/joint_plan.hpp"
 #include "sightline/safety/row_projection.hpp"
 #include "sightline/safety/surrounded.hpp"
+#include "sightline/safety/zone.hpp"
 
 namespace sightline {
 namespace {
@@ -58,6 +59,7 @@ const BarrierOptions& validate(const BarrierOptions& o, double dt) {
   require(o.velocity_sigma >= 0 && o.velocity_sigma < infinity, "velocity_sigma", o.velocity_sigma,
           ">= 0 m/s");
   require(o.share > 0 && o.share <= 1, "share", o.share, "in (0, 1]");
+  for (const Zone& zone : o.zones) validate(zone);
   return o;
 }
 

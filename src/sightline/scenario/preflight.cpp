@@ -5,7 +5,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "sightline/model/state_roles.hpp"
 #include "sightline/potential/finite.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/keys_without_effect.hpp"
 #include "sightline/scenario/reach.hpp"
@@ -82,6 +84,41 @@ void look_at_regions(const Scenario& scenario, Preflight& to) {
   }
 }
 
+/// References at places where zones leave a robot no room.
+std::vector<std::string> warnings_of_zones(const Scenario& scenario) {
+  std::vector<std::string> sentences;
+  if (!scenario.safety || scenario.safety->barrier_options.zones.empty()) return sentences;
+  const BarrierOptions& safety = scenario.safety->barrier_options;
+  constexpr double most_steps = 1e4;
+  const double step = std::max(0.1, scenario.simulation.duration / most_steps);  // [s]
+  for (const Agent& agent : scenario.team.agents()) {
+    const StateRoles roles = roles_of(agent.model);
+    const auto is_free = [&](int state) {
+      return state >= 0 && agent.Q[static_cast<std::size_t>(state)] == 0;
+    };
+    const bool is_anywhere = std::any_of(roles.position.begin(), roles.position.end(), is_free);
+    if (!roles.has_position() || is_anywhere) continue;
+    std::vector<double> x_ref(static_cast<std::size_t>(agent.model.nx()));
+    for (std::size_t k = 0; k < safety.zones.size(); ++k) {
+      double least = infinity, at = 0.0;
+      for (double t = 0.0; t <= scenario.simulation.duration; t += step) {
+        agent.x_ref(t, agent.model, x_ref);
+        const double reserve =
+            zone_reserve(safety.zones[k], agent.model.sight(x_ref.data(), agent.u_ref.data()).p);
+        if (reserve < least) least = reserve, at = t;
+      }
+      if (least < safety.wall_margin)
+        sentences.push_back(
+            fmt::format("safety.zone[{}] leaves no place for the reference of {} at {:.1f} s: {:.3g} m {} "
+                        "it, wall_margin is {:.3g} m",
+                        k, agent.name, at, std::abs(least),
+                        (least < 0) == (safety.zones[k].keep == Zone::Keep::outside) ? "inside" : "outside",
+                        safety.wall_margin));
+    }
+  }
+  return sentences;
+}
+
 /// Bodies that move faster than the barrier assumes.
 std::vector<std::string> warnings_of_speeds(const Scenario& scenario) {
   std::vector<std::string> sentences;
@@ -151,6 +188,7 @@ Preflight check_scenario(const Scenario& scenario) {
   std::move(tags.refusals.begin(), tags.refusals.end(), std::back_inserter(p.refusals));
   if (!p.refusals.empty()) return p;
   p.warn(warnings_of_starts(scenario));
+  p.warn(warnings_of_zones(scenario));
   p.warn(keys_without_effect(scenario));
   p.warn(limits_beyond_influence(scenario));
   p.warn(robots_beyond_noise(scenario));

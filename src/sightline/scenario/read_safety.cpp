@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/polygon.hpp"
 #include "sightline/run/steady_state.hpp"
 #include "sightline/safety/authority.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -28,6 +30,30 @@ SupervisorOptions read_supervisor(const TomlTable& at) {
   if (o.sigmas.land <= o.sigmas.hold)
     at.throw_invalid("sigma_land", fmt::format("> sigma_hold = {} m", o.sigmas.hold));
   return o;
+}
+
+Zone read_zone(const TomlTable& at) {
+  at.expect_only(parameter_keys<Zone>());
+  Zone zone;
+  for (const std::vector<double>& corner : at.rows("polygon", TomlTable::any_length, 2))
+    zone.polygon.push_back({corner[0], corner[1]});
+  if (zone.polygon.size() > Zone::most_corners)
+    at.throw_invalid("polygon", fmt::format("at most {} corners", Zone::most_corners));
+  if (const std::string expected = expected_of_corners(zone.polygon); !expected.empty())
+    at.throw_invalid("polygon", expected);
+  if (at.has("from")) zone.from = at.number("from");
+  if (at.has("to")) zone.to = at.number("to");
+  if (zone.from >= zone.to) at.throw_invalid("to", fmt::format("> from = {} m", zone.from));
+  zone.keep = at.word("keep", Zone::sides) == Zone::sides[0] ? Zone::Keep::inside : Zone::Keep::outside;
+  return zone;
+}
+
+std::vector<Zone> read_zones(const TomlTable& safety) {
+  constexpr std::size_t most = 16;
+  std::vector<Zone> zones;
+  for (const TomlTable& at : safety.tables("zone")) zones.push_back(read_zone(at));
+  if (zones.size() > most) safety.throw_invalid("zone", fmt::format("at most {} zones", most));
+  return zones;
 }
 
 using ReadFault = void (*)(const TomlTable& at, const Team& team, Fault& fault);
@@ -100,10 +126,11 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
   const TomlTable at = root.table("safety");
   Safety safety{.position_sigma = disturbances.noise.position, .heading_sigma = disturbances.noise.heading};
   BarrierOptions& barrier = safety.barrier_options;
-  read_keys(at, {"supervisor", "search"}, safety, barrier);
+  read_keys(at, {"supervisor", "search", "zone"}, safety, barrier);
   if (barrier.ceiling <= barrier.floor)
     at.throw_invalid("ceiling", fmt::format("> floor = {} m", barrier.floor));
   barrier.world = safety.world;
+  barrier.zones = read_zones(at);
   const bool all = safety.barrier != BarrierMode::off;
   if (all || at.has("floor")) safety.judged.floor = barrier.floor;
   if (all || at.has("ceiling")) safety.judged.ceiling = barrier.ceiling;
@@ -120,15 +147,29 @@ std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& dis
   return safety;
 }
 
-void check_start_outside(const TomlTable& root, const ScenarioSpec& scenario) {
-  if (!scenario.safety || !scenario.safety->start_outside || root.has("campaign"))
-    return;  // a campaign draws starts
+void check_starts(const TomlTable& root, const ScenarioSpec& scenario) {
+  if (!scenario.safety || root.has("campaign")) return;  // a campaign draws starts
   const Team& team = scenario.team;
+  const std::vector<Zone>& zones = scenario.safety->barrier_options.zones;
   const Walls& walls = scenario.safety->judged;
   const std::vector<double> u(static_cast<std::size_t>(team.nu()));
   const auto place = [&](BodyId body) {
     return team.model(body).sight(scenario.x0.data() + team.state_offset(body), u.data()).p;
   };
+  bool outside = false;
+  for (std::size_t k = 0; k < zones.size(); ++k) {
+    for (const Agent& agent : team.agents()) {
+      const double reserve = zone_reserve(zones[k], place(team.find(agent.name)));
+      outside = outside || reserve < 0;
+      if (reserve >= 0 || scenario.safety->start_outside) continue;
+      const TomlTable start = root.table("agent").table(agent.name).table("start");
+      start.throw_invalid(
+          start.has("state") ? "state" : "p",
+          fmt::format("a place {} safety.zone[{}], {:.3g} m from this one, or safety.start_outside = true",
+                      Zone::sides[static_cast<std::size_t>(zones[k].keep)], k, -reserve));
+    }
+  }
+  if (outside || !scenario.safety->start_outside) return;
   for (int i = 0; i < team.bodies(); ++i) {
     const Vec3<double> p = place(BodyId{i});
     const bool beyond =
@@ -140,7 +181,8 @@ void check_start_outside(const TomlTable& root, const ScenarioSpec& scenario) {
     }
   }
   root.table("safety").throw_invalid(
-      "start_outside", "no such key where every start is within the walls that are judged and keeps d_hard");
+      "start_outside",
+      "no such key where every start is within the walls and zones that are judged and keeps d_hard");
 }
 
 void read_faults(const TomlTable& simulation, const Team& team, Simulation& to) {
@@ -310,6 +352,12 @@ std::string describe(const Safety& safety) {
   std::string text = fmt::format("safety      barrier {}, d_hard {} m, height {} to {} m, world {} m\n",
                                  modes[static_cast<std::size_t>(safety.barrier)], safety.d_hard,
                                  safety.barrier_options.floor, safety.barrier_options.ceiling, safety.world);
+  for (const Zone& zone : safety.barrier_options.zones) {
+    text +=
+        fmt::format("zone        keep {} {} corners{}{}\n", Zone::sides[static_cast<std::size_t>(zone.keep)],
+                    zone.polygon.size(), zone.from > -infinity ? fmt::format(", from {} m", zone.from) : "",
+                    zone.to < infinity ? fmt::format(", to {} m", zone.to) : "");
+  }
   if (!safety.supervisor) return text;
   const LadderTimes& times = safety.supervisor->times;
   return text + fmt::format("supervisor  slow after {} s, hold after {} s, land after {} s\n",

@@ -1,4 +1,4 @@
-/// Reads [safety], [safety.supervisor] and [[simulation.fault]] of a scenario.
+/// Reads [safety], [safety.supervisor], [[safety.zone]] and [[simulation.fault]] of a scenario.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,10 @@ namespace sightline {
 /// Reads [safety], if there is one. Noise values that it omits are those of the simulation.
 std::optional<Safety> read_safety(const TomlTable& root, const Disturbances& disturbances);
 
-/// Rejects `start_outside` if no start violates a judged limit, unless a campaign draws starts.
+/// Rejects a start on the wrong side of a zone without `start_outside`, and `start_outside` if no
+/// start violates a judged limit. A campaign, which draws starts, may have both.
 /// @param scenario  its bodies and starts are read
-void check_start_outside(const TomlTable& root, const ScenarioSpec& scenario);
+void check_starts(const TomlTable& root, const ScenarioSpec& scenario);
 
 /// Reads [[simulation.fault]] into the simulation.
 void read_faults(const TomlTable& simulation, const Team& team, Simulation& to);

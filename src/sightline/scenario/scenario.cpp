@@ -70,7 +70,7 @@ class Reader {
     for (const TomlTable& at : root_.tables("keep_apart")) read_keep_apart(at, scenario_.team);
     read_constraints();
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
-    check_start_outside(root_, scenario_);
+    check_starts(root_, scenario_);
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     if (root_.has("fleet")) scenario_.links = link_reader(root_).read_links(root_, scenario_);
     scenario_.script = read_events(root_, scenario_, observers_);

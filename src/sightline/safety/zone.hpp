@@ -1,0 +1,38 @@
+/// The place of a robot in a Zone, and the convex pieces of space that a zone forbids.
+///
+/// The forbidden space of a prism kept outside is the prism; that of a prism kept inside is the rest
+/// of space: half-spaces beyond the hull of the polygon, above and below, and the pockets between
+/// polygon and hull. A convex piece is kept away from by any one of its faces.
+#pragma once
+
+#include <vector>
+
+#include "sightline/barrier.hpp"
+#include "sightline/base.hpp"
+
+namespace sightline {
+
+/// An upright face; n . p - offset is the distance beyond it [m].
+struct Face {
+  Vec2<double> n;  ///< unit vector, out of the piece
+  double offset;   ///< [m]
+};
+
+/// The points p with n . p < offset for all faces, and low < p_z < high.
+struct ForbiddenPiece {
+  std::vector<Face> faces;
+  double low = -infinity, high = infinity;  ///< [m]
+};
+
+/// Distance to the zone's boundary [m], negative on the wrong side.
+double zone_reserve(const Zone& zone, const Vec3<double>& p) noexcept;
+
+/// Pieces that cover the forbidden space. At a corner of less than 90 degrees a piece has another
+/// face, which touches it there alone. A margin then moves the corner by at most sqrt(2) times the
+/// margin.
+std::vector<ForbiddenPiece> forbidden_pieces(const Zone& zone);
+
+/// @throws std::invalid_argument if the polygon is not simple, or the heights leave no room
+void validate(const Zone& zone);
+
+}  // namespace sightline
