@@ -27,8 +27,8 @@ barrier() {
   folder=safety
   sources=(safety/{authority,escape,projection,barrier,barrier_law,barrier_threats,joint_plan,barrier_rows,row_projection,surrounded}
     safety/{barrier_check,evasive_maneuver})
-  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver})
-  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:EvasiveManeuvers.*'
+  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver,zone})
+  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:EvasiveManeuvers.*:Zone.*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline_core.a")
   mutants=(
@@ -65,7 +65,9 @@ barrier() {
     'share of a member checked doubled|barrier_check.cpp|law.options.share \* (gap - wanted)|2 * law.options.share * (gap - wanted)'
     'yaw beside a plan|barrier_law.cpp|if (can.reach\[k\] == 0) continue;|;'
     'bounds of the world not checked|barrier_check.cpp|return least + touched;|return infinity;'
-    'floor turned into a ceiling|barrier_rows.cpp|of_wall({0, 0, 1}, 0.0, least, Wall::floor)|of_wall({0, 0, -1}, 0.0, least, Wall::floor)'
+    'floor turned into a ceiling|barrier_rows.cpp|heights.push_back({1.0, floor,|heights.push_back({-1.0, floor,'
+    'first face of a piece taken|barrier_rows.cpp|if (reserve > most) most|if (!by_plane) most'
+    'margin of a zone zero|barrier_law.cpp|face.offset += margin;|;'
   )
 }
 

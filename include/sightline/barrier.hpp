@@ -24,7 +24,7 @@
 /// (EvasiveManeuver). If the vertical speed follows its command with one lag, p_z + tau v_z,
 /// the height at which the robot would come to rest, replaces p_z, and |tau v_z| is added to rho.
 ///
-/// Floor, ceiling and world have priority. docs/safety.md has the mathematics, and the guarantee
+/// Floor, ceiling, world and zones have priority. docs/safety.md has the mathematics, and the guarantee
 /// with its model and knowledge.
 ///
 /// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and
@@ -111,7 +111,7 @@ struct BarrierOptions {
 };
 
 /// The wall of a row of the filter; `none` for a row of a neighbour.
-enum class Wall { none, floor, ceiling, x_min, x_max, y_min, y_max };
+enum class Wall { none, floor, ceiling, x_min, x_max, y_min, y_max, zone };
 std::string_view to_string(Wall wall) noexcept;
 
 /// An evasive manoeuvre of a surrounded robot, and its predicted distance.

@@ -14,37 +14,37 @@ namespace {
 using test::random_polygon;
 using testing::HasSubstr;
 
-constexpr int trials = 300;
+constexpr int polygon_trials = 300;
 
-std::size_t any_count(Random& random) { return 3 + random() % 22; }
+std::size_t any_corner_count(Random& random) { return 3 + random() % 22; }
 
-Vec2<double> any_point(Random& random, double reach) {
+Vec2<double> any_point_of_plane(Random& random, double reach) {
   return {uniform(random, -reach, reach), uniform(random, -reach, reach)};
 }
 
 /// How many of the polygons have the point at least `deep` within.
-int holding(const std::vector<Polygon>& polygons, const Vec2<double>& p, double deep) {
+int polygons_holding(const std::vector<Polygon>& polygons, const Vec2<double>& p, double deep) {
   return static_cast<int>(std::count_if(polygons.begin(), polygons.end(),
                                         [&](const Polygon& one) { return signed_distance(one, p) < -deep; }));
 }
 
-double area_of(const std::vector<Polygon>& polygons) {
+double area_of_polygons(const std::vector<Polygon>& polygons) {
   double sum = 0.0;
   for (const Polygon& one : polygons) sum += signed_area(one);
   return sum;
 }
 
-void expect_convex(const Polygon& p) {
+void expect_convex_polygon(const Polygon& p) {
   for (std::size_t i = 0; i < p.size(); ++i)
     EXPECT_GE(test::side_of(p[i], p[(i + 1) % p.size()], p[(i + 2) % p.size()]), -1e-9);
 }
 
 TEST(Polygon, ItsSignedDistanceHasTheSignOfWindingAndTheSizeOfASearch) {
   Random random(1);
-  for (int trial = 0; trial < trials; ++trial) {
-    const Polygon polygon = random_polygon(random, any_count(random), 5.0);
+  for (int trial = 0; trial < polygon_trials; ++trial) {
+    const Polygon polygon = random_polygon(random, any_corner_count(random), 5.0);
     for (int k = 0; k < 40; ++k) {
-      const Vec2<double> p = any_point(random, 7.0);
+      const Vec2<double> p = any_point_of_plane(random, 7.0);
       const double distance = signed_distance(polygon, p);
       EXPECT_EQ(distance < 0, test::winds_around(polygon, p)) << trial;
       EXPECT_NEAR(std::abs(distance), test::searched_distance(polygon, p), 1e-9) << trial;
@@ -54,14 +54,14 @@ TEST(Polygon, ItsSignedDistanceHasTheSignOfWindingAndTheSizeOfASearch) {
 
 TEST(Polygon, ItsOrientationChangesTheSignOfItsAreaAlone) {
   Random random(2);
-  for (int trial = 0; trial < trials; ++trial) {
-    const Polygon polygon = random_polygon(random, any_count(random), 5.0);
+  for (int trial = 0; trial < polygon_trials; ++trial) {
+    const Polygon polygon = random_polygon(random, any_corner_count(random), 5.0);
     Polygon reversed = polygon;
     std::reverse(reversed.begin(), reversed.end());
-    const Vec2<double> p = any_point(random, 7.0);
+    const Vec2<double> p = any_point_of_plane(random, 7.0);
     EXPECT_NEAR(signed_area(reversed), -signed_area(polygon), 1e-9);
     EXPECT_NEAR(signed_distance(reversed, p), signed_distance(polygon, p), 1e-12);
-    EXPECT_NEAR(area_of(convex_pieces(reversed)), std::abs(signed_area(polygon)), 1e-8);
+    EXPECT_NEAR(area_of_polygons(convex_pieces(reversed)), std::abs(signed_area(polygon)), 1e-8);
     EXPECT_NEAR(signed_area(convex_hull(reversed)), signed_area(convex_hull(polygon)), 1e-9);
   }
   EXPECT_NEAR(signed_area(Polygon{{1, 1}, {3, 1}, {3, 4}, {1, 4}}), 6.0, 1e-12);
@@ -70,27 +70,27 @@ TEST(Polygon, ItsOrientationChangesTheSignOfItsAreaAlone) {
 // At most two diagonals are essential at each reflex corner.
 TEST(Polygon, ItsPiecesAreConvexCoverItOnceAndAreFew) {
   Random random(3);
-  for (int trial = 0; trial < trials; ++trial) {
-    const Polygon polygon = random_polygon(random, any_count(random), 5.0);
+  for (int trial = 0; trial < polygon_trials; ++trial) {
+    const Polygon polygon = random_polygon(random, any_corner_count(random), 5.0);
     const std::vector<Polygon> pieces = convex_pieces(polygon);
     for (const Polygon& piece : pieces) {
-      expect_convex(piece);
+      expect_convex_polygon(piece);
       EXPECT_GT(signed_area(piece), 0.0) << trial;
     }
-    EXPECT_NEAR(area_of(pieces), std::abs(signed_area(polygon)), 1e-8) << trial;
+    EXPECT_NEAR(area_of_polygons(pieces), std::abs(signed_area(polygon)), 1e-8) << trial;
     const double side = signed_area(polygon) > 0 ? 1.0 : -1.0;
     std::size_t reflex = 0;
     for (std::size_t i = 0, n = polygon.size(); i < n; ++i)
       reflex += side * test::side_of(polygon[i], polygon[(i + 1) % n], polygon[(i + 2) % n]) < 0 ? 1U : 0U;
     EXPECT_LE(pieces.size(), 2 * reflex + 1) << trial;
     for (int k = 0; k < 40; ++k) {
-      const Vec2<double> p = any_point(random, 6.0);
+      const Vec2<double> p = any_point_of_plane(random, 6.0);
       if (signed_distance(polygon, p) > 1e-9) {
-        EXPECT_EQ(holding(pieces, p, 1e-9), 0) << trial;
+        EXPECT_EQ(polygons_holding(pieces, p, 1e-9), 0) << trial;
       }
-      EXPECT_LE(holding(pieces, p, 1e-9), 1) << trial;
+      EXPECT_LE(polygons_holding(pieces, p, 1e-9), 1) << trial;
       if (signed_distance(polygon, p) < -1e-9) {
-        EXPECT_GE(holding(pieces, p, -1e-9), 1) << trial;
+        EXPECT_GE(polygons_holding(pieces, p, -1e-9), 1) << trial;
       }
     }
   }
@@ -98,18 +98,19 @@ TEST(Polygon, ItsPiecesAreConvexCoverItOnceAndAreFew) {
 
 TEST(Polygon, ItsHullIsItselfAndItsPockets) {
   Random random(4);
-  for (int trial = 0; trial < trials; ++trial) {
-    const Polygon polygon = random_polygon(random, any_count(random), 5.0), hull = convex_hull(polygon);
+  for (int trial = 0; trial < polygon_trials; ++trial) {
+    const Polygon polygon = random_polygon(random, any_corner_count(random), 5.0),
+                  hull = convex_hull(polygon);
     const std::vector<Polygon> all = pockets(polygon);
-    expect_convex(hull);
+    expect_convex_polygon(hull);
     for (const Vec2<double>& corner : polygon) EXPECT_LE(signed_distance(hull, corner), 1e-9);
-    EXPECT_NEAR(area_of(all) + std::abs(signed_area(polygon)), signed_area(hull), 1e-8) << trial;
+    EXPECT_NEAR(area_of_polygons(all) + std::abs(signed_area(polygon)), signed_area(hull), 1e-8) << trial;
     for (int k = 0; k < 40; ++k) {
-      const Vec2<double> p = any_point(random, 6.0);
+      const Vec2<double> p = any_point_of_plane(random, 6.0);
       if (std::abs(signed_distance(hull, p)) < 1e-6 || std::abs(signed_distance(polygon, p)) < 1e-6) continue;
       const int in_hull = signed_distance(hull, p) < 0 ? 1 : 0,
                 in_it = signed_distance(polygon, p) < 0 ? 1 : 0;
-      EXPECT_EQ(holding(all, p, 0.0) + in_it, in_hull) << trial;
+      EXPECT_EQ(polygons_holding(all, p, 0.0) + in_it, in_hull) << trial;
     }
   }
 }

@@ -11,8 +11,12 @@
 namespace sightline {
 namespace {
 
+/// Options of a robot that lands: without the floor, and without that of its rooms.
 BarrierOptions without_floor(BarrierOptions options) {
   options.floor = BarrierOptions{}.floor;
+  for (Zone& zone : options.zones) {
+    if (zone.keep == Zone::Keep::inside) zone.from = Zone{}.from;
+  }
   return options;
 }
 

@@ -37,8 +37,11 @@ BarrierPeriod begin(const BarrierLaw& law, std::span<const double> x, std::span<
           .self = self,
           .part = 1.0,
           .beside = std::abs(seen.p.z - self.p.z),
+          .p_z = seen.p.z,
           .threats = {},
-          .rows = {}};
+          .rows = {},
+          .heights = {},
+          .planes = {}};
 }
 
 }  // namespace
@@ -64,8 +67,8 @@ const BarrierOptions& validate(const BarrierOptions& o, double dt) {
 }
 
 std::string_view to_string(Wall wall) noexcept {
-  constexpr std::array<std::string_view, 7> names = {"none",  "floor", "ceiling", "x_min",
-                                                     "x_max", "y_min", "y_max"};
+  constexpr std::array<std::string_view, 8> names = {"none",  "floor", "ceiling", "x_min",
+                                                     "x_max", "y_min", "y_max",   "zone"};
   return names[static_cast<std::size_t>(wall)];
 }
 
@@ -117,6 +120,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   now.part = part(u_min, u_max);
   const bool all_known = find_threats(law, now);
   for (const Threat& threat : now.threats) result.reserve = std::min(result.reserve, threat.reserve);
+  find_bounds(law, now);
   const double joint = join_plans(law, now);
   const double least = result.reserve;
   if (std::isfinite(joint)) result.reserve = joint;

@@ -155,24 +155,17 @@ struct CommandCheck {
                     }));
   }
 
-  /// Distance to a bound of the world after braking [m]; n: inward normal.
-  double braked(const Vec2<double>& n, const Vec3<double>& p, const Vec2<double>& v) const {
-    const double away = std::min(dot(n, v), 0.0), stop = law.stopping_time(away, now.part);
-    return law.options.world + n.x * p.x + n.y * p.y + law.plans.E(stop) * away +
-           now.part * law.b * law.plans.F(stop);
-  }
-
-  /// Distance to the bounds of the world beyond the requirement [m], after braking and within the
-  /// period. A bound that is already exceeded must not be exceeded further.
+  /// Distance to the planes that bound the robot beyond the requirement [m], after braking and within
+  /// the period. A bound that is already exceeded must not be exceeded further.
   double left_of_walls(const Flown& flown) const {
     constexpr double touched = 1e-6;  // [m]
     double least = infinity;
-    for (const Vec2<double>& n : inward) {
-      const double here = braked(n, now.self.p, {now.self.v.x, now.self.v.y});
+    for (const BoundPlane& plane : now.planes) {
+      const double here = law.braked(plane, now.self.p, {now.self.v.x, now.self.v.y}, now.part);
       const double wanted = here > 0 ? (1.0 - law.options.rate * law.dt) * here : here;
-      least = std::min(least, braked(n, flown.after.p, flown.after.v) - wanted);
+      least = std::min(least, law.braked(plane, flown.after.p, flown.after.v, now.part) - wanted);
       for (const Vec3<double>& p : flown.between)
-        least = std::min(least, law.options.world + n.x * p.x + n.y * p.y - std::min(here, 0.0));
+        least = std::min(least, plane.offset + plane.n.x * p.x + plane.n.y * p.y - std::min(here, 0.0));
     }
     return least + touched;
   }
@@ -219,19 +212,23 @@ struct CommandCheck {
 
 void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<double> u,
                   NextState& after) noexcept {
-  if (law.options.world == infinity) return;
+  if (now.planes.empty()) return;
   const CommandCheck check{law, now};
-  const auto nearer = [&](const Vec2<double>& n, const Vec2<double>& m) {
+  const auto nearer = [&](const BoundPlane& one, const BoundPlane& other) {
     const Vec2<double> v = {now.self.v.x, now.self.v.y};
-    return check.braked(n, now.self.p, v) < check.braked(m, now.self.p, v);
+    return law.braked(one, now.self.p, v, now.part) < law.braked(other, now.self.p, v, now.part);
   };
   const auto left = [&](std::span<const double> one) { return check.left_of_walls(check.flown(one)); };
-  auto away = inward;
-  std::partial_sort(away.begin(), away.begin() + 2, away.end(), nearer);
-  const double b = now.part * law.b, of_both = std::sqrt(0.5) * b;
-  if (check.towards_plan({b * away[0].x, b * away[0].y}, 0.0, u, left) < 0) {
-    const Vec2<double> corner = {of_both * (away[0].x + away[1].x), of_both * (away[0].y + away[1].y)};
-    check.towards_plan(corner, 0.0, u, left);
+  auto nearest = now.planes;
+  const bool alone = nearest.size() == 1;
+  std::partial_sort(nearest.begin(), nearest.begin() + (alone ? 1 : 2), nearest.end(), nearer);
+  const double b = now.part * law.b;
+  const Vec2<double>& n = nearest[0].n;
+  if (check.towards_plan({b * n.x, b * n.y}, 0.0, u, left) < 0 && !alone) {
+    const Vec2<double>& m = nearest[1].n;
+    const Vec2<double> sum = {n.x + m.x, n.y + m.y};
+    const double of_both = b * (dot(n, m) > 0 ? 1.0 / norm(sum.x, sum.y) : std::sqrt(0.5));
+    check.towards_plan({of_both * sum.x, of_both * sum.y}, 0.0, u, left);
   }
   after = law.next(now.x, u);
 }
@@ -245,7 +242,7 @@ bool ensure_distances(const BarrierLaw& law, const BarrierPeriod& now, std::span
   if (now.threats.size() > 1 && std::any_of(now.threats.begin(), now.threats.end(), is_member)) return false;
   const CommandCheck check{law, now};
   const auto left_of_world = [&](const Flown& there) {
-    return law.options.world < infinity ? check.left_of_walls(there) : 0.0;
+    return now.planes.empty() ? 0.0 : check.left_of_walls(there);
   };
   constexpr double touched = 1e-9;  // [m]
   const double walls = std::min(0.0, left_of_world(check.flown(u))),

@@ -7,13 +7,13 @@
 
 namespace sightline {
 
-/// Makes u keep the bounds of the world if braking does.
+/// Makes u keep the bounds of the world and of zones if braking does.
 /// @param after  state under u
 void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<double> u,
                   NextState& after) noexcept;
 /// Makes u keep the distances if a plan of this period proves that this is possible. This covers
-/// uncooperative neighbours alone, or one cooperative neighbour. Floor, ceiling and world are
-/// violated no further.
+/// uncooperative neighbours alone, or one cooperative neighbour. Floor, ceiling, world and
+/// zones are violated no further.
 /// @param after  state under u
 /// @return whether u keeps the distances
 bool ensure_distances(const BarrierLaw& law, const BarrierPeriod& now, std::span<double> u,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sightline/safety/projection.hpp"
 
@@ -26,7 +27,16 @@ BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double peri
   options.floor += options.wall_margin;
   options.ceiling -= options.wall_margin;
   // A period may begin and end within the bounds, and exceed them in between.
-  options.world -= options.wall_margin + 0.15 * can.push * square(dt / parts);
+  const double margin = options.wall_margin + 0.15 * can.push * square(dt / parts);
+  options.world -= margin;
+  for (const Zone& zone : options.zones) {
+    for (ForbiddenPiece& piece : forbidden_pieces(zone)) {
+      for (Face& face : piece.faces) face.offset += margin;
+      piece.low -= options.wall_margin;
+      piece.high += options.wall_margin;
+      pieces.push_back(std::move(piece));
+    }
+  }
   Arena arena{.disc = b};
   for (std::size_t k = 0; can.thrust_count == 2 && k < 2; ++k)
     arena.g[k] = {given.authority * can.thrusts[k].x, given.authority * can.thrusts[k].y};
@@ -50,6 +60,12 @@ Sight<double> BarrierLaw::settled(Sight<double> self) const noexcept {
 double BarrierLaw::stopping_time(double away, double part) const noexcept {
   const double c = can.drag, most = part * b;
   return away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / most) / c : -away / most;
+}
+
+double BarrierLaw::braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
+                          double part) const noexcept {
+  const double away = std::min(dot(plane.n, v), 0.0), stop = stopping_time(away, part);
+  return plane.offset + plane.n.x * p.x + plane.n.y * p.y + plans.E(stop) * away + part * b * plans.F(stop);
 }
 
 void BarrierLaw::reach_for(std::span<const double> x, const std::array<double, 3>& wanted,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
@@ -11,6 +12,7 @@
 #include "sightline/safety/authority.hpp"
 #include "sightline/safety/escape.hpp"
 #include "sightline/safety/evasive_maneuver.hpp"
+#include "sightline/safety/zone.hpp"
 
 namespace sightline {
 
@@ -24,6 +26,13 @@ struct NextState {
   double beside = 0.0;  // height less the height at which the robot comes to rest [m]
 };
 
+/// A bound of the horizontal position: n . p + offset >= 0.
+struct BoundPlane {
+  Vec2<double> n;  // unit vector
+  double offset;   // [m]
+  Wall wall;
+};
+
 struct BarrierLaw {
   BarrierLaw(const Model& robot, const Authority& ability, double period, const BarrierOptions& given);
 
@@ -33,6 +42,10 @@ struct BarrierLaw {
   Sight<double> settled(Sight<double> self) const noexcept;
   /// Time until a velocity towards a bound is zero [s].
   double stopping_time(double away, double part) const noexcept;
+  /// Distance to a plane when the velocity towards it is zero, after braking straight away from it
+  /// with a part of the acceleration [m]; at most the distance now.
+  double braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
+                double part) const noexcept;
   /// Makes the smallest change of u that leads to the wanted horizontal velocity and height after
   /// the period, within the limits.
   void reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
@@ -40,9 +53,10 @@ struct BarrierLaw {
                  std::span<double> u) const noexcept;
 
   Model model;
-  BarrierOptions options;  // bounds less their margins
-  double dt;               // [s]
-  int parts;               // integration steps of a period
+  BarrierOptions options;              // bounds less their margins
+  std::vector<ForbiddenPiece> pieces;  // of all zones, with their margins
+  double dt;                           // [s]
+  int parts;                           // integration steps of a period
   Authority can;
   double b;  // acceleration that plans use [m/s^2]
   EscapePlans plans;

@@ -43,12 +43,23 @@ struct BarrierRow {
   double missed(const NextState& next) const { return least - value(next); }
 };
 
+/// Greatest number of forbidden pieces that a robot considers, those that leave least.
+inline constexpr std::size_t most_pieces = 8;
+
+/// A bound of the height z: side (z - level) >= 0.
+struct BoundHeight {
+  double side;   // 1: from below, -1: from above
+  double level;  // [m]
+  double room;   // side (z - level) now [m]
+  Wall wall;
+};
+
 struct BarrierPeriod {
-  /// Largest amount by which a floor or ceiling row is missed [m], >= 0.
+  /// Largest amount by which a row of the height alone is missed [m], >= 0.
   double missed_of_heights(const NextState& next) const {
     double most = 0.0;
     for (const BarrierRow& row : rows) {
-      if (row.wall == Wall::floor || row.wall == Wall::ceiling) most = std::max(most, row.missed(next));
+      if (row.wall != Wall::none && row.n.z != 0) most = std::max(most, row.missed(next));
     }
     return most;
   }
@@ -58,8 +69,11 @@ struct BarrierPeriod {
   Sight<double> self;  // as BarrierLaw::settled()
   double part;         // of the acceleration, within the limits
   double beside;       // |height less the height at which the robot comes to rest| [m]
+  double p_z;          // height [m]
   Bounded<Threat, most_neighbours> threats;
   Bounded<BarrierRow, most_half_spaces> rows;
+  Bounded<BoundHeight, 2 + most_pieces> heights;
+  Bounded<BoundPlane, 4 + most_pieces> planes;
 };
 
 }  // namespace sightline

@@ -1,6 +1,7 @@
 #include "sightline/safety/barrier_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sightline {
@@ -36,6 +37,40 @@ BarrierRow keep_away(const BarrierLaw& law, const BarrierPeriod& now, int index,
   return row;
 }
 
+/// Distance that a piece leaves after 1 s at the present velocity, by its best face [m].
+double left_of_piece(const ForbiddenPiece& piece, const BarrierPeriod& now) {
+  const Vec3<double>&p = now.self.p, &v = now.self.v;
+  double most = std::max(std::min(p.z, now.p_z) - piece.high + std::min(v.z, 0.0),
+                         piece.low - std::max(p.z, now.p_z) - std::max(v.z, 0.0));
+  for (const Face& face : piece.faces) {
+    const double closing = std::min(face.n.x * v.x + face.n.y * v.y, 0.0);
+    most = std::max(most, face.n.x * p.x + face.n.y * p.y - face.offset + closing);
+  }
+  return most;
+}
+
+/// Adds the face of a piece with the greatest reserve.
+void bound_by_piece(const BarrierLaw& law, const ForbiddenPiece& piece, BarrierPeriod& now) {
+  // A height with a lag must keep both the present height and that at which it comes to rest.
+  const double above = std::min(now.self.p.z, now.p_z) - piece.high,
+               below = piece.low - std::max(now.self.p.z, now.p_z);
+  const BoundHeight end = above >= below ? BoundHeight{1.0, piece.high, above, Wall::zone}
+                                         : BoundHeight{-1.0, piece.low, below, Wall::zone};
+  if (!law.can.climbs && end.room >= 0) return;  // kept by the height, which does not change
+  double most = law.can.climbs ? end.room : -infinity;
+  BoundPlane best{};
+  bool by_plane = false;
+  for (const Face& face : piece.faces) {
+    const BoundPlane plane = {face.n, -face.offset, Wall::zone};
+    const double reserve = law.braked(plane, now.self.p, {now.self.v.x, now.self.v.y}, now.part);
+    if (reserve > most) most = reserve, best = plane, by_plane = true;
+  }
+  if (by_plane)
+    now.planes.push_back(best);
+  else if (most > -infinity)
+    now.heights.push_back(end);
+}
+
 }  // namespace
 
 void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) noexcept {
@@ -56,6 +91,31 @@ void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) no
   }
 }
 
+void find_bounds(const BarrierLaw& law, BarrierPeriod& now) noexcept {
+  const double z = now.self.p.z, floor = law.options.floor, ceiling = law.options.ceiling;
+  if (law.can.climbs && floor > -infinity) now.heights.push_back({1.0, floor, z - floor, Wall::floor});
+  if (law.can.climbs && ceiling < infinity)
+    now.heights.push_back({-1.0, ceiling, ceiling - z, Wall::ceiling});
+  if (law.options.world < infinity) {
+    for (const BoundPlane& plane : {BoundPlane{{-1, 0}, law.options.world, Wall::x_max},
+                                    BoundPlane{{1, 0}, law.options.world, Wall::x_min},
+                                    BoundPlane{{0, -1}, law.options.world, Wall::y_max},
+                                    BoundPlane{{0, 1}, law.options.world, Wall::y_min}})
+      now.planes.push_back(plane);
+  }
+  Bounded<const ForbiddenPiece*, most_pieces> nearest;
+  std::array<double, most_pieces> key;
+  for (const ForbiddenPiece& piece : law.pieces) {
+    const double left = left_of_piece(piece, now);
+    if (nearest.size() == most_pieces && !(left < key[most_pieces - 1])) continue;
+    if (nearest.size() < most_pieces) nearest.push_back(nullptr);
+    std::size_t at = nearest.size() - 1;
+    for (; at > 0 && key[at - 1] > left; --at) key[at] = key[at - 1], nearest[at] = nearest[at - 1];
+    key[at] = left, nearest[at] = &piece;
+  }
+  for (const ForbiddenPiece* piece : nearest) bound_by_piece(law, *piece, now);
+}
+
 void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noexcept {
   const double kept_part = 1.0 - law.options.rate * law.dt, b = now.part * law.b;
   // A joint plan climbs or sinks until it reaches the wall, and the height follows the command at
@@ -63,25 +123,19 @@ void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noe
   const auto kept_height = [&](double room) {
     return approach == Approach::at_once && room > 0 ? 0.0 : kept_part * room;
   };
-  if (law.can.climbs && law.options.floor > -infinity) {
-    const double least = law.options.floor + kept_height(now.self.p.z - law.options.floor);
-    now.rows.push_back(row_of_wall({0, 0, 1}, 0.0, least, Wall::floor));
+  for (const BoundHeight& bound : now.heights) {
+    const double least = bound.side * bound.level + kept_height(bound.room);
+    now.rows.push_back(row_of_wall({0, 0, bound.side}, 0.0, least, bound.wall));
   }
-  if (law.can.climbs && law.options.ceiling < infinity) {
-    const double least = -law.options.ceiling + kept_height(law.options.ceiling - now.self.p.z);
-    now.rows.push_back(row_of_wall({0, 0, -1}, 0.0, least, Wall::ceiling));
-  }
-  if (law.options.world == infinity) return;
-  for (std::size_t i = 0; i < inward.size(); ++i) {
+  for (const BoundPlane& plane : now.planes) {
     // The plan brakes straight away from the wall, until the velocity towards it is zero.
-    const Vec3<double> n = {inward[i].x, inward[i].y, 0.0};
-    const double away = n.x * now.self.v.x + n.y * now.self.v.y,
-                 here = law.options.world + dot(n, now.self.p);
+    const Vec3<double> n = {plane.n.x, plane.n.y, 0.0};
+    const double away = n.x * now.self.v.x + n.y * now.self.v.y, here = plane.offset + dot(n, now.self.p);
     const double t = std::max(law.stopping_time(away, now.part), law.dt), left = t - law.dt;
     const double later = here + law.plans.E(t) * away + b * law.plans.F(t);
     const double wanted = kept_part * std::min(here, later);
-    const double least = wanted - law.options.world - b * law.plans.F(left);
-    now.rows.push_back(row_of_wall(n, law.plans.E(left), least, bounds_of_world[i]));
+    const double least = wanted - plane.offset - b * law.plans.F(left);
+    now.rows.push_back(row_of_wall(n, law.plans.E(left), least, plane.wall));
   }
 }
 
