@@ -393,6 +393,66 @@ ceiling = 10.0
   EXPECT_EQ(summary->broken_walls().size(), 1U);
 }
 
+constexpr const char* strip =
+    "[[safety.zone]]\npolygon = [[1, -1], [2, -1], [2, 1], [1, 1]]\nkeep = \"outside\"\n";
+
+TEST(SafetySummary, KeepsTheLeastReserveOfEachZoneAndItsTime) {
+  Judged summary(scenario(strip));
+  summary.add(0.0, places(0, 3, 9), there);
+  summary.add(0.1, places(0.9, 3, 9), there);
+  EXPECT_TRUE(summary->broken().empty());
+  EXPECT_EQ(safety_lines(summary->json()).back().second, "a: 0.1 m from its boundary at least, kept outside");
+  summary.add(0.2, places(1.3, 3, 9), there);
+  ASSERT_EQ(summary->broken().size(), 1U);
+  EXPECT_TRUE(summary->broken()[0].starts_with("a came 0.3 m inside zone 0 at 0.20 s, to be outside"))
+      << summary->broken()[0];
+  const auto zones = nlohmann::json::parse(summary->json()).at("zones");
+  ASSERT_EQ(zones.size(), 2U);
+  EXPECT_EQ(zones.at(0).at("name"), "a");
+  EXPECT_EQ(zones.at(0).at("zone"), 0);
+  EXPECT_EQ(zones.at(0).at("keep"), "outside");
+  EXPECT_NEAR(zones.at(0).at("least").get<double>(), -0.3, 1e-9);
+  EXPECT_EQ(zones.at(0).at("time"), 0.2);
+  EXPECT_EQ(zones.at(0).at("kept"), false);
+  EXPECT_NEAR(zones.at(1).at("least").get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(zones.at(1).at("kept"), true);
+  const auto lines = safety_lines(summary->json());
+  EXPECT_EQ(lines.back().first, "zone 0");
+  EXPECT_TRUE(
+      lines.back().second.starts_with("a: -0.3 m from its boundary at least, BROKEN, to be outside, for 0.0"))
+      << lines.back().second;
+}
+
+TEST(SafetySummary, AZoneThatIsCrossedBetweenSamplesIsBroken) {
+  Judged summary(scenario(strip));
+  summary.add(0.0, passing(0, 9, 40), there);
+  summary.add(0.1, passing(4, 9, 40), there);
+  ASSERT_EQ(summary->broken_walls().size(), 1U);
+  EXPECT_NEAR(summary->bounds()[0].worst(), -0.5, 1e-4);
+  EXPECT_NEAR(summary->bounds()[0].limit.worst().time, 0.1 * 1.5 / 4, 1e-4);
+}
+
+TEST(SafetySummary, ARoomHasNoFloorForOneThatLandsAndKeepsItsWalls) {
+  const std::string room =
+      "[[safety.zone]]\npolygon = [[-5, -5], [12, -5], [12, 5], [-5, 5]]\nfrom = 0.5\nkeep = \"inside\"\n";
+  Judged summary(scenario(room));
+  summary.add(0.0, heights(1.0, 1.0), there);
+  summary.add(0.1, heights(0.1, 1.0), there, {}, landing);
+  summary.add(0.2, heights(0.05, 1.0), there);
+  summary.add(0.3, heights(0.0, 1.0), there, {}, landing);
+  EXPECT_TRUE(summary->broken().empty());
+  std::vector<Sight<double>> beside = heights(0.0, 1.0);
+  beside[0].p.y = 6.0;
+  summary.add(0.4, beside, there, {}, landing);
+  ASSERT_EQ(summary->broken().size(), 1U);
+  EXPECT_TRUE(summary->broken()[0].starts_with("a came 1 m outside zone 0 at 0.40 s, to be inside"));
+  Judged low(scenario(room));
+  low.add(0.0, heights(1.0, 1.0), there);
+  low.add(0.1, heights(0.4, 1.0), there);
+  ASSERT_EQ(low->broken().size(), 1U);
+  EXPECT_TRUE(low->broken()[0].starts_with("a came 0.1 m outside zone 0 at 0.10 s, to be inside"));
+}
+
 TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
   for (const auto& [mode, word] : {std::pair{"on", "acted"}, {"report", "would have acted"}}) {
     Judged summary(scenario("[safety]\nbarrier = \"" + std::string(mode) + "\"\n"));

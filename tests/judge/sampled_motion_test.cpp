@@ -9,7 +9,9 @@
 
 #include "sightline/model.hpp"
 #include "sightline/robots.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/world.hpp"
+#include "tests/support/random_zone.hpp"
 
 namespace sightline {
 namespace {
@@ -274,6 +276,31 @@ TEST(SampledMotion, WhatComesBackByCommandsThatActLateReachedItsSummit) {
   EXPECT_NEAR(highest, 0.015 + 0.09 / (2 * 5.4), 1e-6);
   EXPECT_GE(flown.motion().reach(BodyId{0}), highest - 1e-9);
   EXPECT_NEAR(flown.highest(), highest, 1e-3);
+}
+
+TEST(SampledMotion, FindsTheGreatestDistanceBeyondAZoneThatSmallStepsFind) {
+  Random random(12);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Zone zone = test::random_zone(random);
+    const double T = uniform(random, 0.01, 0.1);
+    const Knot a{2.0, random_point(random, 5.0), random_point(random, 3.0)},
+        b{2.0 + T, a.p + T * a.v + T * T * random_point(random, 10.0), a.v + T * random_point(random, 20.0)};
+    Extreme truth{-infinity, 0.0}, found = truth;
+    for (int k = 0; k <= 1000; ++k) {
+      const double s = k / 1000.0, r = 1 - s;
+      const Vec3<double> p = (r * r * (1 + 2 * s)) * a.p + (r * r * s * T) * a.v +
+                             (s * s * (3 - 2 * s)) * b.p + (-s * s * r * T) * b.v;
+      if (-zone_reserve(zone, p) > truth.value) truth = {-zone_reserve(zone, p), 2.0 + s * T};
+    }
+    find_greatest(a, b, zone, found);
+    EXPECT_GE(found.value, truth.value - 1.1e-4) << trial;
+    EXPECT_LE(found.value, truth.value + 1e-3) << trial;
+    EXPECT_GE(found.time, 2.0);
+    EXPECT_LE(found.time, 2.0 + T + 1e-12);
+    Extreme higher{truth.value + 2e-3, 1.0};
+    find_greatest(a, b, zone, higher);
+    EXPECT_EQ(higher.time, 1.0) << "only raised";
+  }
 }
 
 TEST(SampledMotion, WhatJoinsOrIsPutElsewhereDoesNotMove) {

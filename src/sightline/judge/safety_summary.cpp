@@ -13,6 +13,7 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/judge/summary_keys.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_shown = 8;
 constexpr std::array<const char*, 3> modes = {"off", "on", "report"};
-constexpr std::array<const char*, 3> wall_names = {"floor", "ceiling", "world"};
+constexpr std::array<const char*, 4> wall_names = {"floor", "ceiling", "world", "zone"};
 constexpr double wall_tolerance = 1e-6;      // [m] tolerated excess over a wall
 constexpr double distance_tolerance = 1e-9;  // [m] tolerated deficit below d_hard
 constexpr double shown_time = 0.005;         // [s] shorter times are omitted from texts
@@ -32,10 +33,11 @@ using Bound = SafetySummary::Bound;
 
 const char* name_of(Bound::Of of) { return wall_names[static_cast<std::size_t>(of)]; }
 
-/// Outward normals of a bound.
+/// Outward normals of a bound; a zone has none.
 std::span<const Vec3<double>> sides(Bound::Of of) {
   static constexpr std::array<Vec3<double>, 4> level = {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
   static constexpr std::array<Vec3<double>, 2> upright = {{{0, 0, -1}, {0, 0, 1}}};
+  if (of == Bound::Of::zone) return {};
   if (of == Bound::Of::world) return level;
   return std::span(upright).subspan(of == Bound::Of::floor ? 0 : 1, 1);
 }
@@ -98,7 +100,7 @@ bool LimitRecord::move(double time, double excess, const Extreme& most) noexcept
 }
 
 double SafetySummary::Bound::worst() const {
-  return of == Of::floor ? value - limit.worst().value : value + limit.worst().value;
+  return of == Of::floor || of == Of::zone ? value - limit.worst().value : value + limit.worst().value;
 }
 
 SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, bool start_outside)
@@ -121,6 +123,10 @@ SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, 
     const auto add_bound = [&](BodyId robot, Bound::Of of, double value) {
       if (std::isfinite(value)) bounds_.push_back({robot, of, value, LimitRecord(wall_tolerance)});
     };
+    zones_ = zones_to_land_ = scenario.safety->barrier_options.zones;
+    for (Zone& zone : zones_to_land_) {
+      if (zone.keep == Zone::Keep::inside) zone.from = Zone{}.from;
+    }
     for (int i = 0; i < team.bodies(); ++i) {
       const BodyId body{i};
       if (!team.is_agent(body)) continue;
@@ -129,6 +135,10 @@ SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, 
         add_bound(body, Bound::Of::ceiling, judged.ceiling);
       }
       add_bound(body, Bound::Of::world, judged.world);
+      for (std::size_t k = 0; k < zones_.size(); ++k) {
+        add_bound(body, Bound::Of::zone, 0.0);
+        bounds_.back().zone = k;
+      }
     }
   }
   if (mode_ != BarrierMode::off) robots_.resize(team.agents().size());
@@ -204,14 +214,22 @@ void SafetySummary::add_bound(Bound& bound, const Sample& sample,
              was_there = std::exchange(bound.was_there, there);
   if (!there) return bound.limit.cease();
   if (lands && bound.of == Bound::Of::floor) return bound.limit.pause();
-  const double excess = excess_of(bound, sights[i].p);
+  const bool of_zone = bound.of == Bound::Of::zone;
+  const Zone* const zone = of_zone ? &(lands ? zones_to_land_ : zones_)[bound.zone] : nullptr;
+  const double excess = of_zone ? -zone_reserve(*zone, sights[i].p) : excess_of(bound, sights[i].p);
+  // With the landing the floor of a room begins or ends.
+  if (lands != std::exchange(bound.was_landing, lands) && of_zone &&
+      zones_[bound.zone].from > zones_to_land_[bound.zone].from)
+    bound.limit.pause();
   // A robot that stops landing climbs from below the floor, which is excused.
   if (!bound.limit.counts()) return bound.limit.begin(sample.time, excess, start_outside_ || was_there);
   Extreme most{excess, sample.time};
   if (motion_.moved(bound.robot) && excess + motion_.reach(bound.robot) > bound.limit.worst().value) {
-    const double limit = limit_along(bound);
-    Extreme along{most.value + limit, most.time};
     const std::span<const Knot> knots = motion_.knots(bound.robot);
+    const double limit = of_zone ? 0.0 : limit_along(bound);
+    Extreme along{most.value + limit, most.time};
+    for (std::size_t k = 0; of_zone && k + 1 < knots.size(); ++k)
+      find_greatest(knots[k], knots[k + 1], *zone, along);
     for (const Vec3<double>& n : sides(bound.of)) {
       for (std::size_t k = 0; k + 1 < knots.size(); ++k) find_greatest(knots[k], knots[k + 1], n, along);
     }
@@ -274,6 +292,10 @@ std::vector<std::string> SafetySummary::broken_walls() const {
   std::vector<std::string> sentences;
   for (const Bound& bound : by_excess()) {
     if (bound.limit.kept()) continue;
+    if (bound.of == Bound::Of::zone) {
+      sentences.push_back(broken_zone(bound));
+      continue;
+    }
     const bool never = bound.limit.never_within();
     sentences.push_back(fmt::format(
         "{} {} {} {:.4g} m at {:.2f} s{}, the {} is {} m{}", names_[at(bound.robot)],
@@ -282,6 +304,15 @@ std::vector<std::string> SafetySummary::broken_walls() const {
         bound.value, for_how_long(bound.limit.broken_for())));
   }
   return sentences;
+}
+
+std::string SafetySummary::broken_zone(const Bound& bound) const {
+  const auto side = static_cast<std::size_t>(zones_[bound.zone].keep);
+  const bool never = bound.limit.never_within();
+  return fmt::format("{} {} {:.4g} m {} zone {} at {:.2f} s{}, to be {}{}", names_[at(bound.robot)],
+                     never ? "began" : "came", -bound.worst(), Zone::sides[1 - side], bound.zone,
+                     bound.limit.worst().time, never ? " and never changed sides" : "", Zone::sides[side],
+                     for_how_long(bound.limit.broken_for()));
 }
 
 double SafetySummary::conflict_share() const {
@@ -318,6 +349,17 @@ std::string SafetySummary::json() const {
   }
   json["walls"_key] = Json::array();
   for (const Bound& bound : bounds) {
+    if (bound.of == Bound::Of::zone) {
+      Json& one = json["zones"_key].emplace_back(
+          Json{{"name"_key, names_[at(bound.robot)]},
+               {"zone"_key, bound.zone},
+               {"keep"_key, Zone::sides[static_cast<std::size_t>(zones_[bound.zone].keep)]},
+               {"least"_key, bound.worst()},
+               {"time"_key, bound.limit.worst().time},
+               {"kept"_key, bound.limit.kept()}});
+      add_times(one, bound.limit);
+      continue;
+    }
     Json& one = json["walls"_key].emplace_back(Json{{"name"_key, names_[at(bound.robot)]},
                                                     {"wall"_key, name_of(bound.of)},
                                                     {"limit"_key, bound.value},
@@ -373,6 +415,15 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
         wall, fmt::format("{}: {:.4g} m at {}, {} {} m{}", bound.at("name").get<std::string>(),
                           bound.at("worst").get<double>(), wall == "floor" ? "least" : "most",
                           kept ? "kept" : "BROKEN, to be", bound.at("limit").get<double>(), times(bound)));
+  }
+  for (const Json& zone : json.value("zones", Json::array())) {
+    const std::string what = fmt::format("zone {}", zone.at("zone").get<std::size_t>());
+    const bool kept = zone.at("kept").get<bool>();
+    if (kept && !zone.contains("outside_at_start") && has_line(what)) continue;
+    lines.emplace_back(
+        what, fmt::format("{}: {:.4g} m from its boundary at least, {} {}{}",
+                          zone.at("name").get<std::string>(), zone.at("least").get<double>(),
+                          kept ? "kept" : "BROKEN, to be", zone.at("keep").get<std::string>(), times(zone)));
   }
   if (json.contains("unseen_periods"))
     lines.emplace_back("missed periods",

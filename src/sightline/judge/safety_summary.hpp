@@ -1,7 +1,8 @@
-/// Checks hard distances and walls, also between samples, and counts the actions of the barrier.
+/// Checks hard distances, walls and zones, also between samples, and counts the actions of the barrier.
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <string>
@@ -90,15 +91,16 @@ class SafetySummary {
   /// Over all pairs [m]; infinite if no two bodies were ever present together.
   double least_distance() const;
 
-  /// Floor, ceiling or bounds of the world for one robot.
+  /// Floor, ceiling, bounds of the world or a zone for one robot.
   struct Bound {
-    enum class Of { floor, ceiling, world };
+    enum class Of { floor, ceiling, world, zone };
     BodyId robot;
     Of of;
-    double value;  ///< [m]
+    double value;  ///< [m]; 0 for a zone
     LimitRecord limit;
-    bool was_there = false;
-    /// Height, or |p_x| or |p_y|, at the largest excess [m].
+    std::size_t zone = 0;  ///< index
+    bool was_there = false, was_landing = false;
+    /// Height, or |p_x| or |p_y|, at the largest excess [m]; the least reserve of a zone.
     double worst() const;
   };
   const std::vector<Bound>& bounds() const { return bounds_; }
@@ -109,8 +111,8 @@ class SafetySummary {
   /// True if all pairs could brake when they were first present.
   bool could_brake() const;
 
-  /// One sentence for each broken hard distance and each broken wall, worst first, at most eight of
-  /// each.
+  /// One sentence for each broken hard distance and each broken wall or zone, worst first, at most
+  /// eight of each.
   std::vector<std::string> broken() const;
   std::vector<std::string> broken_walls() const;
 
@@ -126,6 +128,7 @@ class SafetySummary {
   };
   std::vector<Pair> by_margin() const;
   std::vector<Bound> by_excess() const;
+  std::string broken_zone(const Bound& bound) const;
   void add_pair(Pair& pair, const Sample& sample, std::span<const Sight<double>> sights) noexcept;
   void add_bound(Bound& bound, const Sample& sample, std::span<const Sight<double>> sights) noexcept;
 
@@ -135,6 +138,7 @@ class SafetySummary {
   SampledMotion motion_;
   std::vector<Pair> pairs_;
   std::vector<Bound> bounds_;
+  std::vector<Zone> zones_, zones_to_land_;  // the latter without the floors of rooms
   std::vector<Robot> robots_;
   std::int64_t samples_ = 0, unseen_ = 0;  // updates; periods without known truth
   bool too_close_now_ = false, too_close_ = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sightline/base.hpp"
+#include "sightline/safety/zone.hpp"
 
 namespace sightline {
 namespace {
@@ -14,6 +15,7 @@ constexpr std::size_t rows_most = 4;    // inputs in force between two samples
 constexpr std::size_t knots_most = 1 + steps_most + 2 * (rows_most - 1);
 constexpr double jump = 1e-7;           // duration of a change of the inputs [s]
 constexpr double close_enough = 1e-5;   // tolerance of an extreme [m]
+constexpr double close_to_zone = 1e-4;  // tolerance of an extreme of a zone [m]
 constexpr int halvings = 20;            // maximum number of bisections
 constexpr double unsteady_speed = 1.0;  // allowed speed of a step beyond twice the body's speed [m/s]
 constexpr double off_chord = 4.0 / 27;  // greatest s (1 - s)^2
@@ -64,6 +66,19 @@ void find_greatest(const Knot& a, const Knot& b, const Vec3<double>& n, Extreme&
   find_greatest(middle, b, n, most, depth - 1);
 }
 
+void find_greatest(const Knot& a, const Knot& b, const Zone& zone, Extreme& most, int depth) noexcept {
+  const double h = b.time - a.time, from = -zone_reserve(zone, a.p), to = -zone_reserve(zone, b.p);
+  const Vec3<double> d = b.p - a.p, w = (1 / h) * d;
+  const double length = norm(d), off = off_chord * h * (norm(a.v - w) + norm(b.v - w));
+  // The distance to a boundary changes no faster than the place.
+  if (!(0.5 * (from + to + length) + off > most.value + close_to_zone)) return;
+  if (std::max(from, to) > most.value) most = {std::max(from, to), from > to ? a.time : b.time};
+  if (0.5 * length + off <= close_to_zone || depth == 0) return;
+  const Knot middle = between(a, b);
+  find_greatest(a, middle, zone, most, depth - 1);
+  find_greatest(middle, b, zone, most, depth - 1);
+}
+
 }  // namespace
 
 void find_least_distance(const Knot& a, const Knot& b, Extreme& least) noexcept {
@@ -72,6 +87,10 @@ void find_least_distance(const Knot& a, const Knot& b, Extreme& least) noexcept 
 
 void find_greatest(const Knot& a, const Knot& b, const Vec3<double>& n, Extreme& most) noexcept {
   find_greatest(a, b, n, most, halvings);
+}
+
+void find_greatest(const Knot& a, const Knot& b, const Zone& zone, Extreme& most) noexcept {
+  find_greatest(a, b, zone, most, halvings);
 }
 
 SampledMotion::SampledMotion(const Team& team, double input_delay, double period)

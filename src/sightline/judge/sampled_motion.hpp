@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/barrier.hpp"
 #include "sightline/loop.hpp"
 #include "sightline/model.hpp"
 #include "sightline/team.hpp"
@@ -31,6 +32,9 @@ void find_least_distance(const Knot& a, const Knot& b, Extreme& least) noexcept;
 /// Raises `most` to the greatest n . p on the motion from a to b, to 1e-5 m. Never above a value
 /// that is reached.
 void find_greatest(const Knot& a, const Knot& b, const Vec3<double>& n, Extreme& most) noexcept;
+/// Raises `most` to the greatest distance beyond a zone's boundary on the motion from a to b, to
+/// 1e-4 m. Never above a value that is reached.
+void find_greatest(const Knot& a, const Knot& b, const Zone& zone, Extreme& most) noexcept;
 
 /// Motion of each body of a team between the last two samples.
 ///

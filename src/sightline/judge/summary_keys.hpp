@@ -46,7 +46,9 @@ inline constexpr std::string_view summary_keys = R"(| key | meaning [unit] |
 | `safety.hard_distances[].least`, `.time`, `.kept` | least distance [m] while both were present (else null), also between samples; its time [s]; whether `d_hard` was kept (to 1e-9 m) |
 | `safety.walls[].name`, `.wall`, `.limit` | a robot and a `floor`, `ceiling` or `world`; the eight worst of each [m] |
 | `safety.walls[].worst`, `.time`, `.kept` | extreme height, \|p_x\| or \|p_y\| [m], also between samples; its time [s]; whether the limit was kept (to 1e-6 m). A landing robot has no floor |
-| `safety.hard_distances[].broken_for`, `.outside_at_start`, `safety.walls[].broken_for`, `.outside_at_start` | how long the limit was broken; with `start_outside`, until it was first kept (omitted if 0) [s] |
+| `safety.zones[].name`, `.zone`, `.keep` | a robot, the index of a `[[safety.zone]]`, and the side to keep, `inside` or `outside`; the eight worst |
+| `safety.zones[].least`, `.time`, `.kept` | least distance to the boundary, negative on the wrong side, also between samples (to 1e-4 m) [m]; its time [s]; whether the side was kept (to 1e-6 m). For a landing robot a room has no floor |
+| `safety.hard_distances[].broken_for`, `.outside_at_start`, also of `safety.walls[]`, `safety.zones[]` | how long the limit was broken; with `start_outside`, until it was first kept (omitted if 0) [s] |
 | `safety.unseen_periods` | missed periods without known true states, [safety.md](safety.md) |
 | `localization[].agent`, `.known_from`, `.rmse`, `.heading_rmse`, `.anees`, `.sigma_max` | a vision-localized robot; first estimate [s]; errors after settle [m, rad], null if the truth is unknown; 4 is consistent; largest standard deviation of the position [m] |
 | `localization[].detections`, `.rejected`, `.restarts`, `.longest_without_sight` | of the filter: detections, those beyond its gate, its restarts; longest time between two accepted [s] |
