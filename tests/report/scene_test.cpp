@@ -9,6 +9,7 @@
 #include <set>
 
 #include "sightline/report.hpp"
+#include "sightline/safety/zone.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -84,6 +85,46 @@ TEST(Scene, TheConeOfAViewIsThatOfItsLimit) {
     EXPECT_GT(green, 5);
     EXPECT_LT(green, 400);
   }
+}
+
+TEST(Scene, EachZoneIsDrawnByTheWallsOnItsBoundary) {
+  std::string text = team_to_draw;
+  text.replace(text.find("FRAME"), 5, "level");
+  const Scenario scenario = test::scenario_of(text + R"(
+[[safety.zone]]
+polygon = [[-9, -9], [9, -9], [9, 9], [6, 9], [6, 3], [-9, 3]]
+from = 0.5
+to = 2.0
+keep = "inside"
+[[safety.zone]]
+polygon = [[5, 5], [6, 5], [6, 6]]
+to = 1.0
+keep = "outside"
+)");
+  const Scene scene(scenario);
+  const std::vector<Drawn> drawn = in_group(scene.draw(Bodies(3), 0.0), "zones");
+  const std::vector<Zone>& zones = scenario.safety->barrier_options.zones;
+  ASSERT_EQ(drawn.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(drawn[k].form, Drawn::triangles);
+    EXPECT_EQ(drawn[k].id, static_cast<int>(k));
+    ASSERT_EQ(drawn[k].points.size(), 6 * zones[k].polygon.size());
+    // The middle of each triangle is on the boundary too, and their areas add up to the walls.
+    double area = 0.0, around = 0.0;
+    for (std::size_t i = 0; i < drawn[k].points.size(); i += 3) {
+      const Vec3<double>&a = drawn[k].points[i], &b = drawn[k].points[i + 1], &c = drawn[k].points[i + 2];
+      EXPECT_NEAR(zone_reserve(zones[k], (1.0 / 3) * (a + b + c)), 0.0, 1e-9);
+      const Vec3<double> u = b - a, v = c - a;
+      area += 0.5 * std::sqrt(dot(u, u) * dot(v, v) - dot(u, v) * dot(u, v));
+    }
+    for (std::size_t i = 0, n = zones[k].polygon.size(); i < n; ++i) {
+      const Vec2<double>&a = zones[k].polygon[i], &b = zones[k].polygon[(i + 1) % n];
+      around += std::hypot(b.x - a.x, b.y - a.y);
+    }
+    EXPECT_NEAR(area, around * (k == 0 ? 1.5 : 3.0), 1e-9);
+  }
+  EXPECT_TRUE(is_colour(drawn[0].colour, palette_grey));
+  EXPECT_TRUE(is_colour(drawn[1].colour, palette_red));
 }
 
 TEST(Scene, EachBodyAndEachPairIsDrawnOnceAndOnlyWhatIsKnown) {

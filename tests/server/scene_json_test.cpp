@@ -90,6 +90,21 @@ weight = 0.1
             std::string::npos);
 }
 
+TEST(SceneJson, ASceneHasThePrismsOfItsZones) {
+  const std::string zones = R"toml(
+[[safety.zone]]
+polygon = [[50, 50], [51, 50], [51, 52.5]]
+from = 1.0
+keep = "outside"
+)toml";
+  const json said =
+      json::parse(SceneJson(test::scenario_of(test::view_scenario + zones)).scene("word", true));
+  EXPECT_EQ(said["prisms"], json::parse(R"([{"polygon": [50.0, 50.0, 51.0, 50.0, 51.0, 52.5],
+                                             "low": 1.0, "high": 4.0, "keep": "outside"}])"));
+  EXPECT_EQ(json::parse(SceneJson(test::scenario_of(test::view_scenario)).scene("word", true))["prisms"],
+            json::array());
+}
+
 TEST(SceneJson, AnEstimateHasItsCovarianceItsErrorAndItsDeviation) {
   const SceneJson scene(test::scenario_of(test::view_scenario));
   ShownState state = pair_state();

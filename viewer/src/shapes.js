@@ -41,6 +41,21 @@ export function line(points, colour, dashed) {
   return drawn;
 }
 
+// The walls of a prism, with its edges.
+export function prismShape({ polygon, low, high }, colour) {
+  const at = [], corners = polygon.length / 2, corner = (i) => polygon.slice(2 * (i % corners), 2 * (i % corners) + 2);
+  for (let i = 0; i < corners; ++i) {
+    const a = corner(i), b = corner(i + 1);
+    at.push(...a, low, ...b, low, ...b, high, ...a, low, ...b, high, ...a, high);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(at), 3));
+  const walls = new THREE.Mesh(geometry,
+    new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.13, side: THREE.DoubleSide, depthWrite: false }));
+  walls.add(new THREE.LineSegments(new THREE.EdgesGeometry(geometry), new THREE.LineBasicMaterial({ color: colour, transparent: true, opacity: 0.5 })));
+  return walls;
+}
+
 export function setLine(drawn, numbers, count) {
   const at = drawn.geometry.attributes.position, shown = Math.min(count, at.count);
   for (let i = 0; i < 3 * shown; ++i) at.array[i] = numbers[i];

@@ -2,7 +2,7 @@
 import * as THREE from 'three/three.module.js';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { colours, robotColour } from './palette.js';
-import { colourSurface, ellipsoid, line, robotShape, setEllipsoid, setLine, surfaceGeometries, surfaceMesh } from './shapes.js';
+import { colourSurface, ellipsoid, line, prismShape, robotShape, setEllipsoid, setLine, surfaceGeometries, surfaceMesh } from './shapes.js';
 
 const pathPoints = 256, trailPoints = 400, ellipsoidSigmas = 3, orbitAngle = 50;
 // Turns of the browser [ms]: where they take longer, pictures get fewer pixels, where shorter, more again. Turns to a change and to rest.
@@ -96,6 +96,7 @@ export class Stage {
       frame.material.opacity = 0.35;
       this.world.add(frame);
     }
+    for (const prism of scene.prisms) this.world.add(prismShape(prism, prism.keep === 'outside' ? c.bad : c.grey));
     this.labels.replaceChildren();
     this.bodies = scene.bodies.map((body, i) => this.buildBody(body, i));
     this.pairs = scene.pairs.map((pair) => this.buildPair(pair));

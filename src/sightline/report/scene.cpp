@@ -49,6 +49,26 @@ std::vector<Vec3<double>> cone(const Observation& view, const Sight<double>& obs
   return triangles;
 }
 
+/// The walls of a zone: two triangles for each edge of its polygon.
+Drawn walls_of(const Zone& zone, int id) {
+  const auto [low, high] = drawn_heights(zone);
+  const bool forbidden = zone.keep == Zone::Keep::outside;
+  Drawn walls = {.group = "zones",
+                 .id = id,
+                 .form = Drawn::triangles,
+                 .colour = forbidden ? colour_of(palette_red, 0.25F) : colour_of(palette_grey, 0.12F)};
+  for (std::size_t i = 0; i < zone.polygon.size(); ++i) {
+    const Vec2<double>&a = zone.polygon[i], &b = zone.polygon[(i + 1) % zone.polygon.size()];
+    walls.points.insert(walls.points.end(), {{a.x, a.y, low},
+                                             {b.x, b.y, low},
+                                             {b.x, b.y, high},
+                                             {a.x, a.y, low},
+                                             {b.x, b.y, high},
+                                             {a.x, a.y, high}});
+  }
+  return walls;
+}
+
 std::vector<Scene::Pair> coupled_pairs(const Team& team) {
   std::vector<Scene::Pair> pairs;
   const auto known = [&](BodyId a, BodyId b) {
@@ -67,10 +87,19 @@ std::vector<Scene::Pair> coupled_pairs(const Team& team) {
 
 }  // namespace
 
+std::pair<double, double> drawn_heights(const Zone& zone) noexcept {
+  constexpr double height = 3.0;  // [m]
+  const double low = std::isfinite(zone.from) ? zone.from : std::min(0.0, zone.to - height);
+  return {low, std::isfinite(zone.to) ? zone.to : low + height};
+}
+
 Scene::Scene(const Scenario& scenario)
     : team_(scenario.team), pairs_(coupled_pairs(team_)), d_hard_(size(team_.bodies())) {
   for (const UncooperativeBody& one : scenario.uncooperative)
     d_hard_[size(one.body.index)] = hard_distance(scenario, BodyId{0}, one.body).value_or(0.0);
+  if (!scenario.safety) return;
+  for (const Zone& zone : scenario.safety->barrier_options.zones)
+    zones_.push_back(walls_of(zone, static_cast<int>(zones_.size())));
 }
 
 void Scene::draw_body(std::vector<Drawn>& all, int body, const Sight<double>& seen) const {
@@ -129,7 +158,7 @@ void Scene::draw_pair(std::vector<Drawn>& all, int id, const Pair& pair, const S
 }
 
 std::vector<Drawn> Scene::draw(std::span<const std::optional<Sight<double>>> bodies, double t) const {
-  std::vector<Drawn> all;
+  std::vector<Drawn> all = zones_;
   for (int i = 0; i < team_.bodies(); ++i)
     if (const auto& seen = bodies[size(i)]) draw_body(all, i, *seen);
   for (std::size_t k = 0; k < pairs_.size(); ++k) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sightline/judge/present_team.hpp"
@@ -32,7 +33,10 @@ struct Drawn {
   std::string words{};                 ///< content of a text
 };
 
-/// Draws robots, targets and obstacles with their hard distances, the views of observers, and the
+/// Lower and upper end of a drawn zone [m]; one without a bound is drawn 3 m high.
+std::pair<double, double> drawn_heights(const Zone& zone) noexcept;
+
+/// Draws zones, robots, targets and obstacles with their hard distances, the views of observers, and the
 /// distances of coupled bodies.
 class Scene {
  public:
@@ -57,6 +61,7 @@ class Scene {
   Team team_;
   std::vector<Pair> pairs_;
   std::vector<double> d_hard_;  // of each body that is no robot [m]; 0: none
+  std::vector<Drawn> zones_;
 };
 
 }  // namespace sightline

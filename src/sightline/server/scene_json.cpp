@@ -14,6 +14,7 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/potentials.hpp"
+#include "sightline/report/scene.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/server/limit_surface.hpp"
 #include "sightline/world.hpp"
@@ -195,6 +196,7 @@ SceneJson::SceneJson(const Scenario& scenario)
   if (scenario.safety) {
     floor_ = scenario.safety->barrier_options.floor;
     ceiling_ = scenario.safety->barrier_options.ceiling;
+    prisms_ = scenario.safety->barrier_options.zones;
     has_barrier_ = scenario.safety->barrier != BarrierMode::off;
   }
   localized_.resize(size(team_.bodies()));
@@ -258,6 +260,16 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
   for (const Coupling& c : couplings_) surfaces.add_zone(c);
   json["surfaces"] = std::move(surfaces.all);
   json["zones"] = std::move(surfaces.zones);
+  json["prisms"] = SceneValue::array();
+  for (const Zone& zone : prisms_) {
+    const auto [low, high] = drawn_heights(zone);
+    SceneValue polygon = SceneValue::array();
+    for (const Vec2<double>& corner : zone.polygon) polygon.push_back(corner.x), polygon.push_back(corner.y);
+    json["prisms"].push_back({{"polygon", std::move(polygon)},
+                              {"low", low},
+                              {"high", high},
+                              {"keep", Zone::sides[static_cast<std::size_t>(zone.keep)]}});
+  }
   json["undrawn"] = std::move(surfaces.undrawn);
   return json_text(json);
 }

@@ -47,6 +47,7 @@ struct TriggeredEvent {
 ///             pairs: [{observer, target, alpha, d_min, d_max, pitch, offset, on_body, surface}],
 ///             surfaces: [{reach, scales, open, corners: [x, y, z, ..], triangles: [a, b, c, ..]}],
 ///             zones: [{body, surface, name, mount: {pitch, offset, on_body}}],
+///             prisms: [{polygon: [x, y, ..], low, high, keep}],
 ///             undrawn: [sentence]}
 ///   moment   {t, b: [[x, y, z, qx, qy, qz, qw]], p: [[in view, distance, angle]], u: [[..]],
 ///             status, residual, us, it, levels, barrier, reserve,
@@ -57,8 +58,8 @@ struct TriggeredEvent {
 /// paths; of `pairs` for p. Lengths are in m, angles in rad, us in microseconds, wind in m/s^2.
 /// null stands for absent or not finite values; levels, barrier, reserve, e, paths and events may
 /// be omitted. The surface (LimitSurface) of a pair is in the frame of its sensor. That of a zone
-/// is in the frame of its mount, or in G around its body. `undrawn` names the limits without a
-/// surface.
+/// is in the frame of its mount, or in G around its body. Prisms are those of [[safety.zone]].
+/// `undrawn` names the limits without a surface.
 class SceneJson {
  public:
   explicit SceneJson(const Scenario& scenario);
@@ -81,6 +82,7 @@ class SceneJson {
   std::string name_, solver_;
   double period_, duration_;
   double floor_, ceiling_;  // of [safety] [m], else NaN
+  std::vector<Zone> prisms_;
   bool has_barrier_ = false;
   Vec3<double> wind_;  // [m/s^2]
   double gust_;        // sigma [m/s^2]
