@@ -644,7 +644,8 @@ struct Recording {
   std::vector<std::vector<std::size_t>> swarms;  ///< of each, indices in `bodies` of its robots
   std::vector<double> d_hard;                    ///< all distinct hard distances, increasing [m]
   double floor = std::numeric_limits<double>::quiet_NaN(),
-         ceiling = floor;  ///< of [safety], else NaN [m]
+         ceiling = floor;                        ///< of [safety], else NaN [m]
+  std::vector<std::vector<Vec2<double>>> zones;  ///< polygons of [[safety.zone]] [m]
   std::vector<Controller> controllers;
   std::vector<Event> events;
   std::vector<std::string> script;      ///< names of the scenario's [[event]]s

@@ -55,6 +55,11 @@ TEST(TeamJson, HardDistancesAndTheFloorAreToldWhereThereAreSome) {
   EXPECT_EQ(with["d_hard"], nlohmann::json({0.5}));
   EXPECT_EQ(with["floor"], 0.2);
   EXPECT_TRUE(with.contains("ceiling"));
+  EXPECT_FALSE(with.contains("zones"));
+  const auto zones = nlohmann::json::parse(team_json(parse_scenario(
+      std::string(scene) + "[[safety.zone]]\npolygon = [[90, 90], [91, 90], [91, 92]]\nkeep = \"outside\"\n",
+      "a.toml")));
+  EXPECT_EQ(zones["zones"], nlohmann::json::parse("[[[90.0, 90.0], [91.0, 90.0], [91.0, 92.0]]]"));
 }
 
 TEST(TeamJson, BodiesThatAreCoupledByManyPotentialsAreToldOnceForThoseWhoFeelThem) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -50,6 +51,21 @@ TEST(PathsFigure, TheSideIsSeenAcrossTheLongerExtentWithTheFloor) {
   r.floor = 0.3;
   ASSERT_EQ(drawn(r).panels[1].curves.size(), curves + 1);
   EXPECT_EQ(drawn(r).panels[1].curves.back().y, (std::vector<double>{0.3, 0.3}));
+}
+
+TEST(PathsFigure, EachZoneIsAClosedLineFromAbove) {
+  Recording r = row(3);
+  const std::size_t curves = drawn(r).panels[0].curves.size();
+  r.zones = {{{1, 1}, {2, 1}, {2, 3}}, {{4, 4}, {5, 4}, {5, 5}, {4, 5}}};
+  const Drawing drawing = drawn(r);
+  ASSERT_EQ(drawing.panels[0].curves.size(), curves + 2);
+  const auto is_zone = [](const auto& curve) { return curve.title == "zones"; };
+  const auto& all = drawing.panels[0].curves;
+  const auto zone = std::find_if(all.begin(), all.end(), is_zone);
+  ASSERT_NE(zone, all.end());
+  EXPECT_EQ(zone->x, (std::vector<double>{1, 2, 2, 1}));
+  EXPECT_EQ(zone->y, (std::vector<double>{1, 1, 3, 1}));
+  EXPECT_EQ(std::count_if(all.begin(), all.end(), is_zone), 1) << "one entry of the legend";
 }
 
 TEST(PathsFigure, TheFootprintIsTheShadowOfTheCone) {

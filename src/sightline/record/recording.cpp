@@ -100,6 +100,11 @@ void read_team(const json& team, Recording& run) {
   run.d_hard = team.value("d_hard", std::vector<double>{});
   run.floor = team.value("floor", no_value);
   run.ceiling = team.value("ceiling", no_value);
+  for (const json& polygon : team.value("zones", json::array())) {
+    auto& corners = run.zones.emplace_back();
+    for (const json& corner : polygon)
+      corners.push_back({corner.at(0).get<double>(), corner.at(1).get<double>()});
+  }
   run.script = team.value("events", std::vector<std::string>{});
 }
 

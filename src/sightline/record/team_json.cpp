@@ -83,6 +83,10 @@ std::string team_json(const Scenario& scenario) {
     const BarrierOptions& walls = scenario.safety->barrier_options;
     if (std::isfinite(walls.floor)) json["floor"] = walls.floor;
     if (std::isfinite(walls.ceiling)) json["ceiling"] = walls.ceiling;
+    for (const Zone& zone : walls.zones) {
+      Json& polygon = json["zones"].emplace_back(Json::array());
+      for (const Vec2<double>& corner : zone.polygon) polygon.push_back({corner.x, corner.y});
+    }
   }
   for (const TeamEvent& event : scenario.script.events) json["events"].push_back(event.name);
   return json_text(json);

@@ -133,6 +133,15 @@ Drawing paths_drawing(const Recording& r, const Curves& curves) {
     above.curves.push_back(std::move(headings));
   }
   above.curves.insert(above.curves.begin(), std::move(joined));
+  for (const std::vector<Vec2<double>>& polygon : r.zones) {
+    const bool is_first = &polygon == &r.zones.front();
+    Curve edges{is_first ? "zones" : "", Drawing::limit_colour, Mark::dashed, {}, {}};
+    for (std::size_t k = 0; k <= polygon.size() && !polygon.empty(); ++k) {
+      edges.x.push_back(polygon[k % polygon.size()].x);
+      edges.y.push_back(polygon[k % polygon.size()].y);
+    }
+    above.curves.push_back(std::move(edges));
+  }
   above.curves.push_back(std::move(starts));
   side.curves.push_back(std::move(begun));
   if (const Extent& extent = along_x ? of_x : of_y; std::isfinite(r.floor) && extent.length() > 0) {
