@@ -91,6 +91,7 @@ GoalSpace goal_space(const Scenario& scenario, const Model& model) {
   GoalSpace space;
   if (!scenario.safety) return space;
   space.world = scenario.safety->world;
+  space.zones = scenario.safety->barrier_options.zones;
   if (model.rolls()) return space;
   space.floor = scenario.safety->barrier_options.floor;
   space.ceiling = scenario.safety->barrier_options.ceiling;

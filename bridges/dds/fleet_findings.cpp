@@ -9,6 +9,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/starts.hpp"
 
@@ -83,6 +84,12 @@ void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<d
     if (std::abs(p.x) > world || std::abs(p.y) > world)
       beyond.push_back(fmt::format("beyond world = {} m", world));
     if (p.z > ceiling) beyond.push_back(fmt::format("above ceiling = {} m", ceiling));
+    const std::vector<Zone> zones = zones_to_land(scenario.safety->barrier_options.zones);
+    for (std::size_t k = 0; k < zones.size(); ++k) {
+      if (zone_reserve(zones[k], p) < 0 && !scenario.safety->start_outside)
+        beyond.push_back(
+            fmt::format("not {} safety.zone[{}]", Zone::sides[static_cast<std::size_t>(zones[k].keep)], k));
+    }
   }
   to.add(Aspect::place, beyond.empty() ? Light::green : Light::red,
          "at [{:.2f}, {:.2f}, {:.2f}] m in G, {:.2f} m beside its start{}", rounded(p.x), rounded(p.y),

@@ -101,6 +101,10 @@ TEST(Excitation, OfAFlyingRobotStaysWithinTheWalls) {
   EXPECT_THAT(
       refusal_of([&] { flown("[safety]\nceiling = 3.1\nposition_sigma = 0.01\nheading_sigma = 0.01\n"); }),
       HasSubstr("it began at [0.00, 0.00, 3.00] m, expected room of 0.75 m level"));
+  const std::string tight =
+      "[safety]\nposition_sigma = 0.01\nheading_sigma = 0.01\n[[safety.zone]]\n"
+      "polygon = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\nkeep = \"inside\"\n";
+  EXPECT_THAT(refusal_of([&] { flown(tight); }), HasSubstr("expected room of 0.75 m level"));
   EXPECT_THAT(refusal_of([&] { flown("[obstacle.rock]\np = [0.0, 3.0, 2.0]\n"); }),
               HasSubstr("rock is 3.00 m from uav, expected more than 4.50 m"));
   EXPECT_THAT(refusal_of([&] { flown("", true); }), HasSubstr("the excitation was ended"));

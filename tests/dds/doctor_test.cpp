@@ -192,6 +192,12 @@ TEST(Doctor, WhereRobotsAreIsComparedWithTheWallsAndWithEachOther) {
     EXPECT_TRUE(ward.finds("uav0", Aspect::place, Light::red, "[0.00, 4.00, -0.60] m from its start"));
     EXPECT_TRUE(ward.finds("uav1", Aspect::place, Light::red, "below the ground at 0.2 m"));
   }
+  {
+    Scenario pond = vehicles;
+    pond.safety->barrier_options.zones = {Zone{.polygon = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}};
+    Ward ward(pond, vehicles);
+    EXPECT_TRUE(ward.finds("uav0", Aspect::place, Light::red, "not outside safety.zone[0]: is its origin"));
+  }
   own_fleet(fleet).links[1].origin.p = fleet_of(vehicles).links[0].origin.p;  // forgotten in a copy
   fleet.safety->supervisor->times.fresh = 0.02;
   Ward ward(fleet, vehicles);

@@ -92,6 +92,21 @@ TEST(GoalSubscriber, WhatIsRefusedIsCountedAndToldOnce) {
   EXPECT_THAT(subscriber.counts(), HasSubstr("2 refused: outside"));
 }
 
+TEST(GoalSubscriber, AGoalOnTheWrongSideOfAZoneIsRefused) {
+  const Domain domain{test::own_network()};
+  const Zone pond{.polygon = {{1, -1}, {3, -1}, {3, 1}, {1, 1}}};
+  GoalSubscriber subscriber(domain.participant(), goals_of_uav0, {.world = 5, .zones = {pond}});
+  Operator person(domain, "uav0");
+  GoalTrack track(Multirotor{}, Constant{{0, 0, 1}, 0.0}, 0.5);
+  person.goal({2, 0.5, 1});
+  EXPECT_THAT(subscriber.news(), ElementsAre(HasSubstr("or on the wrong side of a [[safety.zone]]")));
+  subscriber.pass_on(10.0, track);
+  EXPECT_EQ(track.messages(), 0u);
+  person.goal({4, 0.5, 1});
+  subscriber.pass_on(20.0, track);
+  EXPECT_EQ(track.messages(), 1u);
+}
+
 TEST(GoalSubscriber, OfGoalsThatComeFasterThanTenASecondTheLastIsTaken) {
   const Domain domain{test::own_network()};
   GoalSubscriber subscriber(domain.participant(), goals_of_uav0, {});

@@ -117,6 +117,15 @@ TEST(Zone, AConvexOneKeptOutsideIsOnePiece) {
     EXPECT_EQ(forbidden_pieces({.polygon = test::random_convex(random)}).size(), 1U);
 }
 
+TEST(Zone, OnTheGroundARoomHasNoFloorAndAForbiddenZoneItsOwn) {
+  const Polygon box = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  const std::vector<Zone> zones = zones_to_land(
+      {{.polygon = box, .from = 0.5, .to = 2.0, .keep = Zone::Keep::inside}, {.polygon = box, .from = 0.5}});
+  EXPECT_EQ(zones[0].from, -infinity);
+  EXPECT_EQ(zones[0].to, 2.0);
+  EXPECT_EQ(zones[1].from, 0.5);
+}
+
 TEST(Zone, OneThatIsNoPrismIsRefused) {
   const auto refused = [](const Zone& zone) { return refusal_of([&] { barrier({.zones = {zone}}); }); };
   EXPECT_EQ(refused({.polygon = {{0, 0}, {1, 0}}}),

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "bridges/dds/topics/conversion.hpp"
+#include "sightline/safety/zone.hpp"
 
 extern "C" {
 #include "ros.h"
@@ -48,7 +50,9 @@ GoalSubscriber::GoalSubscriber(dds_entity_t participant, const GoalsFrom& from, 
 
 bool GoalSubscriber::is_inside(const Vec3<double>& p) const noexcept {
   return std::abs(p.x) <= space_.world && std::abs(p.y) <= space_.world && p.z >= space_.floor &&
-         p.z <= space_.ceiling;
+         p.z <= space_.ceiling &&
+         std::all_of(space_.zones.begin(), space_.zones.end(),
+                     [&](const Zone& zone) { return zone_reserve(zone, p) >= 0; });
 }
 
 void GoalSubscriber::on_goal(const void* message) {
@@ -113,8 +117,9 @@ std::string GoalSubscriber::describe(Refusal why) const {
     case Refusal::frame:
       return fmt::format("in a frame that is not goal_frame, \"{}\"", from_.frame);
     case Refusal::outside:
-      return fmt::format("outside |x|, |y| <= {} m, {} <= z <= {} m", space_.world, space_.floor,
-                         space_.ceiling);
+      return fmt::format("outside |x|, |y| <= {} m, {} <= z <= {} m{}", space_.world, space_.floor,
+                         space_.ceiling,
+                         space_.zones.empty() ? "" : ", or on the wrong side of a [[safety.zone]]");
     case Refusal::times:
       return "a path whose stamps do not rise from that of its header";
     case Refusal::length:

@@ -21,6 +21,7 @@ struct GoalSpace {
   double world = std::numeric_limits<double>::infinity();    ///< maximum |p_x| and |p_y| [m]
   double floor = -std::numeric_limits<double>::infinity();   ///< minimum height [m]
   double ceiling = std::numeric_limits<double>::infinity();  ///< maximum height [m]
+  std::vector<Zone> zones{};                                 ///< all are kept
 };
 
 /// Goals of one robot. A rejected message changes nothing.

@@ -123,10 +123,8 @@ SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, 
     const auto add_bound = [&](BodyId robot, Bound::Of of, double value) {
       if (std::isfinite(value)) bounds_.push_back({robot, of, value, LimitRecord(wall_tolerance)});
     };
-    zones_ = zones_to_land_ = scenario.safety->barrier_options.zones;
-    for (Zone& zone : zones_to_land_) {
-      if (zone.keep == Zone::Keep::inside) zone.from = Zone{}.from;
-    }
+    zones_ = scenario.safety->barrier_options.zones;
+    zones_to_land_ = zones_to_land(zones_);
     for (int i = 0; i < team.bodies(); ++i) {
       const BodyId body{i};
       if (!team.is_agent(body)) continue;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "sightline/safety/authority.hpp"
+#include "sightline/safety/zone.hpp"
 
 namespace sightline {
 namespace {
@@ -14,9 +16,7 @@ namespace {
 /// Options of a robot that lands: without the floor, and without that of its rooms.
 BarrierOptions without_floor(BarrierOptions options) {
   options.floor = BarrierOptions{}.floor;
-  for (Zone& zone : options.zones) {
-    if (zone.keep == Zone::Keep::inside) zone.from = Zone{}.from;
-  }
+  options.zones = zones_to_land(std::move(options.zones));
   return options;
 }
 

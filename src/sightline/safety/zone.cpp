@@ -44,6 +44,13 @@ double zone_reserve(const Zone& zone, const Vec3<double>& p) noexcept {
   return zone.keep == Zone::Keep::outside ? beyond : -beyond;
 }
 
+std::vector<Zone> zones_to_land(std::vector<Zone> zones) {
+  for (Zone& zone : zones) {
+    if (zone.keep == Zone::Keep::inside) zone.from = -infinity;
+  }
+  return zones;
+}
+
 std::vector<ForbiddenPiece> forbidden_pieces(const Zone& zone) {
   std::vector<ForbiddenPiece> pieces;
   if (zone.keep == Zone::Keep::outside) {

@@ -27,6 +27,9 @@ struct ForbiddenPiece {
 /// Distance to the zone's boundary [m], negative on the wrong side.
 double zone_reserve(const Zone& zone, const Vec3<double>& p) noexcept;
 
+/// The zones for a robot that lands or is on the ground: rooms without their floors.
+std::vector<Zone> zones_to_land(std::vector<Zone> zones);
+
 /// Pieces that cover the forbidden space. At a corner of less than 90 degrees a piece has another
 /// face, which touches it there alone. A margin then moves the corner by at most sqrt(2) times the
 /// margin.

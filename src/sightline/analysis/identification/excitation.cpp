@@ -6,6 +6,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/model/state_roles.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/starts.hpp"
 
@@ -133,6 +134,11 @@ ExcitationOptions fitted(ExcitationOptions options, const Scenario& scenario, Ag
     const BarrierOptions& walls = scenario.safety->barrier_options;
     level = std::min(level, scenario.safety->world - std::max(std::abs(p.x), std::abs(p.y)));
     climb = std::min({climb, p.z - walls.floor, walls.ceiling - p.z});
+    for (const Zone& zone : walls.zones) {
+      // Of the level and the vertical way together.
+      const double room = std::sqrt(0.5) * zone_reserve(zone, p);
+      level = std::min(level, room), climb = std::min(climb, room);
+    }
   }
   options.radius = level / beyond, options.climb = climb / beyond;
   if (!(options.radius >= least_radius && options.climb >= least_climb))
