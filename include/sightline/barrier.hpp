@@ -24,8 +24,8 @@
 /// (EvasiveManeuver). If the vertical speed follows its command with one lag, p_z + tau v_z,
 /// the height at which the robot would come to rest, replaces p_z, and |tau v_z| is added to rho.
 ///
-/// Floor, ceiling, world and zones have priority. docs/safety.md has the mathematics, and the guarantee
-/// with its model and knowledge.
+/// Floor, ceiling, world and zones have priority. docs/safety.md has the mathematics, and the
+/// guarantee with its model and knowledge.
 ///
 /// Units are SI, vectors in G. Constant after construction: one Barrier may serve many loops and
 /// threads.

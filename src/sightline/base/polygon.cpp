@@ -40,8 +40,8 @@ Polygon counterclockwise(Corners polygon) {
   return turned;
 }
 
-/// Triangles of a counterclockwise polygon. Of all ears, that of the shortest diagonal is cut, which
-/// avoids thin triangles.
+/// Triangles of a counterclockwise polygon. Of all ears, that of the shortest diagonal is cut,
+/// which avoids thin triangles.
 std::vector<Polygon> ears_of(Polygon rest) {
   std::vector<Polygon> ears;
   while (rest.size() > 3) {

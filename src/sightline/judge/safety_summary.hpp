@@ -1,4 +1,4 @@
-/// Checks hard distances, walls and zones, also between samples, and counts the actions of the barrier.
+/// Checks hard distances, walls and zones, also between samples; counts the actions of the barrier.
 #pragma once
 
 #include <cmath>

@@ -36,8 +36,8 @@ struct Drawn {
 /// Lower and upper end of a drawn zone [m]; one without a bound is drawn 3 m high.
 std::pair<double, double> drawn_heights(const Zone& zone) noexcept;
 
-/// Draws zones, robots, targets and obstacles with their hard distances, the views of observers, and the
-/// distances of coupled bodies.
+/// Draws zones, robots, targets and obstacles with their hard distances, the views of observers,
+/// and the distances of coupled bodies.
 class Scene {
  public:
   explicit Scene(const Scenario& scenario);

@@ -155,8 +155,8 @@ struct CommandCheck {
                     }));
   }
 
-  /// Distance to the planes that bound the robot beyond the requirement [m], after braking and within
-  /// the period. A bound that is already exceeded must not be exceeded further.
+  /// Distance to the planes that bound the robot beyond the requirement [m], after braking and
+  /// within the period. A bound that is already exceeded must not be exceeded further.
   double left_of_walls(const Flown& flown) const {
     constexpr double touched = 1e-6;  // [m]
     double least = infinity;

@@ -11,8 +11,8 @@ enum class Approach { slowing, at_once };  // of bounds of the height
 inline BarrierRow row_of_wall(const Vec3<double>& n, double E, double least, Wall wall) {
   return {n, E, {}, least, wall, -1, 0.0, 0.0, 0.0, 0.0, false};
 }
-/// Finds the heights and planes that bound the robot: floor, ceiling, world, and a face of each of the
-/// forbidden pieces that leave least after 1 s at the present velocity.
+/// Finds the heights and planes that bound the robot: floor, ceiling, world, and a face of each of
+/// the forbidden pieces that leave least after 1 s at the present velocity.
 ///
 /// The reserve of a face is the distance that braking straight away from it leaves, or the room of
 /// an upper or lower face. Of a piece, the face of the greatest reserve counts. Its plan keeps that

@@ -1,8 +1,8 @@
 /// The place of a robot in a Zone, and the convex pieces of space that a zone forbids.
 ///
-/// The forbidden space of a prism kept outside is the prism; that of a prism kept inside is the rest
-/// of space: half-spaces beyond the hull of the polygon, above and below, and the pockets between
-/// polygon and hull. A convex piece is kept away from by any one of its faces.
+/// The forbidden space of a prism kept outside is the prism. That of a prism kept inside is the
+/// rest of space: half-spaces beyond the hull of the polygon, above and below, and the pockets
+/// between polygon and hull. A convex piece is kept away from by any one of its faces.
 #pragma once
 
 #include <vector>
