@@ -7,10 +7,10 @@
 #include <limits>
 #include <numbers>
 
+#include "tests/dds/time_units.hpp"
+
 namespace sightline::dds {
 namespace {
-
-constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms;
 
 TEST(PoseSubscriber, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
   PoseSubscriber poses({{1, 2, 3}, std::numbers::pi / 2});

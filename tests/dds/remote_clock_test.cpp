@@ -6,12 +6,14 @@
 #include <cstdlib>
 #include <random>
 
+#include "tests/dds/time_units.hpp"
+
 namespace sightline::dds {
 namespace {
 
 using Stamp = RemoteClock::Stamp;
 
-constexpr Nanoseconds ms = 1'000'000, second = 1000 * ms, hour = 3600 * second;
+constexpr Nanoseconds hour = 3600 * second;
 
 /// Remote time at local time t: t + offset + drift t.
 Nanoseconds remote(Nanoseconds t, double drift, Nanoseconds offset = hour) {
