@@ -82,7 +82,7 @@ class Rig {
   Rig(const Scenario& flown, const Scenario& vehicles, const LinkTimes& times)
       : scenario(flown),
         domain(std::make_shared<Domain>(fleet_of(flown).network)),
-        vehicle_simulators(vehicles, domain),
+        vehicle_simulators(vehicles, domain, 0.05),
         stepping([this] { vehicle_simulators.run(1e9, stepped, {}); }),
         world(std::make_unique<DdsWorld>(scenario, domain, of_vehicle_simulators(times))) {}
   ~Rig() {

@@ -40,7 +40,7 @@ TEST(SimulatedBody, ThePointFollowsWithTheLagsThatAreSaid) {
   EXPECT_NEAR(std::atan2(d.y, d.x), 0.6 * (t - 0.1 * turned), 1e-12);
 }
 
-TEST(SimulatedBody, ComesUpToItsAltitudeAndDownToTheGroundAsPx4DoesByDefault) {
+TEST(SimulatedBody, ComesUpToItsAltitudeAndDownToTheGround) {
   EXPECT_EQ(takeoff_speed(0.0, 5.0), 1.5);
   EXPECT_EQ(takeoff_speed(5.5, 5.0), 0.0);
   EXPECT_EQ(landing_speed(1.0), -0.7);

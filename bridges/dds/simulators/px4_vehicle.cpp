@@ -19,9 +19,19 @@ namespace {
 constexpr std::int64_t vehicle_second = 1'000'000'000;
 constexpr std::int64_t checks_take = vehicle_second;    // after its start
 constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
-constexpr double fastest = 10.0;                        // limit of a set-point [m/s]
-constexpr double mpc_xy_p = 0.95;                       // MPC_XY_P of PX4 [1/s]
-enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, denied = 2, unsupported = 3 };
+// Measured on PX4 1.16.1 (tests/dds/traces), from the request of a take-off on: its motors start,
+// then their thrust rises (COM_SPOOLUP_TIME, MPC_TKO_RAMP_T).
+constexpr std::int64_t spool_up = 17 * vehicle_second / 10, thrust_up = 24 * vehicle_second / 10;
+constexpr std::int64_t land_detector = 3 * vehicle_second;       // on the ground until it says that it landed
+constexpr std::int64_t idle_after_start = 11 * vehicle_second;   // COM_DISARM_PRFLT
+constexpr std::int64_t idle_after_landing = 2 * vehicle_second;  // COM_DISARM_LAND
+constexpr double takeoff_climb = 0.75, hold_climb = 0.25;        // below the altitude of a take-off [m/s]
+constexpr double land_speed = 0.7, land_crawl = 0.3,
+                 crawl_below = 1.0;      // MPC_LAND_SPEED, MPC_LAND_CRWL, MPC_LAND_ALT3
+constexpr double altitude_radius = 0.8;  // NAV_MC_ALT_RAD [m]
+constexpr double fastest = 10.0;         // limit of a set-point [m/s]
+constexpr double mpc_xy_p = 0.95;        // MPC_XY_P of PX4 [1/s]
+enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, unsupported = 3 };
 
 std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
 
@@ -112,26 +122,29 @@ void Px4Vehicle::on_command(std::uint32_t command, const std::array<float, 3>& p
       if (param1 > 0.5F) {
         ++reported_.arm_requests;
         result = may_arm() ? accepted : temporarily_rejected;
-        if (result == accepted) arming_ = px4_armed;
+        if (result == accepted && arming_ != px4_armed)
+          arming_ = px4_armed, idle_until_ = monotonic_now() + idle_after_start;
       } else {
         const bool forced = param2 == px4_force;
         reported_.kills += forced ? 1 : 0;
-        result = landed_ || forced ? accepted : denied;
+        result = landed_ || forced ? accepted : temporarily_rejected;
         if (result == accepted) arming_ = px4_disarmed;
       }
       break;
     case Px4Command::takeoff:
-      result = arming_ == px4_armed ? accepted : temporarily_rejected;
-      if (arming_ == px4_armed) nav_ = NavState::takeoff;
+      result = accepted;
+      nav_ = NavState::takeoff;
+      takeoff_to_ = body_.motion().p.z + setup_.altitude;
       break;
     case Px4Command::set_mode:
       if (param1 == px4_custom_mode && param2 == px4_mode_offboard) {
         ++reported_.offboard_requests;
-        result = hears_offboard() ? accepted : temporarily_rejected;
+        result = hears_offboard() || arming_ != px4_armed ? accepted : temporarily_rejected;
         if (result == accepted)
           set_nav(NavState::offboard), v_sp_ = a_sp_ = {}, r_sp_ = 0.0, has_p_sp_ = false;
       } else if (param1 == px4_custom_mode && param2 == px4_mode_auto && param3 == px4_auto_loiter) {
         result = accepted;
+        takeoff_to_ = body_.motion().p.z;
         set_nav(NavState::hold);
       }
       break;
@@ -192,23 +205,51 @@ void Px4Vehicle::move() {
       v = v + mpc_xy_p * Vec3<double>{way.x, way.y, 0.0};
     }
   }
-  if (nav_ == NavState::takeoff || (nav_ == NavState::hold && !landed_))
-    v.z = takeoff_speed(height, setup_.altitude);
-  if (nav_ == NavState::land) v.z = landing_speed(height);
-  if (arming_ != px4_armed || (landed_ && nav_ != NavState::takeoff && v.z <= 0))
-    body_.rest();
-  else
+  const double climb = std::max(1.5 * (takeoff_to_ - height) + 0.05, 0.0);
+  if (nav_ == NavState::takeoff) v.z = std::min(climb, takeoff_climb);
+  if (nav_ == NavState::hold && !landed_) v.z = std::min(climb, hold_climb);
+  if (nav_ == NavState::land) v.z = height > crawl_below ? -land_speed : -land_crawl;
+  const std::int64_t now = monotonic_now();
+  if (arming_ == px4_armed && (!body_.on_ground() || leaves_ground(v.z > 0, now)))
     body_.follow(v, a, r);
-  landed_ = body_.on_ground() && nav_ != NavState::takeoff;
-  if (arming_ == px4_armed && nav_ == NavState::takeoff && body_.motion().p.z > setup_.altitude / 2)
+  else
+    body_.rest();
+  if (!body_.on_ground())
+    landed_ = false, lifts_since_ = stands_since_ = 0;
+  else if (arming_ != px4_armed)
+    landed_ = true, lifts_since_ = stands_since_ = 0;
+  else
+    stand(v.z < 0, now);
+  const bool reached = body_.motion().p.z > takeoff_to_ - altitude_radius;
+  if (arming_ == px4_armed && nav_ == NavState::takeoff && reached && !body_.on_ground())
     set_nav(NavState::hold);
-  if (arming_ == px4_armed && nav_ == NavState::land && landed_) {
-    arming_ = px4_disarmed;
-    failsafe_ = false;
-    nav_ = disarmed_nav_;
-    send_slow();
-    send_status();
+}
+
+std::int64_t Px4Vehicle::shortened(std::int64_t duration) const {
+  return std::llround(setup_.ground_time * static_cast<double>(duration));
+}
+
+bool Px4Vehicle::leaves_ground(bool climbs, std::int64_t now) {
+  if (!climbs) {
+    lifts_since_ = 0;
+    return false;
   }
+  if (lifts_since_ == 0) lifts_since_ = now;
+  return now - lifts_since_ > shortened(spool_up + thrust_up);
+}
+
+void Px4Vehicle::stand(bool sinks, std::int64_t now) {
+  if (lifts_since_ > 0) landed_ = landed_ && now - lifts_since_ < shortened(spool_up);
+  if (!sinks) stands_since_ = 0;
+  if (sinks && stands_since_ == 0) stands_since_ = now;
+  if (!landed_ && sinks && now - stands_since_ > shortened(land_detector))
+    landed_ = true, idle_until_ = now + shortened(idle_after_landing);
+  if (!landed_ || lifts_since_ > 0 || now < idle_until_) return;
+  arming_ = px4_disarmed;
+  failsafe_ = false;
+  nav_ = disarmed_nav_;
+  send_slow();
+  send_status();
 }
 
 void Px4Vehicle::step(std::int64_t number) {
@@ -368,6 +409,7 @@ std::unique_ptr<sightline::dds::VehicleSimulator> sightline::Px4Link::simulator(
                              .p = setup.below,
                              .heading = setup.heading,
                              .altitude = setup.altitude,
+                             .ground_time = setup.ground_time,
                              .system = static_cast<std::uint8_t>(
                                  target_system > 0 ? target_system : 1 + setup.robot.index % 255),
                              .rotors = setup.rotors},

@@ -38,7 +38,8 @@ class Px4Vehicle final : public VehicleSimulator {
     LinkOrigin origin{};
     Vec3<double> p{};  ///< position in G, on the ground [m]
     double heading = 0.0;
-    double altitude = 1.0;  ///< of its take-off [m]; PX4 holds from about half of it, and climbs on
+    double altitude = 1.0;     ///< of its take-off [m], MIS_TAKEOFF_ALT
+    double ground_time = 1.0;  ///< factor of the times that it stands armed before and after a flight
     std::uint8_t system = 1;
     std::optional<Vehicle> rotors{};  ///< none: point mass with velocity lag
   };
@@ -70,6 +71,9 @@ class Px4Vehicle final : public VehicleSimulator {
   void on_setpoint(const void* message);
   void on_heartbeat(bool position);
   void move();
+  std::int64_t shortened(std::int64_t duration) const;
+  bool leaves_ground(bool climbs, std::int64_t now);
+  void stand(bool sinks, std::int64_t now);
   void send_odometry();
   void send_inertial(std::uint64_t now);
   void send_status();
@@ -87,6 +91,10 @@ class Px4Vehicle final : public VehicleSimulator {
   NavState nav_ = NavState::hold, disarmed_nav_ = NavState::hold;
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
+  // Since when it is to leave the ground, and since when it stands on it but is to sink; 0: it does not.
+  // Until when it stays armed on the ground.
+  std::int64_t lifts_since_ = 0, stands_since_ = 0, idle_until_ = 0;
+  double takeoff_to_ = 0.0;  // height to which it climbs and then holds [m]
   SimulatedBody body_;
   SimulatedImu imu_;
   Motion sensed_{};                        // at the last inertial measurement, in G

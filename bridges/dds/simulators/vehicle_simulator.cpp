@@ -16,10 +16,10 @@ namespace {
 
 constexpr double lowest_takeoff = 0.5;  // [m]
 
-}  // namespace
-
+// Messages go through FaultyWriter, poses through Faults::distorted(). The owner applies restarts and a
+// wrong release.
 std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
-                                                 const Link& link, Faults& faults) {
+                                                 const Link& link, double ground_time, Faults& faults) {
   const Team& team = scenario.team;
   const Model& model = team.model(link.robot);
   const Sight<double> start = sight_at_start(scenario, link.robot);
@@ -33,6 +33,7 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
                           .below = below,
                           .heading = std::atan2(start.d.y, start.d.x),
                           .altitude = std::max(lowest_takeoff, start.p.z),
+                          .ground_time = ground_time,
                           .faults = faults};
   // A vision-localized robot has an odometry frame at its start pose: the flyer must not know the
   // position.
@@ -41,8 +42,14 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
   return std::visit([&](const auto& kind) { return kind.simulator(setup); }, link.kind);
 }
 
-DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain)
-    : scenario_(scenario), domain_(std::move(domain)), poses_(domain_->participant(), scenario_) {
+}  // namespace
+
+DdsVehicleSimulators::DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain,
+                                           double ground_time)
+    : scenario_(scenario),
+      domain_(std::move(domain)),
+      ground_time_(ground_time),
+      poses_(domain_->participant(), scenario_) {
   for (const Link& link : fleet_of(scenario_).links) {
     Robot& robot = robots_.emplace_back(link, std::string(scenario_.team.name(link.robot)),
                                         scenario_.simulation.seed + robots_.size());
@@ -66,7 +73,8 @@ void DdsVehicleSimulators::make(Robot& robot) {
     const int next = own < px4_last ? own + 1 : px4_first;
     px4->release = static_cast<Px4Release>((wanted >= px4_first ? wanted : next) - px4_first);
   }
-  robot.vehicle_simulator = made_simulator(domain_->participant(), scenario_, link, robot.faults);
+  robot.vehicle_simulator =
+      made_simulator(domain_->participant(), scenario_, link, ground_time_, robot.faults);
 }
 
 void DdsVehicleSimulators::follow_plan(std::int64_t number, const PrintMessage& print) {

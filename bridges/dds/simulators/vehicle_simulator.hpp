@@ -42,21 +42,18 @@ struct SimulatorSetup {
   Vec3<double> below;   ///< the point of the ground below `start` [m]
   double heading;       ///< at the start [rad]
   double altitude;      ///< of its take-off [m]
+  double ground_time;   ///< factor of the times on the ground, armed; 1: those of its autopilot
   std::optional<Vehicle> rotors{};
   Faults& faults;  ///< of this robot; must outlive it
 };
 
-/// Creates the simulator for a link.
-/// @param faults  of this robot; must outlive it. Messages go through FaultyWriter, poses through
-///   Faults::distorted(). The owner applies restarts and a wrong release
-/// @throws std::invalid_argument if the link does not support the model
-std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const Scenario& scenario,
-                                                 const Link& link, Faults& faults);
-
 /// Simulators of all links, stepped by one thread.
 class DdsVehicleSimulators final : public VehicleSimulators {
  public:
-  DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain);
+  /// @param ground_time  factor of the times that vehicles stand armed before they take off and after
+  ///   they landed, 0 to 1; 1: as their autopilots do
+  /// @throws std::invalid_argument if a link does not support its robot's model
+  DdsVehicleSimulators(const Scenario& scenario, std::shared_ptr<Domain> domain, double ground_time = 1.0);
 
   void run(double duration, const Interrupts& interrupts, const PrintMessage& print) override;
   std::string toggle(std::size_t robot, LinkFaultKind kind) override;
@@ -91,6 +88,7 @@ class DdsVehicleSimulators final : public VehicleSimulators {
 
   Scenario scenario_;
   std::shared_ptr<Domain> domain_;
+  double ground_time_;
   std::deque<Robot> robots_;
   std::vector<Planned> plan_;
   std::vector<Motion> motions_;  // of each robot, as external sources report it
