@@ -72,7 +72,7 @@ TEST(DdsFlights, WhatIsDisarmedIsNotArmedAgain) {
 }
 
 TEST(DdsFlights, AVehicleThatFallsSilentIsGivenUpInTimeAndTheOtherLands) {
-  Rig rig(row_of({"1.16", "1.16"}, 20.0), {.landing = 2.5});
+  Rig rig(row_of({"1.16", "1.16"}, 20.0), {.landing = 5.0});
   rig.fly(0.5, [&] { rig.faults(0).begin(Kind::silent); });
   EXPECT_EQ(rig.state(0), LinkState::done);
   EXPECT_EQ(rig.state(1), LinkState::done);
