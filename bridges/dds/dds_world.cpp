@@ -21,10 +21,6 @@ namespace {
 constexpr std::int64_t looks_each = 200'000'000;  // examination interval before a flight [ns]
 constexpr double rises_before = 15.0;             // from the take-off of a robot to its event with a time [s]
 
-bool is_absent_at_start(const Scenario& scenario, BodyId robot) {
-  return at(robot) < scenario.presence.size() && scenario.presence[at(robot)] == Presence::absent;
-}
-
 /// Rejects events that add a robot which cannot take off in the task.
 void refuse_added_robots(const Scenario& scenario) {
   for (const LocalizedRobot& localized : scenario.localization.robots)
@@ -33,14 +29,24 @@ void refuse_added_robots(const Scenario& scenario) {
           fmt::format("agent.{}.present = false, expected true: the pose of a robot localized by vision must "
                       "be known before it joins",
                       scenario.team.name(localized.robot)));
-  for (std::size_t i = 0; i < scenario.script.events.size(); ++i) {
-    for (const Action& action : scenario.script.events[i].actions) {
+  const std::vector<TeamEvent>& events = scenario.script.events;
+  const auto may_hold = [&](BodyId robot) {
+    return std::any_of(events.begin(), events.end(), [&](const TeamEvent& event) {
+      return std::any_of(event.actions.begin(), event.actions.end(), [&](const Action& action) {
+        const auto* const remove = std::get_if<RemoveBody>(&action);
+        return remove != nullptr && remove->body == robot && remove->afterwards == Afterwards::hold;
+      });
+    });
+  };
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    for (const Action& action : events[i].actions) {
       const auto* const add = std::get_if<AddBody>(&action);
-      if (add == nullptr || !scenario.team.is_agent(add->body) || is_absent_at_start(scenario, add->body))
+      if (add == nullptr || !scenario.team.is_agent(add->body) || is_absent_at_start(scenario, add->body) ||
+          may_hold(add->body))
         continue;
       throw std::invalid_argument(
-          fmt::format("event[{0}].add = \"{1}\", expected a robot with present = false: {1} takes off at the "
-                      "start, and no robot takes off twice in a flight",
+          fmt::format("event[{0}].add = \"{1}\", expected a robot with present = false, or one that an event "
+                      "lets hold: {1} takes off at the start, and no robot takes off twice in a flight",
                       i, scenario.team.name(add->body)));
     }
   }
@@ -165,14 +171,14 @@ std::vector<DdsWorld::Robot> DdsWorld::made_robots(PublishMode publish) const {
     const bool absent = is_absent_at_start(scenario_, link.robot);
     LinkTimes limits = times_;
     if (absent) limits.called += limits.task;
-    robots.push_back({name,
-                      std::move(end),
-                      RobotState(model),
-                      LinkMachine(limits),
-                      {},
-                      size(link.robot.index),
-                      size(team_.state_offset(link.robot)),
-                      size(team_.input_offset(link.robot))});
+    robots.push_back({.name = name,
+                      .end = std::move(end),
+                      .model = RobotState(model),
+                      .machine = LinkMachine(limits),
+                      .body = size(link.robot.index),
+                      .x = size(team_.state_offset(link.robot)),
+                      .u = size(team_.input_offset(link.robot)),
+                      .place = JoiningPlace(scenario_, link.robot)});
     robots.back().estimated = link.poses.estimated();
     robots.back().role = absent ? Role::grounded : Role::flies;
     robots.back().rises_at = rises_at(scenario_, link.robot);
@@ -220,19 +226,31 @@ Joining DdsWorld::prepare(BodyId body) noexcept {
   return robot.holds ? Joining::ready : Joining::waits;
 }
 
-LinkOrder DdsWorld::order_of(Role role, LinkOrder order) noexcept {
+LinkOrder DdsWorld::order_of(Robot& robot, LinkOrder order, double t) const noexcept {
+  if (robot.role != Role::joins) robot.fit_at = t;
   if (order >= LinkOrder::land) return order;
-  switch (role) {
+  switch (robot.role) {
     case Role::grounded:
       return LinkOrder::check;
     case Role::joins:
-      return LinkOrder::hold;
+      return order_of_joining(robot, t);
     case Role::leaves:
       return LinkOrder::land;
     case Role::flies:
       break;
   }
   return order;
+}
+
+/// A robot takes off to join only where it joins, and while its own checks pass. If either fails
+/// for as long as a robot may take until it is ready, it is not fit to fly.
+LinkOrder DdsWorld::order_of_joining(Robot& robot, double t) const noexcept {
+  const bool waits = robot.machine.state() <= LinkState::ready;
+  if (robot.placed && (!waits || robot.facts.checked)) robot.fit_at = t;
+  LinkReason& unfit = robot.facts.unfit;
+  if (unfit == LinkReason::as_requested && t - robot.fit_at >= times_.ready)
+    unfit = robot.placed ? LinkReason::not_ready : LinkReason::misplaced;
+  return waits && robot.fit_at < t && unfit == LinkReason::as_requested ? LinkOrder::check : LinkOrder::hold;
 }
 
 Measured DdsWorld::measure(double t) noexcept {
@@ -288,14 +306,17 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
     Robot& robot = robots_[i];
     robot.facts = robot.end->facts(now);
     robot.facts.checked = robot.facts.checked && preflight_.is_clear(i) && seen;
-    const LinkOutput output = robot.machine.step(t, robot.facts, order_of(robot.role, order));
+    const LinkOrder own = order_of(robot, order, t);
+    const LinkOutput output = robot.machine.step(t, robot.facts, own);
     Command command;
     RobotShown shown = {
         .state = robot.machine.state(), .reason = robot.machine.reason(), .facts = robot.facts};
     shown.seen = robot.end->look(shown.last);
     const bool risen = shown.state == LinkState::holding && robot.facts.risen;
     if (!risen) robot.risen_since = t;
-    robot.holds = risen && (norm(shown.last.motion.v) < standing || t - robot.risen_since >= stands_within);
+    robot.placed = shown.seen && robot.place.holds(shown.last.motion);
+    robot.holds = risen && robot.placed &&
+                  (norm(shown.last.motion.v) < standing || t - robot.risen_since >= stands_within);
     told_[i].joins = robot.role == Role::joins;
     told_[i].reason = shown.reason;
     told_[i].state = shown.state;

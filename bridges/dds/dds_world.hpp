@@ -85,8 +85,10 @@ class DdsWorld final : public LinkedWorld {
     bool estimated = false, knows = false, knew = false;  // localized by vision; pose known now; known once
     Role role = Role::flies;
     double rises_at = std::numeric_limits<double>::infinity();  // in the task, ahead of its event [s]
-    double risen_since = 0.0;                                   // monotonic clock [s]
-    bool holds = false;                                         // at the height of its start, at rest
+    double risen_since = 0.0, fit_at = 0.0;                     // monotonic clock [s]
+    JoiningPlace place;
+    bool placed = false;  // where it joins
+    bool holds = false;   // there, at the height of its start, at rest
   };
 
   /// State of a robot for other threads.
@@ -117,7 +119,8 @@ class DdsWorld final : public LinkedWorld {
     return std::all_of(robots_.begin(), robots_.end(),
                        [&](const Robot& r) { return r.role != Role::flies || is(r); });
   }
-  static LinkOrder order_of(Role role, LinkOrder order) noexcept;
+  LinkOrder order_of(Robot& robot, LinkOrder order, double t) const noexcept;
+  LinkOrder order_of_joining(Robot& robot, double t) const noexcept;
   bool each_stands() const;
   bool in_our_hands() const;
 

@@ -9,6 +9,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/now.hpp"
+#include "sightline/model/state_roles.hpp"
 #include "sightline/safety/zone.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/starts.hpp"
@@ -70,14 +71,19 @@ void examine_latency(const Scenario& scenario, const ArrivalFigures& f, FindingL
          1e3 * f.late_p99, f.late_p99 > most ? fmt::format(", expected {:g} ms at most", 1e3 * most) : "");
 }
 
-/// @param ground  height in G [m]
-void examine_place(const Scenario& scenario, const Vec3<double>& p, const Vec3<double>& start, double ground,
-                   FindingList& to) {
+void examine_place(const Scenario& scenario, const Link& link, const Motion& robot, FindingList& to) {
   std::vector<std::string> beyond;
-  const Vec3<double> off = p - start;
+  const Vec3<double>& p = robot.p;
+  const Vec3<double> off = p - sight_at_start(scenario, link.robot).p;
+  const double ground = link.origin.p.z;
   if (std::max({std::abs(off.x), std::abs(off.y), off.z}) > off_start_most || off.z < -below_start_most)
     beyond.push_back(fmt::format("[{:.2f}, {:.2f}, {:.2f}] m from its start, expected {} m at most",
                                  rounded(off.x), rounded(off.y), rounded(off.z), off_start_most));
+  const JoiningPlace place(scenario, link.robot);
+  if (is_absent_at_start(scenario, link.robot) && !place.holds(robot))
+    beyond.push_back(
+        fmt::format("turned from it by {:.2f} rad, expected {} m and {} rad at most of a robot that joins",
+                    place.turned(robot), JoiningPlace::beside_most, JoiningPlace::turned_most));
   if (p.z < ground - off_start_most) beyond.push_back(fmt::format("below the ground at {} m", ground));
   if (scenario.safety) {
     const double world = scenario.safety->world, ceiling = scenario.safety->barrier_options.ceiling;
@@ -206,6 +212,24 @@ void examine_rate(const Scenario& scenario, const PosesFrom& from, const Arrival
                 : "");
 }
 
+bool is_absent_at_start(const Scenario& scenario, BodyId robot) {
+  return at(robot) < scenario.presence.size() && scenario.presence[at(robot)] == Presence::absent;
+}
+
+JoiningPlace::JoiningPlace(const Scenario& scenario, BodyId robot)
+    : start_(sight_at_start(scenario, robot)),
+      has_heading_(roles_of(scenario.team.model(robot)).has_heading()) {}
+
+double JoiningPlace::beside(const Motion& robot) const noexcept {
+  return norm(robot.p.x - start_.p.x, robot.p.y - start_.p.y);
+}
+
+double JoiningPlace::turned(const Motion& robot) const noexcept {
+  if (!has_heading_) return 0.0;
+  const Vec2<double> d = rotate<double>({start_.d.x, -start_.d.y}, heading(rotation(robot.q)));
+  return std::abs(std::atan2(d.y, d.x));
+}
+
 std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const ExaminedRobot> robots,
                                    const Surroundings& around) {
   const Nanoseconds now = monotonic_now();
@@ -227,8 +251,7 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
       robots[i].tags->examine(robots[i].link->robot, around, list);
     } else if (robots[i].end->look(seen)) {
       placed[i] = {true, seen.motion.p};
-      examine_place(scenario, seen.motion.p, sight_at_start(scenario, robots[i].link->robot).p,
-                    robots[i].link->origin.p.z, list);
+      examine_place(scenario, *robots[i].link, seen.motion, list);
     }
     std::vector<Finding> findings = list.take();
     std::move(findings.begin(), findings.end(), std::back_inserter(all));

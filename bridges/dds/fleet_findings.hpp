@@ -23,6 +23,27 @@ struct ExaminedRobot {
   const TagSubscriber* tags = nullptr;  ///< tag observations of vision-localized robots; null: there are none
 };
 
+/// Whether a robot joins the team only by an event.
+bool is_absent_at_start(const Scenario& scenario, BodyId robot);
+
+/// The place where a robot joins the team: its start, at any height.
+struct JoiningPlace {
+  static constexpr double beside_most = 0.5;  ///< horizontal distance from the start [m]
+  static constexpr double turned_most = 0.5;  ///< from its heading, of a robot with a heading [rad]
+
+  JoiningPlace(const Scenario& scenario, BodyId robot);
+
+  double beside(const Motion& robot) const noexcept;  ///< [m]
+  double turned(const Motion& robot) const noexcept;  ///< [rad]; 0 without a heading
+  bool holds(const Motion& robot) const noexcept {
+    return beside(robot) <= beside_most && turned(robot) <= turned_most;
+  }
+
+ private:
+  Sight<double> start_;
+  bool has_heading_;
+};
+
 /// Rate and longest gap of a body's poses, against the supervisor's limits. Few poses of motion
 /// capture or /tf give an unknown finding, few of a robot's own odometry none.
 void examine_rate(const Scenario& scenario, const PosesFrom& from, const ArrivalFigures& f, FindingList& to);

@@ -21,6 +21,7 @@
 namespace sightline::dds {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -147,6 +148,82 @@ TEST(ChangingFleet, ARobotThatRefusesToArmDoesNotJoinAndTheOthersFlyOn) {
   EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
   EXPECT_EQ(rig.count(EventKind::event_in_force), 0);
   EXPECT_EQ(rig.told_of(2).setpoints, 0);
+}
+
+/// The fleet as its vehicles really stand: uav2 so far to the east of its start [m].
+Scenario with_uav2_beside(double east) {
+  Scenario vehicles = fleet_with_a_joiner(1.0);
+  vehicles.x0[static_cast<std::size_t>(vehicles.team.state_offset(BodyId{2}))] += east;
+  return vehicles;
+}
+
+TEST(ChangingFleet, AFleetWhoseAbsentRobotIsNotAtItsStartStaysOnTheGround) {
+  Rig rig(fleet_with_a_joiner(3.0), with_uav2_beside(0.7), {.ready = 3.0});
+  EXPECT_EQ(rig.fly().updates, 0);
+  EXPECT_THAT(rig.reported,
+              Contains(AllOf(HasSubstr("uav2: "), HasSubstr("0.70 m beside its start, turned from it by 0.0"),
+                             HasSubstr("expected 0.5 m and 0.5 rad at most of a robot that joins"))));
+  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0) << i;
+}
+
+TEST(ChangingFleet, ARobotThatIsNoMoreAtItsStartIsNotArmedAndTheOthersFlyOn) {
+  Rig rig(fleet_with_a_joiner(8.0), {.ready = 4.0});
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    rig.faults(2).begin(Kind::jump, 0.8);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    rig.switcher->signal("go");
+  });
+  EXPECT_GE(outcome.updates + outcome.missed, 800);
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: it is not at its start"));
+  EXPECT_THAT(rig.reported,
+              Contains("uav2: done, it is not at its start: it does not join, the others fly on"));
+  EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+  EXPECT_EQ(rig.count(EventKind::robot_refused), 1);
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
+}
+
+TEST(ChangingFleet, ARobotThatComesBackToItsStartInTimeJoins) {
+  Rig rig(fleet_with_a_joiner(14.0));
+  std::int64_t early = 0;
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    rig.faults(2).begin(Kind::jump, 0.8);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    rig.switcher->signal("go");
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    early = rig.told_of(2).arm_requests;
+    rig.faults(2).end(Kind::jump);
+  });
+  EXPECT_TRUE(outcome.finite);
+  EXPECT_EQ(early, 0);
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 1) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+}
+
+TEST(ChangingFleet, AnAbsentRobotWhoseBatteryIsLowIsNotArmed) {
+  Rig rig(fleet_with_a_joiner(3.0));
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    rig.faults(2).begin(Kind::battery_low);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    rig.switcher->signal("go");
+  });
+  EXPECT_GE(outcome.updates + outcome.missed, 300);
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: its battery is low"));
+  EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
+}
+
+TEST(ChangingFleet, ARobotThatLandsCannotJoinAgainAndTheOthersFlyOn) {
+  Rig rig(row_of({"1.16", "1.16"}, 4.0,
+                 "[[event]]\nat = 0.5\nremove = { agent = \"uav0\", then = \"hold\" }\n"
+                 "[[event]]\nat = 1.0\nadd = \"uav0\"\n"
+                 "[[event]]\nat = 1.5\nremove = { agent = \"uav0\", then = \"land\" }\n"
+                 "[[event]]\nat = 2.0\nadd = \"uav0\"\n"));
+  const LoopOutcome outcome = rig.fly();
+  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_THAT(rig.world->faults(), IsEmpty());
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 3);
+  EXPECT_EQ(rig.count(EventKind::robot_refused), 1);
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
 }
 
 TEST(ChangingFleet, ARobotThatIsLostWhileItClimbsDoesNotJoinAndTheOthersFlyOn) {

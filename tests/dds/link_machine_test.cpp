@@ -73,6 +73,20 @@ TEST(LinkMachine, WhoIsContestedWhenReadyIsNotArmed) {
   EXPECT_EQ(machine.reason(), LinkReason::contested);
 }
 
+TEST(LinkMachine, WhoIsUnfitOnTheGroundIsNotArmedButMayWait) {
+  for (const LinkOrder order : {LinkOrder::take_off, LinkOrder::hold, LinkOrder::task}) {
+    LinkMachine machine;
+    Obedient robot;
+    const double t = until(LinkState::ready, machine, robot, LinkOrder::check, 0.0);
+    robot.facts.unfit = LinkReason::battery_low;
+    until(LinkState::done, machine, robot, LinkOrder::check, t, 5.0);
+    ASSERT_EQ(machine.state(), LinkState::ready);
+    EXPECT_EQ(machine.step(t + 5.0, robot.facts, order).request, Request::none);
+    EXPECT_EQ(machine.state(), LinkState::done);
+    EXPECT_EQ(machine.reason(), LinkReason::battery_low);
+  }
+}
+
 TEST(LinkMachine, EachWayOutOfFlightHasItsReason) {
   struct Case {
     const char* what;
@@ -264,7 +278,8 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
         f.unfit = chance(0.6)   ? LinkReason::as_requested
                   : chance(0.3) ? LinkReason::battery_low
                   : chance(0.5) ? LinkReason::estimator_invalid
-                  : chance(0.5) ? LinkReason::stamps_stuck
+                  : chance(0.3) ? LinkReason::stamps_stuck
+                  : chance(0.5) ? LinkReason::misplaced
                                 : LinkReason::moved;
       if (chance(wild)) f.armed = chance(0.7);
       if (chance(wild)) f.airborne = chance(0.7);
@@ -310,9 +325,9 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
       took_off += out.request == Request::take_off ? 1 : 0;
       offboard += out.request == Request::offboard ? 1 : 0;
       for (const int requests : {armed, took_off, offboard}) ASSERT_LE(requests, times.attempts);
-      // What is asked, mostly happens, or is refused.
+      // What is asked, mostly happens, or is refused; or it is acknowledged and does not happen.
       const bool obeys = chance(0.9);
-      if (out.request != Request::none) f.answered = obeys, f.refused = !obeys && chance(0.5);
+      if (out.request != Request::none) f.answered = obeys || chance(0.3), f.refused = !obeys && chance(0.5);
       if (out.request == Request::arm && obeys) f.armed = true, f.landed = false;
       if (out.request == Request::take_off && obeys) f.mode = AutopilotMode::takeoff, f.airborne = true;
       if (out.request == Request::offboard && obeys) f.mode = AutopilotMode::offboard;

@@ -33,7 +33,7 @@ enum class When {
   offboard,
   contested,
   restarted,
-  unfit,
+  unfit,  // in `ready` only with an order to take off
   lost,
   gone,        // lost for long
   late,        // the maximum time of the state has passed
@@ -70,7 +70,8 @@ std::string_view to_string(LinkReason reason) {
       "its estimator is not valid",
       "its estimator jumped too far",
       "its motors were stopped by the operator",
-      "poses come, but their stamps do not rise"};
+      "poses come, but their stamps do not rise",
+      "it is not at its start"};
   return word_of(words, reason);
 }
 
@@ -82,6 +83,7 @@ struct LinkMachine::Row {
 };
 
 bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, double t) const noexcept {
+  const bool takes_off = order >= LinkOrder::take_off && order < LinkOrder::land;
   switch (row.when) {
     case When::emergency:
       return order == LinkOrder::emergency;
@@ -90,7 +92,7 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::to_land:
       return order == LinkOrder::land;
     case When::to_take_off:
-      return t - since_ >= times_.received && order >= LinkOrder::take_off && order < LinkOrder::land;
+      return t - since_ >= times_.received && takes_off;
     case When::to_hold:
       return order == LinkOrder::hold;
     case When::to_task:
@@ -124,7 +126,7 @@ bool LinkMachine::holds(const Row& row, const LinkFacts& f, LinkOrder order, dou
     case When::contested:
       return f.contested;
     case When::unfit:
-      return f.unfit != LinkReason::as_requested;
+      return f.unfit != LinkReason::as_requested && (state_ != LinkState::ready || takes_off);
     case When::lost:
       return !f.there;
     case When::gone:
@@ -169,7 +171,7 @@ void LinkMachine::request(Request request, double t, const LinkFacts& facts, Lin
 }
 
 // The first row of the state whose condition holds is taken. No row leaves done or pilot.
-const std::array<LinkMachine::Row, 37> LinkMachine::table = [] {
+const std::array<LinkMachine::Row, 38> LinkMachine::table = [] {
   using S = LinkState;
   using R = LinkReason;
   constexpr auto bit = [](S state) { return 1U << static_cast<unsigned>(state); };
@@ -177,7 +179,7 @@ const std::array<LinkMachine::Row, 37> LinkMachine::table = [] {
                      taking_off = bit(S::taking_off), holding = bit(S::holding), flying = bit(S::flying),
                      landing = bit(S::landing), steered = holding | flying, in_air = taking_off | steered,
                      unarmed = waiting | ready, ours = arming | in_air | landing;
-  return std::array<Row, 37>{{
+  return std::array<Row, 38>{{
       {unarmed, When::emergency, S::done, R::as_requested},
       {ours, When::emergency, S::done, R::emergency},
       {unarmed | ours, When::handed_over, S::done, R::handed_over},
@@ -190,6 +192,7 @@ const std::array<LinkMachine::Row, 37> LinkMachine::table = [] {
       {ready, When::lost, S::done, R::silent},
       {ready, When::armed, S::pilot, R::pilot},
       {ready, When::contested, S::done, R::contested},
+      {ready, When::unfit, S::done, R::as_requested},
       {ready, When::to_take_off, S::arming, R::as_requested},
       {ready, When::late, S::done, R::no_task},
 

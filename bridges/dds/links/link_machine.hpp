@@ -45,8 +45,9 @@ enum class LinkReason : std::uint8_t {
   moved,      ///< its estimator jumped further than is compensated
   emergency,  ///< the operator stopped its motors
   stamps_stuck,
+  misplaced,  ///< not where it is to join the team
 };
-inline constexpr int link_reasons = 21;
+inline constexpr int link_reasons = 22;
 /// Part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 
@@ -70,9 +71,10 @@ struct LinkFacts {
   bool answered = true;  ///< it acknowledged or rejected the last request, or no request is lost
   bool refused = false;  ///< it rejected the last request
   bool failsafe = false;
-  bool contested = false;                       ///< another program writes set-points to it
-  bool restarted = false;                       ///< a new writer replaced the robot's since the arm request
-  LinkReason unfit = LinkReason::as_requested;  ///< reported reason to end the flight; as_requested: none
+  bool contested = false;  ///< another program writes set-points to it
+  bool restarted = false;  ///< a new writer replaced the robot's since the arm request
+  /// Reported reason to end the flight, or not to begin it; as_requested: none.
+  LinkReason unfit = LinkReason::as_requested;
   AutopilotMode mode = AutopilotMode::other;
 };
 
@@ -137,7 +139,7 @@ class LinkMachine {
 
  private:
   struct Row;
-  static const std::array<Row, 37> table;
+  static const std::array<Row, 38> table;
 
   bool holds(const Row& row, const LinkFacts& facts, LinkOrder order, double t) const noexcept;
   void request(Request request, double t, const LinkFacts& facts, LinkOutput& output) noexcept;
