@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -115,6 +116,44 @@ TEST(JoiningRobots, AnEventWhoseRobotCannotJoinIsIgnored) {
   flight.expect_same_commands_again();
 }
 
+const std::string joins_and_leaves =
+    "[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
+    hovering_robot("b", "[2.0, 0.0, 1.0]", "present = false") +
+    "[[event]]\nat = 1.0\nadd = \"b\"\n"
+    "[[event]]\nat = 1.2\nremove = \"b\"\n"
+    "[[event]]\nat = 1.3\nretune = { agent = \"b\", R = [2.0, 2.0, 2.0, 2.0] }\n";
+
+TEST(JoiningRobots, ALaterEventThatNeedsTheRobotWaitsForIt) {
+  const FlightWithTakeOff flight(joins_and_leaves, 0.5);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2",
+                          "1.31 event_in_force 2", "1.50 robot_ready 1", "1.51 event_in_force 0",
+                          "1.52 event_in_force 1"));
+  flight.expect_same_commands_again();
+}
+
+TEST(JoiningRobots, ALaterEventThatNeedsARobotWhichCannotJoinIsIgnored) {
+  const FlightWithTakeOff flight(joins_and_leaves, 0.5, Joining::refused);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2",
+                          "1.31 event_in_force 2", "1.50 robot_refused 1", "1.50 event_ignored 0",
+                          "1.51 event_ignored 1"));
+  flight.expect_same_commands_again();
+}
+
+TEST(JoiningRobots, ARobotThatLandsCannotJoinAgain) {
+  const std::string text = "[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
+                           hovering_robot("b", "[2.0, 0.0, 1.0]") +
+                           "[[event]]\nat = 0.5\nremove = { agent = \"b\", then = \"land\" }\n"
+                           "[[event]]\nat = 1.0\nadd = \"b\"\n";
+  const FlightWithTakeOff flight(text, 0.0, Joining::refused);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("0.50 event_happened 0", "0.51 event_in_force 0", "1.00 event_happened 1",
+                          "1.00 robot_refused 1", "1.00 event_ignored 1"));
+  flight.expect_same_commands_again();
+  EXPECT_THAT(FlightWithTakeOff(text, std::nullopt).occurred(), testing::Contains("1.01 event_in_force 1"));
+}
+
 TEST(JoiningRobots, AFlightThatEndsDuringTheTakeOffIsReplayed) {
   const FlightWithTakeOff flight(two_events, 99.0);
   EXPECT_THAT(flight.occurred(),
@@ -149,6 +188,24 @@ TEST(JoiningRobots, TheBarrierKeepsTheDistanceFromAnAbsentRobotThatStays) {
     };
     EXPECT_GE(nearest(FlightWithTakeOff(text, 1.0)), 0.6) << supervisor;
     EXPECT_LT(nearest(FlightWithTakeOff(text, std::nullopt)), 0.3) << supervisor;
+  }
+}
+
+// Its autopilot lands it, so there is no command on which the barrier could act.
+TEST(JoiningRobots, TheBarrierLeavesARobotAloneThatLandsInAWorldWhereAbsentRobotsStay) {
+  const FlightWithTakeOff flight("[simulation]\nduration = 2.5\n[safety]\nd_hard = 0.6\nbarrier = \"on\"\n" +
+                                     hovering_robot("a", "[0.0, 0.0, 1.0]") +
+                                     hovering_robot("b", "[0.8, 0.0, 1.0]") +
+                                     "[[event]]\nat = 1.0\nremove = { agent = \"b\", then = \"land\" }\n",
+                                 0.0);
+  const auto sees_others = [&](std::size_t robot, double t) {
+    const std::vector<double>& times = flight.run.time;
+    const auto row = std::lower_bound(times.begin(), times.end(), t) - times.begin();
+    return !std::isnan(flight.run.bodies[robot].reserve[static_cast<std::size_t>(row)]);
+  };
+  for (const double t : {0.9, 1.5, 2.0}) {
+    EXPECT_TRUE(sees_others(0, t)) << t;
+    EXPECT_EQ(sees_others(1, t), t < 1.0) << t;
   }
 }
 

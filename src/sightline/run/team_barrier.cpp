@@ -239,13 +239,15 @@ void TeamBarrier::keep_distance(const Situation& now, std::size_t robot, std::sp
   BarrierRecord& record = records_[robot];
   of.was_in_conflict = record.conflict;
   record = {};
-  // The barrier neither acts on a grounded, absent or unmeasured robot, nor considers a body
-  // without a position.
-  if (level == FallbackLevel::grounded || !now.is_there(of.body) || !std::isfinite(now.ages[at(of.body)]))
+  // The barrier neither acts on a grounded, absent or unmeasured robot, nor on one that its
+  // autopilot lands, nor considers a body without a position.
+  const bool descends = now.presence[at(of.body)] == Presence::land;
+  if (level == FallbackLevel::grounded || !now.is_there(of.body) || !std::isfinite(now.ages[at(of.body)]) ||
+      (descends && !now.absent.empty()))
     return;
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
-  const bool lands = level == FallbackLevel::land || now.presence[at(of.body)] == Presence::land;
+  const bool lands = level == FallbackLevel::land || descends;
   const Barrier& barrier = lands ? of.landing : of.barrier;
   const BarrierResult result =
       barrier.filter(now.x.subspan(of.x, of.nx), neighbours_of(now, of, requester), of.u_min, of.u_max,

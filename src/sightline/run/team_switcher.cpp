@@ -129,7 +129,8 @@ Joining TeamSwitcher::joining(double t, const TeamEvent& event) noexcept {
     for (const Action& action : event.actions) {
       const auto* const add = std::get_if<AddBody>(&action);
       if (add == nullptr || !world_.is_agent(add->body)) continue;
-      if (present_->membership.presence[at(add->body)] == Presence::absent) act(add->body);
+      const Presence now = present_->membership.presence[at(add->body)];
+      if (now == Presence::absent || now == Presence::land) act(add->body);
     }
   };
   each_added([&](BodyId robot) { worst = std::max(worst, flown_in_->prepare(robot)); });
@@ -141,12 +142,36 @@ Joining TeamSwitcher::joining(double t, const TeamEvent& event) noexcept {
   return worst;
 }
 
+/// Whether an event needs a robot in the team that another event adds.
+bool TeamSwitcher::needs_robot_of(const TeamEvent& event, const TeamEvent& adding) const noexcept {
+  const auto needs = [&](BodyId robot) {
+    return std::any_of(event.actions.begin(), event.actions.end(), [&](const Action& action) {
+      if (const auto* const remove = std::get_if<RemoveBody>(&action)) return remove->body == robot;
+      const auto* const observe = std::get_if<Observe>(&action);
+      return observe != nullptr && (observe->target == robot || observe->observer == robot);
+    });
+  };
+  return std::any_of(adding.actions.begin(), adding.actions.end(), [&](const Action& action) {
+    const auto* const add = std::get_if<AddBody>(&action);
+    return add != nullptr && world_.is_agent(add->body) && needs(add->body);
+  });
+}
+
+/// Whether an event waits for an earlier one, which adds a robot that it needs.
+bool TeamSwitcher::waits_for_another(const TeamEvent& event, std::size_t waiting) const noexcept {
+  const auto adds = [&](std::size_t other) { return needs_robot_of(event, script_.events[other]); };
+  return flown_in_ != nullptr && flown_in_->absent_robots_stay() &&
+         (std::any_of(awaited_.begin(), awaited_.begin() + static_cast<std::ptrdiff_t>(waiting), adds) ||
+          std::any_of(request_.events.begin(), request_.events.end(), adds));
+}
+
 /// Requests the events whose robots can join, and ignores those with a robot that cannot.
 void TeamSwitcher::request_awaited(double t) noexcept {
   request_.events.clear();
   std::size_t waiting = 0;
   for (const std::size_t event : awaited_) {
-    const Joining answer = joining(t, script_.events[event]);
+    const TeamEvent& what = script_.events[event];
+    const Joining answer = waits_for_another(what, waiting) ? Joining::waits : joining(t, what);
     if (answer == Joining::waits) {
       awaited_[waiting++] = event;
     } else if (answer == Joining::refused) {
