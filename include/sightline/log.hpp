@@ -712,10 +712,12 @@ struct FlownAs {
 FlownAs flown_as(const std::filesystem::path& log);
 
 /// The scenario of a log as it was flown, or with another solver or other values. Deadlines are
-/// off, and there are no comparison flights.
-/// @param log  path of the log, for error messages
+/// off, and there are no comparison flights. Signals from outside arrive when events occurred by
+/// them.
+/// @param log  path of the log
 /// @param set  as in ScenarioChanges
-/// @throws ScenarioError, and std::invalid_argument as solver_named() and check_solvers()
+/// @throws ScenarioError, std::invalid_argument as solver_named() and check_solvers(), and
+///   std::runtime_error if the log cannot be read
 Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, const Registry& registry,
                         const std::optional<std::string>& solver = {},
                         const std::vector<std::string>& set = {});

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "sightline/log.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/scenario.hpp"
+#include "tests/support/passing_sink.hpp"
 #include "tests/support/replayed_flight.hpp"
 
 namespace sightline {
@@ -106,6 +109,54 @@ TEST(Replay, TellsTheFirstCommandThatDiffersAndHowFar) {
   EXPECT_NEAR(robots[1].largest, 0.25, 1e-15);
   EXPECT_NEAR(robots[1].rms, 0.25 / std::sqrt(500 * 4), 1e-15);
   EXPECT_NEAR(robots[1].largest_at, 1.23, 1e-12);
+}
+
+// The file does not say when they arrive.
+TEST(Replay, SignalsFromOutsideArriveAgainWhenEventsOccurredByThem) {
+  Scenario scenario = parse_scenario(R"(
+[agent.a]
+robot = "multirotor"
+start = { p = [0.0, 0.0, 1.0] }
+Q = [1.5, 1.5, 1.6, 1, 1, 0, 0]
+reference = { constant = { p = [0.5, 0.0, 1.0], heading = 0.5 } }
+[simulation]
+duration = 2.0
+signal = [ { name = "go" }, { name = "heavy" } ]
+[[event]]
+stage = "moved"
+signal = "heavy"
+repeat = true
+retune = { agent = "a", R = [2.0, 2.0, 2.0, 2.0] }
+[[event]]
+signal = "go"
+reference = { agent = "a", reference = { constant = { p = [1.5, 0.0, 1.0], heading = 1.5 } } }
+enter = "moved"
+)",
+                                     "signals.toml");
+  lift_deadline(scenario.solver);
+  const test::Folder folder("signals");
+  {
+    const Controls controls(scenario);
+    SimulatedClock clock;
+    std::optional<test::PassingSink> sink;
+    FlightOptions options{.team_switcher = controls.team_switcher()};
+    options.watched = [&](Sink<Sample>& log, const Sample&) -> Sink<Sample>& {
+      return sink.emplace(log, [&](Sample& sample) {
+        const auto k = std::llround(sample.time / scenario.horizon.dt);
+        // The first "heavy" is lost, because its event waits for its stage.
+        if (k == 30 || k == 110 || k == 150) controls.team_switcher()->signal("heavy");
+        if (k == 80) controls.team_switcher()->signal("go");
+      });
+    };
+    ASSERT_TRUE(fly_logged(scenario, folder.path(), clock, controls.controllers(), options).logged);
+  }
+  const std::filesystem::path log = folder.path() / "run.mcap";
+  const Scenario again = flown_scenario(flown_as(log), log, built_in_registry());
+  EXPECT_EQ(again.simulation.signals.size(), 2U + 3U);
+  RecordedFlight flight(log, again.team, again.x0, again.horizon.dt);
+  const CommandComparison compared = replayed(again, flight);
+  EXPECT_EQ(compared.updates(), 200);
+  EXPECT_EQ(compared.differing(), 0);
 }
 
 TEST(Replay, ALogSaysHowItWasFlown) {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
@@ -44,6 +45,25 @@ bool sets_solver(const std::vector<std::string>& assignments) {
     const std::string_view key = assignment.substr(0, assignment.find_first_of(".= "));
     return key == "solver";
   });
+}
+
+/// The signals by which events of a flight occurred, at the times at which they did. Other signals
+/// had no effect.
+std::vector<TimedSignal> signals_in(const std::filesystem::path& log, const Script& script) {
+  std::vector<TimedSignal> signals;
+  LogText event;
+  McapReader mcap(log);
+  mcap.visit([&](const McapMessage& message) {
+    if (message.topic != "/events") return;
+    event.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+    if (event.word("kind") != to_string(EventKind::event_occurred)) return;
+    const auto number = static_cast<std::size_t>(event.number("value"));
+    const TeamEvent* const occurred = flown_event(script, nullptr, number);
+    const auto* const signal = occurred != nullptr ? std::get_if<Signal>(&occurred->trigger) : nullptr;
+    if (signal != nullptr) signals.push_back({event.number("time"), signal->name});
+  });
+  if (!mcap.ok()) throw std::runtime_error(mcap.error());
+  return signals;
 }
 
 }  // namespace
@@ -189,6 +209,8 @@ Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, 
                         const std::optional<std::string>& solver, const std::vector<std::string>& set) {
   Scenario scenario = parse_scenario(flown.text, log, registry, {.files = flown.files, .set = set});
   scenario.name = flown.name;
+  std::vector<TimedSignal> signals = signals_in(log, scenario.script);
+  std::move(signals.begin(), signals.end(), std::back_inserter(scenario.simulation.signals));
   if (plans_apart(scenario))
     throw std::invalid_argument(fmt::format(
         "{}: flown by part {}, whose commands follow from messages of other parts, which are not in "
