@@ -857,7 +857,7 @@ class TeamSwitcher {
   bool swap(double t, const ValidStates& x, std::span<const double> u, bool wait) noexcept;
   /// Evaluates triggers after the update at t, and requests the changes. The next solver continues
   /// from this update's plan. An event that adds a robot waits until World::prepare() lets it join.
-  /// Later events that remove or observe with this robot wait for it.
+  /// Later events, tuned ones too, that change something of one of its robots or terms wait for it.
   /// @param ages  age of the knowledge of each body [s]; empty: all is new
   void look(double t, const ValidStates& x, std::span<const double> u, std::span<const double> ages) noexcept;
   /// Events that occurred or took effect since clear_events().
@@ -887,7 +887,6 @@ class TeamSwitcher {
   void report_of(double t, std::size_t event) noexcept;
   void ignore(double t, std::size_t event) noexcept;
   Joining joining(double t, const TeamEvent& event) noexcept;
-  bool needs_robot_of(const TeamEvent& event, const TeamEvent& adding) const noexcept;
   bool waits_for_another(const TeamEvent& event, std::size_t waiting) const noexcept;
   void request_awaited(double t) noexcept;
 

@@ -123,21 +123,21 @@ const std::string joins_and_leaves =
     "[[event]]\nat = 1.2\nremove = \"b\"\n"
     "[[event]]\nat = 1.3\nretune = { agent = \"b\", R = [2.0, 2.0, 2.0, 2.0] }\n";
 
-TEST(JoiningRobots, ALaterEventThatNeedsTheRobotWaitsForIt) {
+TEST(JoiningRobots, LaterEventsOfTheRobotWaitAndKeepTheirOrder) {
   const FlightWithTakeOff flight(joins_and_leaves, 0.5);
   EXPECT_THAT(flight.occurred(),
               ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2",
-                          "1.31 event_in_force 2", "1.50 robot_ready 1", "1.51 event_in_force 0",
-                          "1.52 event_in_force 1"));
+                          "1.50 robot_ready 1", "1.51 event_in_force 0", "1.52 event_in_force 1",
+                          "1.53 event_in_force 2"));
   flight.expect_same_commands_again();
 }
 
-TEST(JoiningRobots, ALaterEventThatNeedsARobotWhichCannotJoinIsIgnored) {
+TEST(JoiningRobots, LaterEventsOfARobotThatCannotJoinGoOnInTheirOrder) {
   const FlightWithTakeOff flight(joins_and_leaves, 0.5, Joining::refused);
   EXPECT_THAT(flight.occurred(),
               ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2",
-                          "1.31 event_in_force 2", "1.50 robot_refused 1", "1.50 event_ignored 0",
-                          "1.51 event_ignored 1"));
+                          "1.50 robot_refused 1", "1.50 event_ignored 0", "1.51 event_ignored 1",
+                          "1.52 event_in_force 2"));
   flight.expect_same_commands_again();
 }
 

@@ -2,6 +2,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -40,6 +41,42 @@ Phase phase_of(std::unique_ptr<Solver> solver, const ActiveTeam& active_team) {
     phase.uncontrolled.back().limits = active_team.agent(AgentId{body}).limits;
   }
   return phase;
+}
+
+/// What an action changes something of: robots and other bodies, and a term by its name.
+struct Changed {
+  std::array<int, 2> bodies = {-1, -1};
+  std::string_view term{};
+};
+
+Changed changed_by(const Action& action) noexcept {
+  return std::visit(
+      [](const auto& it) {
+        Changed changed;
+        if constexpr (requires { it.body; }) changed.bodies[0] = it.body.index;
+        if constexpr (requires { it.agent; }) changed.bodies[0] = it.agent.index;
+        if constexpr (requires { it.observer; }) changed.bodies[0] = it.observer.index;
+        if constexpr (requires { it.target; }) changed.bodies[1] = it.target.index;
+        if constexpr (requires { it.name; }) changed.term = it.name;
+        if constexpr (requires { it.coupling; }) changed.term = it.coupling.name;
+        if constexpr (requires { it.constraint; }) changed.term = it.constraint.name;
+        return changed;
+      },
+      action);
+}
+
+bool change_the_same(const TeamEvent& a, const TeamEvent& b) noexcept {
+  return std::any_of(a.actions.begin(), a.actions.end(), [&](const Action& one) {
+    const Changed of_one = changed_by(one);
+    return std::any_of(b.actions.begin(), b.actions.end(), [&](const Action& other) {
+      const Changed of_other = changed_by(other);
+      const auto is_shared = [&](int body) {
+        return body >= 0 && (body == of_other.bodies[0] || body == of_other.bodies[1]);
+      };
+      return (!of_one.term.empty() && of_one.term == of_other.term) || is_shared(of_one.bodies[0]) ||
+             is_shared(of_one.bodies[1]);
+    });
+  });
 }
 
 void nap() noexcept {
@@ -142,27 +179,17 @@ Joining TeamSwitcher::joining(double t, const TeamEvent& event) noexcept {
   return worst;
 }
 
-/// Whether an event needs a robot in the team that another event adds.
-bool TeamSwitcher::needs_robot_of(const TeamEvent& event, const TeamEvent& adding) const noexcept {
-  const auto needs = [&](BodyId robot) {
-    return std::any_of(event.actions.begin(), event.actions.end(), [&](const Action& action) {
-      if (const auto* const remove = std::get_if<RemoveBody>(&action)) return remove->body == robot;
-      const auto* const observe = std::get_if<Observe>(&action);
-      return observe != nullptr && (observe->target == robot || observe->observer == robot);
-    });
-  };
-  return std::any_of(adding.actions.begin(), adding.actions.end(), [&](const Action& action) {
-    const auto* const add = std::get_if<AddBody>(&action);
-    return add != nullptr && world_.is_agent(add->body) && needs(add->body);
-  });
-}
-
-/// Whether an event waits for an earlier one, which adds a robot that it needs.
+/// Whether an event waits for an earlier one, of the first so many that wait or of those requested
+/// now, because both change something of one robot or term. Without it they would act in another
+/// order than in a world where robots join at once.
 bool TeamSwitcher::waits_for_another(const TeamEvent& event, std::size_t waiting) const noexcept {
-  const auto adds = [&](std::size_t other) { return needs_robot_of(event, script_.events[other]); };
-  return flown_in_ != nullptr && flown_in_->absent_robots_stay() &&
-         (std::any_of(awaited_.begin(), awaited_.begin() + static_cast<std::ptrdiff_t>(waiting), adds) ||
-          std::any_of(request_.events.begin(), request_.events.end(), adds));
+  if (flown_in_ == nullptr || !flown_in_->absent_robots_stay()) return false;
+  const auto same = [&](std::size_t other) {
+    const TeamEvent* const earlier = flown_event(script_, tuned_.get(), other);
+    return earlier != nullptr && change_the_same(event, *earlier);
+  };
+  return std::any_of(awaited_.begin(), awaited_.begin() + static_cast<std::ptrdiff_t>(waiting), same) ||
+         std::any_of(request_.events.begin(), request_.events.end(), same);
 }
 
 /// Requests the events whose robots can join, and ignores those with a robot that cannot.
@@ -184,9 +211,10 @@ void TeamSwitcher::request_awaited(double t) noexcept {
 }
 
 /// Whether the next tuned event occurs now. It has a period of its own, so that two changes of one
-/// object never coincide.
+/// object never coincide, and it does not overtake an event that waits.
 bool TeamSwitcher::takes_tuned(double t) noexcept {
   if (tuned_ == nullptr || taken_ == tuned_->size()) return false;
+  if (waits_for_another(tuned_->event(taken_), awaited_.size())) return false;
   tuned_->occur(taken_++, t);
   return true;
 }
