@@ -347,8 +347,8 @@ class World {
   virtual void set_presence(std::span<const Presence> presence) noexcept = 0;
   /// Whether robots that are absent from the team stay in the world, where they are measured.
   virtual bool absent_robots_stay() const noexcept { return false; }
-  /// Requests that an absent robot takes off. Called each period while an event that adds the robot
-  /// waits; the answer is constant within a period.
+  /// Requests that a robot which is absent or lands takes off. Called each period while an event
+  /// that adds the robot waits; the answer is constant within a period.
   virtual Joining prepare(BodyId /*robot*/) noexcept { return Joining::at_once; }
   /// Applies changes that events make around the team, from now on. A world that is not simulated
   /// ignores them.

@@ -134,16 +134,18 @@ TEST(ChangingFleet, AnEventBySignalWaitsUntilItsRobotHolds) {
   expect_well_treated(rig);
 }
 
-TEST(ChangingFleet, ARobotThatRefusesToArmDoesNotJoinAndTheOthersFlyOn) {
-  Rig rig(fleet_with_a_joiner(4.0));
+TEST(ChangingFleet, ARobotWhoseChecksFailIsNotArmedAndTheOthersFlyOn) {
+  Rig rig(fleet_with_a_joiner(7.0), {.ready = 4.0});
   const LoopOutcome outcome = rig.fly(0.3, [&] {
     rig.vehicle(2).fail_checks(true);
     rig.switcher->signal("go");
   });
   EXPECT_TRUE(outcome.finite);
-  EXPECT_GE(outcome.updates + outcome.missed, 400);
-  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: it refused to arm"));
-  EXPECT_THAT(rig.reported, Contains("uav2: done, it refused to arm: it does not join, the others fly on"));
+  EXPECT_GE(outcome.updates + outcome.missed, 700);
+  // Its status may be older than the fault: then it refuses the request.
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre(testing::AnyOf("uav2: it was not ready in time",
+                                                                       "uav2: it refused to arm")));
+  EXPECT_THAT(rig.reported, Contains(HasSubstr(": it does not join, the others fly on")));
   EXPECT_EQ(rig.count(EventKind::robot_refused), 1);
   EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
   EXPECT_EQ(rig.count(EventKind::event_in_force), 0);
