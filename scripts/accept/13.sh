@@ -145,11 +145,22 @@ faults() {
 payloads() { tests dds_test 'Garbled.*'; }
 packets() { tests dds_campaign_test 'Forged.*:Flood.*'; }
 
+# Random flights with events, tuning and faults: 250 blocks of eight.
+event_block() { SIGHTLINE_CAMPAIGN=whole "$build/tests/dds_campaign_test" --gtest_filter="Blocks/ChangingFleetCampaign.*/$1"; }
+events() {
+  whole || { tests dds_campaign_test 'Blocks/ChangingFleetCampaign.*'; return; }
+  blocks 0 1 249 event_block
+  local -a bad
+  mapfile -t bad < <(grep -L 'PASSED  \] 1 test' "$out"/random/*.txt)
+  echo "250 blocks of 8 flights: ${#bad[@]} with a broken promise"
+  failed_blocks '^flight ' "${bad[@]}"
+}
+
 # The shipped fleet from the ground to the ground, 60 s, and its replay.
 demo() {
   whole || { echo "whole only: a document flies it for 8 s"; return 0; }
   scripts/fly_demo.sh 2>&1 | tail -n 4 | grep ', 0 differ'
 }
 
-all=(timing replay releases faults payloads packets demo)
+all=(timing replay releases faults payloads packets events demo)
 run_sections "$@"
