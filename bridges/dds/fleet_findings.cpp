@@ -79,11 +79,13 @@ void examine_place(const Scenario& scenario, const Link& link, const Motion& rob
   if (std::max({std::abs(off.x), std::abs(off.y), off.z}) > off_start_most || off.z < -below_start_most)
     beyond.push_back(fmt::format("[{:.2f}, {:.2f}, {:.2f}] m from its start, expected {} m at most",
                                  rounded(off.x), rounded(off.y), rounded(off.z), off_start_most));
-  const JoiningPlace place(scenario, link.robot);
-  if (is_absent_at_start(scenario, link.robot) && !place.holds(robot))
-    beyond.push_back(
-        fmt::format("turned from it by {:.2f} rad, expected {} m and {} rad at most of a robot that joins",
-                    place.turned(robot), JoiningPlace::beside_most, JoiningPlace::turned_most));
+  if (is_absent_at_start(scenario, link.robot)) {
+    const JoiningPlace place(scenario, link.robot);
+    if (!place.holds(robot))
+      beyond.push_back(
+          fmt::format("turned from it by {:.2f} rad, expected {} m and {} rad at most of a robot that joins",
+                      place.turned(robot), JoiningPlace::beside_most, JoiningPlace::turned_most));
+  }
   if (p.z < ground - off_start_most) beyond.push_back(fmt::format("below the ground at {} m", ground));
   if (scenario.safety) {
     const double world = scenario.safety->world, ceiling = scenario.safety->barrier_options.ceiling;

@@ -51,17 +51,25 @@ bool sets_solver(const std::vector<std::string>& assignments) {
 /// had no effect.
 std::vector<TimedSignal> signals_in(const std::filesystem::path& log, const Script& script) {
   std::vector<TimedSignal> signals;
+  const auto awaits = [](const TeamEvent& event) { return std::holds_alternative<Signal>(event.trigger); };
+  if (std::none_of(script.events.begin(), script.events.end(), awaits)) return signals;
   LogText event;
   McapReader mcap(log);
-  mcap.visit([&](const McapMessage& message) {
+  const auto take = [&](const McapMessage& message) {
     if (message.topic != "/events") return;
     event.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
     if (event.word("kind") != to_string(EventKind::event_occurred)) return;
-    const auto number = static_cast<std::size_t>(event.number("value"));
-    const TeamEvent* const occurred = flown_event(script, nullptr, number);
-    const auto* const signal = occurred != nullptr ? std::get_if<Signal>(&occurred->trigger) : nullptr;
-    if (signal != nullptr) signals.push_back({event.number("time"), signal->name});
-  });
+    const double number = event.number("value");
+    if (!(number >= 0 && number < static_cast<double>(script.events.size()))) return;
+    const Trigger& trigger = script.events[static_cast<std::size_t>(number)].trigger;
+    if (const auto* const signal = std::get_if<Signal>(&trigger); signal != nullptr)
+      signals.push_back({event.number("time"), signal->name});
+  };
+  try {
+    mcap.visit(take);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{} cannot be replayed: {}", log.string(), error.what()));
+  }
   if (!mcap.ok()) throw std::runtime_error(mcap.error());
   return signals;
 }
