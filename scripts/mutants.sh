@@ -26,9 +26,9 @@ flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapp
 barrier() {
   folder=safety
   sources=(safety/{authority,escape,projection,barrier,barrier_law,barrier_threats,joint_plan,barrier_rows,row_projection,surrounded}
-    safety/{barrier_check,evasive_maneuver})
-  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,evasive_maneuver,zone})
-  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:EvasiveManeuvers.*:Zone.*'
+    safety/{barrier_check,driving_barrier,evasive_maneuver})
+  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,driving_barrier,evasive_maneuver,zone})
+  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:DrivingBarrier.*:EvasiveManeuvers.*:Zone.*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline_core.a")
   mutants=(
@@ -67,6 +67,14 @@ barrier() {
     'bounds of the world not checked|barrier_check.cpp|return least + touched;|return infinity;'
     'floor turned into a ceiling|barrier_rows.cpp|heights.push_back({1.0, floor,|heights.push_back({-1.0, floor,'
     'first face of a piece taken|barrier_rows.cpp|if (reserve > most) most|if (!by_plane) most'
+    'pursuer slow while a robot brakes|driving_barrier.cpp|one.speed \* (law_.dt + after.time)|one.speed * law_.dt'
+    'share of a driving member trebled|driving_barrier.cpp|law_.options.share \* (h - wanted_of(h))|3 * law_.options.share * (h - wanted_of(h))'
+    'last period braked as the others|barrier_law.cpp|periods > 1 ? last.e|periods > 0 ? last.e'
+    'braking path between samples left out|driving_barrier.cpp|k < flown.between.size(); ++k|k < 0; ++k'
+    'braking path of a member left out|driving_barrier.cpp|{n.v.x, n.v.y}, std::min(n.part|{0, 0}, std::min(n.part'
+    'braking path of a robot left out|driving_barrier.cpp|return {p, {v.x / speed, v.y / speed}, stop.length|return {p, {v.x / speed, v.y / speed}, 0.0 * stop.length'
+    'bounds of a robot that drives left out|driving_barrier.cpp|: now.planes) conditions.add(plane);|: now.planes) (void)plane;'
+    'near bodies taken for far ones|driving_barrier.cpp|if (spare >= shift_) return;|if (spare >= 0.1 * shift_) return;'
     'margin of a zone zero|barrier_law.cpp|face.offset += margin;|;'
   )
 }

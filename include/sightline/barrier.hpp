@@ -24,6 +24,10 @@
 /// (EvasiveManeuver). If the vertical speed follows its command with one lag, p_z + tau v_z,
 /// the height at which the robot would come to rest, replaces p_z, and |tau v_z| is added to rho.
 ///
+/// A robot that drives along its heading brakes instead, and its braking path keeps the distances.
+/// Against a body that moves at will it is safe in the passive sense: it stands before the body can
+/// be nearer than d_hard, and cannot flee.
+///
 /// Floor, ceiling, world and zones have priority. docs/safety.md has the mathematics, and the
 /// guarantee with its model and knowledge.
 ///
@@ -154,7 +158,8 @@ class Barrier {
   /// @param u_min, u_max  limits of the inputs, the tightest of the flight
   /// @param dt  period of the commands, in (0, longest_period] [s]
   /// @throws std::invalid_argument for an option out of range, for a model of more than 4 inputs or
-  ///         32 states, and for one that its commands cannot push in every horizontal direction
+  ///         32 states, and for one that its commands neither push in every horizontal direction
+  ///         nor drive along its heading
   Barrier(const Model& model, std::span<const double> u_min, std::span<const double> u_max, double dt,
           const BarrierOptions& options = {});
   /// @param can  abilities that plans use: those within the tightest limits, or less; push and rise
@@ -182,6 +187,10 @@ class Barrier {
   /// Whether the height follows commands with a lag; then no robot can be its cooperative
   /// neighbour.
   bool climbs_late() const noexcept;
+
+  /// Whether the robot drives along its heading, and therefore brakes instead of fleeing. Its filter
+  /// considers all given neighbours.
+  bool drives() const noexcept;
 
   /// B of one neighbour at a state [m].
   double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;

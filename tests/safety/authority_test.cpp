@@ -1,5 +1,6 @@
 #include "sightline/safety/authority.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -158,28 +159,75 @@ TEST(Authority, RobotsMoveAlikeWhateverTheirStrengthAndLimitsButNotUnderOtherDra
       usual, authority_of(CommandedCart{}, std::span(lowest).first(3), std::span(highest).first(3))));
 }
 
-TEST(Authority, IsRefusedWhereARobotCannotFleeAnyWay) {
-  EXPECT_EQ(refusal_of([] {
-              authority_of(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2));
-            }),
-            "barrier: the commands of \"test_unicycle\" do not accelerate it in every horizontal direction "
-            "at once, "
-            "expected a robot that can flee any way");
-  EXPECT_EQ(refusal_of([] { authority_of(test::Quadrotor{}, lowest, highest); }),
-            "barrier: the commands of \"test_quadrotor\" do not accelerate it in every horizontal direction "
-            "at once, "
-            "expected a robot that can flee any way");
+/// A unicycle whose turn rate lags, or whose drag is quadratic.
+struct OddUnicycle {
+  static constexpr int nx = 7, nu = 2;
+  static constexpr std::string_view name = "odd_unicycle";
+  bool lags = false, quadratic = false;
+
+  template <class S>
+  std::array<S, nx> f(const std::array<S, nx>& x, const std::array<S, nu>& u) const {
+    const S rate = lags ? x[6] : 1.5 * u[1], v = x[5], drag = quadratic ? v * v * v : 2.5 * v;
+    return {v * x[3],
+            v * x[4],
+            S(0.0),
+            -(x[4] * rate),
+            x[3] * rate,
+            2.5 * u[0] - drag,
+            5.0 * (1.5 * u[1] - x[6])};
+  }
+  template <class S>
+  Pose<S> pose(const std::array<S, nx>& x) const {
+    return {{x[0], x[1], x[2]}, {x[3], x[4]}};
+  }
+  std::array<double, nx> at_rest(const Pose<double>& pose) const {
+    return {pose.p.x, pose.p.y, pose.p.z, pose.d.x, pose.d.y, 0.0, 0.0};
+  }
+  static constexpr int heading_at = 3;
+};
+
+TEST(Authority, OfARobotThatDrivesAlongItsHeadingIsThatOfItsFormula) {
+  Random random(9);
+  for (int i = 0; i < 50; ++i) {
+    const double c = uniform(random, 0.0, 4.0), b = uniform(random, 0.3, 5.0),
+                 turn = uniform(random, 0.2, 4.0);
+    const std::array<double, 2> low = {-uniform(random, 0.1, 2), -1}, high = {uniform(random, 0.1, 2), 1};
+    const Authority can = authority_of(Unicycle{.b_psi = turn, .a_f = -c, .b_f = b}, low, high);
+    EXPECT_TRUE(can.drives());
+    EXPECT_EQ(can.drive, 0);
+    EXPECT_NEAR(can.drag, c, 1e-3);
+    EXPECT_NEAR(can.acceleration, b * std::min(-low[0], high[0]), 1e-3);
+    EXPECT_GE(can.push, b * std::max(-low[0], high[0]) - 1e-3);
+  }
+  const Authority of_angle =
+      authority_of(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2));
+  EXPECT_TRUE(of_angle.drives());
+  EXPECT_NEAR(of_angle.drag, 0.8, 1e-3);
+  EXPECT_NEAR(of_angle.acceleration, 1.5, 1e-3);
+  EXPECT_FALSE(authority_of(OmniRover{}, std::span(lowest).first(3), std::span(highest).first(3)).drives());
+  EXPECT_FALSE(moves_alike(
+      of_angle, authority_of(Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2))));
+}
+
+TEST(Authority, IsRefusedWhereARobotCanNeitherFleeAnyWayNorBrakeAlongItsHeading) {
   const auto of_limits = [](const Model& model) {
     return refusal_of([&] { authority_of(model, model.u_min(), model.u_max()); });
   };
-  EXPECT_EQ(
-      of_limits(Unicycle{}),
-      "barrier: the commands of \"unicycle\" do not accelerate it in every horizontal direction at once, "
-      "expected a robot that can flee any way");
-  EXPECT_EQ(of_limits(LaggingHoverMultirotor{}),
-            "barrier: the commands of \"hover_multirotor\" do not accelerate it in every horizontal "
-            "direction at once, "
-            "expected a robot that can flee any way");
+  const auto no_way = [](std::string_view name) {
+    return fmt::format(
+        "barrier: the commands of \"{}\" do not accelerate it in every horizontal direction at once, "
+        "expected a "
+        "robot that can flee any way, or one that drives along its heading",
+        name);
+  };
+  EXPECT_EQ(refusal_of([] { authority_of(test::Quadrotor{}, lowest, highest); }), no_way("test_quadrotor"));
+  EXPECT_EQ(of_limits(OddUnicycle{}), "");
+  EXPECT_EQ(of_limits(OddUnicycle{.lags = true}), no_way("odd_unicycle"));
+  EXPECT_EQ(of_limits(OddUnicycle{.quadratic = true}), no_way("odd_unicycle"));
+  const std::array<double, 2> no_reverse = {0, -1};
+  EXPECT_EQ(refusal_of([&] { authority_of(Unicycle{}, no_reverse, std::span(highest).first(2)); }),
+            no_way("unicycle"));
+  EXPECT_EQ(of_limits(LaggingHoverMultirotor{}), no_way("hover_multirotor"));
   EXPECT_EQ(of_limits(DraggedClimb{}),
             "barrier: the height of \"dragged_climb\" follows its commands neither at once nor by one lag, "
             "expected a "

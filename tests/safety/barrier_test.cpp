@@ -462,10 +462,7 @@ TEST(Barrier, RefusesOptionsOutOfRange) {
   EXPECT_EQ(said({.authority = 1.1}), "barrier: authority = 1.1, expected in (0, 1]");
   EXPECT_EQ(said({.share = 0}), "barrier: share = 0, expected in (0, 1]");
   EXPECT_EQ(said({.velocity_sigma = not_a_number}), "barrier: velocity_sigma = nan, expected >= 0 m/s");
-  EXPECT_THAT(refusal_of([] {
-                Barrier(test::Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2),
-                        control_period);
-              }),
+  EXPECT_THAT(refusal_of([] { Barrier(test::Quadrotor{}, lowest, highest, control_period); }),
               testing::HasSubstr("expected a robot that can flee any way"));
 }
 

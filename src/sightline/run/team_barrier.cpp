@@ -216,7 +216,7 @@ std::span<const Neighbour> TeamBarrier::neighbours_of(const Situation& now, cons
                                                       Requester& requester) const noexcept {
   std::vector<Neighbour>& neighbours = requester.neighbours;
   std::size_t count = 0;
-  if (threats_.size() <= Barrier::most_neighbours + 1) {
+  if (threats_.size() <= Barrier::most_neighbours + 1 || robot.barrier.drives()) {
     for (int i = 0; i < threats_.size(); ++i) {
       const BodyId other{threats_.id(i)};
       if (other != robot.body) neighbours[count++] = neighbour_of(now, robot, other);

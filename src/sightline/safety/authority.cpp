@@ -203,6 +203,42 @@ double climb_lag_of(const Model& model, const std::vector<ResponseSample>& all) 
   return lag;
 }
 
+/// Fills the authority of a robot that drives along its heading. @return whether it is one
+bool find_drive(const std::vector<ResponseSample>& all, std::span<const double> u_min,
+                std::span<const double> u_max, Authority& authority) {
+  constexpr double fitted_to = 1e-3;  // relative, for drag and acceleration
+  const Columns& resting = all.front().columns;
+  int drive = -1, others = 0;
+  for (std::size_t k = 0; k < u_min.size(); ++k) {
+    if (dot(resting.thrust[k], resting.thrust[k]) > 0)
+      drive = drive < 0 ? static_cast<int>(k) : static_cast<int>(most_inputs);
+    else
+      ++others;
+  }
+  if (drive < 0 || drive >= most_inputs || others > 1) return false;
+  const auto of_drive = static_cast<std::size_t>(drive);
+  const double range = std::min(u_max[of_drive], -u_min[of_drive]);
+  const double gain = dot(resting.thrust[of_drive], all.front().heading), c = authority.drag;
+  for (const ResponseSample& sample : all) {
+    const Vec2<double>& d = sample.heading;
+    const auto across = [&](const Vec2<double>& v) { return d.x * v.y - d.y * v.x; };
+    const Vec2<double>& g = sample.columns.thrust[of_drive];
+    const double speed = dot(d, sample.v), off = fitted_to * (1 + std::abs(speed));
+    // Without commands the heading rests, so that the velocity keeps its direction.
+    if (std::abs(across(sample.v)) > off || std::abs(across(sample.drift)) > off ||
+        std::abs(sample.turn) > fitted_to || std::abs(sample.climb) > off || sample.columns.climbs ||
+        sample.columns.climbs_late || std::abs(dot(d, sample.drift) + c * speed) > off ||
+        std::abs(across(g)) > off || std::abs(dot(d, g) - gain) > fitted_to * std::abs(gain))
+      return false;
+  }
+  if (!(range > 0)) return false;
+  authority.drive = drive;
+  authority.acceleration = range * std::abs(gain);
+  authority.free = 1.0;
+  authority.turns = true;
+  return true;
+}
+
 }  // namespace
 
 double Authority::part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
@@ -217,8 +253,8 @@ double Authority::part(std::span<const double> u_min, std::span<const double> u_
 bool moves_alike(const Authority& a, const Authority& b) noexcept {
   constexpr double fitted_to = 1e-6;  // relative, for drag and lag
   const auto same = [](double x, double y) { return std::abs(x - y) <= fitted_to * (1 + std::abs(x)); };
-  return a.turns == b.turns && a.climbs == b.climbs && a.thrust_count == b.thrust_count &&
-         same(a.drag, b.drag) && same(a.climb_lag, b.climb_lag);
+  return a.drive == b.drive && a.turns == b.turns && a.climbs == b.climbs &&
+         a.thrust_count == b.thrust_count && same(a.drag, b.drag) && same(a.climb_lag, b.climb_lag);
 }
 
 Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
@@ -262,6 +298,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
     if (dot(resting.thrust[k], resting.thrust[k]) > 0 || resting.climb[k] != 0 || resting.climb_later[k] != 0)
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
+  if (!(authority.acceleration > rounding) && find_drive(all, u_min, u_max, authority)) return authority;
   // If the heading continues to turn, the corners of the thrusts turn with it; the disc does not.
   const auto turns_on = [](const ResponseSample& sample) { return std::abs(sample.turn) > rounding; };
   const bool turns = std::any_of(all.begin(), all.end(), turns_on);
@@ -274,8 +311,7 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
   if (!(authority.acceleration > rounding)) {
     throw std::invalid_argument(
         fmt::format("barrier: the commands of \"{}\" do not accelerate it in every horizontal direction at "
-                    "once, expected a robot "
-                    "that can flee any way",
+                    "once, expected a robot that can flee any way, or one that drives along its heading",
                     model.name()));
   }
   if (turns) return authority;

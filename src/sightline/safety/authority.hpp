@@ -9,6 +9,10 @@
 /// compensates the difference is subtracted from b and g_k. For the multirotor, (16):
 /// c = -a_f, b = b_f, since along an axis one command alone accelerates it, and g_k = (b_f, 0),
 /// (0, b_s) in V.
+///
+/// A robot that drives along its heading d, such as the unicycle, has v = v_f d instead, and one
+/// input that accelerates it, v_f' = -c v_f + a for every |a| <= b. Its heading turns by command
+/// alone.
 #pragma once
 
 #include <array>
@@ -22,6 +26,9 @@ namespace sightline {
 inline constexpr int most_states = 32;  ///< of a robot with an Authority
 
 struct Authority {
+  /// Whether the robot drives along its heading only.
+  bool drives() const noexcept { return drive >= 0; }
+
   double drag = 0.0;                      ///< c [1/s], >= 0
   double acceleration = 0.0;              ///< b [m/s^2], > 0
   std::array<Vec2<double>, 4> thrusts{};  ///< g_k [m/s^2]
@@ -34,7 +41,8 @@ struct Authority {
   std::array<double, 4> reach{};  ///< half range of each input; 0: it neither pushes nor climbs
   double push = 0.0;              ///< greatest |v' + c v| under any command [m/s^2]
   double rise = 0.0;              ///< greatest vertical speed of a robot without a lag, up or down [m/s]
-  double free = 1.0;              ///< part of the inputs' push that compensates nothing else, in (0, 1]
+  int drive = -1;     ///< input that accelerates a robot which drives along its heading; -1: any other robot
+  double free = 1.0;  ///< part of the inputs' push that compensates nothing else, in (0, 1]
 
   /// Part of b, g_k and climb that remains under narrower input limits, in [0.05, 1].
   double part(std::span<const double> u_min, std::span<const double> u_max) const noexcept;
@@ -46,8 +54,9 @@ bool moves_alike(const Authority& a, const Authority& b) noexcept;
 
 /// @param u_min, u_max  limits of the inputs, finite
 /// @throws std::invalid_argument for a model of more than 4 inputs or 32 states. Also for a model
-///         whose commands do not accelerate it in every horizontal direction at once and along axes
-///         of its heading or of G. Also for a model whose height follows its command neither at
+///         whose commands neither accelerate it in every horizontal direction at once, along axes of
+///         its heading or of G, nor drive it along its heading with one input and turn it with at
+///         most one other. Also for a model whose height follows its command neither at
 ///         once nor with one lag
 Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
 

@@ -12,6 +12,7 @@
 #include "sightline/safety/barrier_check.hpp"
 #include "sightline/safety/barrier_rows.hpp"
 #include "sightline/safety/barrier_threats.hpp"
+#include "sightline/safety/driving_barrier.hpp"
 #include "sightline/safety/joint_plan.hpp"
 #include "sightline/safety/row_projection.hpp"
 #include "sightline/safety/surrounded.hpp"
@@ -81,6 +82,8 @@ Barrier::Barrier(const Model& model, const Authority& can, double dt, const Barr
 
 bool Barrier::climbs_late() const noexcept { return law_->can.climb_lag > 0; }
 
+bool Barrier::drives() const noexcept { return law_->can.drives(); }
+
 double Barrier::part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
   return law_->can.part(u_min, u_max);
 }
@@ -92,6 +95,7 @@ const BarrierOptions& Barrier::options() const noexcept { return law_->options; 
 double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept {
   const std::array<double, most_inputs> at_rest{};
   BarrierPeriod now = begin(*law_, x, at_rest, {&neighbour, 1});
+  if (drives()) return is_finite(neighbour) ? driving_reserve(*law_, now, neighbour) : infinity;
   (void)find_threats(*law_, now);
   return now.threats.empty() ? infinity : now.threats[0].reserve;
 }
@@ -118,6 +122,13 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   BarrierPeriod now = begin(law, x, u, neighbours);
   now.u_min = u_min, now.u_max = u_max;
   now.part = part(u_min, u_max);
+  if (drives()) {
+    maneuver = {};
+    const bool limited = result.active;
+    result = keep_driving_distances(law, now, u);
+    result.active = result.active || limited;
+    return result;
+  }
   const bool all_known = find_threats(law, now);
   for (const Threat& threat : now.threats) result.reserve = std::min(result.reserve, threat.reserve);
   find_bounds(law, now);

@@ -36,12 +36,6 @@ double least_over(double dt, const F& f) {
   return least;
 }
 
-/// Positions within the period under a command.
-struct Flown {
-  Bounded<Vec3<double>, EscapePlans::most_parts> between;  // at the ends of all steps but the last
-  NextState after;
-};
-
 struct CommandCheck {
   /// Required reserve of a plan after the period [m]. A tolerance lets the reserve fall by half of
   /// the margin.
@@ -49,18 +43,6 @@ struct CommandCheck {
     constexpr double drift = 5e-4;  // [m]
     const double used = law.options.rate * law.dt;
     return threat.margin + (1.0 - used) * threat.reserve - used * (0.5 * threat.margin + drift);
-  }
-
-  Flown flown(std::span<const double> u) const {
-    Flown flown;
-    std::array<double, most_states> state;
-    std::copy(now.x.begin(), now.x.end(), state.begin());
-    for (int k = 1; k < law.parts; ++k) {
-      law.model.step(state.data(), u.data(), law.dt / law.parts);
-      flown.between.push_back(law.model.sight(state.data(), u.data()).p);
-    }
-    flown.after = law.next(now.x, u);
-    return flown;
   }
 
   /// Reserve beyond the requirement against all neighbours [m]; >= 0: the command is accepted.
@@ -218,7 +200,7 @@ void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<dou
     const Vec2<double> v = {now.self.v.x, now.self.v.y};
     return law.braked(one, now.self.p, v, now.part) < law.braked(other, now.self.p, v, now.part);
   };
-  const auto left = [&](std::span<const double> one) { return check.left_of_walls(check.flown(one)); };
+  const auto left = [&](std::span<const double> one) { return check.left_of_walls(law.flown(now.x, one)); };
   auto nearest = now.planes;
   const bool alone = nearest.size() == 1;
   std::partial_sort(nearest.begin(), nearest.begin() + (alone ? 1 : 2), nearest.end(), nearer);
@@ -245,10 +227,10 @@ bool ensure_distances(const BarrierLaw& law, const BarrierPeriod& now, std::span
     return now.planes.empty() ? 0.0 : check.left_of_walls(there);
   };
   constexpr double touched = 1e-9;  // [m]
-  const double walls = std::min(0.0, left_of_world(check.flown(u))),
+  const double walls = std::min(0.0, left_of_world(law.flown(now.x, u))),
                heights = now.missed_of_heights(after) + touched;
   const auto left = [&](std::span<const double> one) {
-    const Flown there = check.flown(one);
+    const Flown there = law.flown(now.x, one);
     const bool within = now.missed_of_heights(there.after) <= heights && left_of_world(there) >= walls;
     return within ? check.left_by(there) : -infinity;
   };

@@ -52,6 +52,29 @@ NextState BarrierLaw::next(std::span<const double> x, std::span<const double> u)
   return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z};
 }
 
+Flown BarrierLaw::flown(std::span<const double> x, std::span<const double> u) const noexcept {
+  Flown flown;
+  std::array<double, most_states> state;
+  std::copy(x.begin(), x.end(), state.begin());
+  for (int k = 1; k < parts; ++k) {
+    model.step(state.data(), u.data(), dt / parts);
+    flown.between.push_back(model.sight(state.data(), u.data()).p);
+  }
+  flown.after = next(x, u);
+  return flown;
+}
+
+Stop BarrierLaw::stop(double speed, double part) const noexcept {
+  constexpr double still = 1e-6, rounding = 1e-6;  // [m/s]; of a period
+  if (speed <= still) return {};
+  const double periods = std::max(1.0, std::ceil(stopping_time(-speed, part) / dt - rounding));
+  const double a = part * b;
+  const EscapeShape whole = plans.shape((periods - 1) * dt), last = plans.shape(dt);
+  const double v = std::max(0.0, whole.e * speed - whole.E * a);  // at the beginning of the last period
+  return {periods * dt, whole.E * speed - whole.F * a + v * (last.E - last.e / last.E * last.F),
+          periods > 1 ? last.e * speed - last.E * a : 0.0};
+}
+
 Sight<double> BarrierLaw::settled(Sight<double> self) const noexcept {
   if (can.climb_lag > 0) self.p.z += can.climb_lag * self.v.z;
   return self;
@@ -64,6 +87,11 @@ double BarrierLaw::stopping_time(double away, double part) const noexcept {
 
 double BarrierLaw::braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
                           double part) const noexcept {
+  if (can.drives()) {
+    const double speed = norm(v.x, v.y), towards = std::min(dot(plane.n, v), 0.0);
+    return plane.offset + plane.n.x * p.x + plane.n.y * p.y +
+           (towards < 0 ? stop(speed, part).length * towards / speed : 0.0);
+  }
   const double away = std::min(dot(plane.n, v), 0.0), stop = stopping_time(away, part);
   return plane.offset + plane.n.x * p.x + plane.n.y * p.y + plans.E(stop) * away + part * b * plans.F(stop);
 }

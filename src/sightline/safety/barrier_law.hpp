@@ -8,6 +8,7 @@
 
 #include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
+#include "sightline/base/bounded.hpp"
 #include "sightline/model.hpp"
 #include "sightline/safety/authority.hpp"
 #include "sightline/safety/escape.hpp"
@@ -26,6 +27,18 @@ struct NextState {
   double beside = 0.0;  // height less the height at which the robot comes to rest [m]
 };
 
+/// The motion of one period under a command.
+struct Flown {
+  Bounded<Vec3<double>, EscapePlans::most_parts> between;  // positions at the ends of all steps but the last
+  NextState after;
+};
+
+/// Braking to rest along a straight line.
+struct Stop {
+  double time = 0.0, length = 0.0;  // [s], a whole number of periods; [m]
+  double next_speed = 0.0;          // after one period [m/s]
+};
+
 /// A bound of the horizontal position: n . p + offset >= 0.
 struct BoundPlane {
   Vec2<double> n;  // unit vector
@@ -38,12 +51,16 @@ struct BarrierLaw {
 
   /// The state under the command u (nu) after the period.
   NextState next(std::span<const double> x, std::span<const double> u) const noexcept;
+  Flown flown(std::span<const double> x, std::span<const double> u) const noexcept;
+  /// The plan of a robot that drives along its heading: it brakes with a part of the acceleration,
+  /// and in the last period with the less that stops it at the sample.
+  Stop stop(double speed, double part) const noexcept;
   /// Replaces the height by that at which the robot comes to rest without commands.
   Sight<double> settled(Sight<double> self) const noexcept;
   /// Time until a velocity towards a bound is zero [s].
   double stopping_time(double away, double part) const noexcept;
   /// Distance to a plane when the velocity towards it is zero, after braking straight away from it
-  /// with a part of the acceleration [m]; at most the distance now.
+  /// with a part of the acceleration, or along the heading [m]; at most the distance now.
   double braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
                 double part) const noexcept;
   /// Makes the smallest change of u that leads to the wanted horizontal velocity and height after

@@ -9,12 +9,6 @@
 namespace sightline {
 namespace {
 
-bool finite(const Neighbour& n) {
-  const std::array<double, 12> numbers = {n.p.x,    n.p.y,       n.p.z, n.v.x,   n.v.y, n.v.z,
-                                          n.d_hard, n.speed_max, n.age, n.sigma, n.tie, n.part};
-  return all_finite(numbers) && !std::isnan(n.acceleration_max);
-}
-
 bool is_far(const Vec3<double>& r) {
   return !(std::max({std::abs(r.x), std::abs(r.y), std::abs(r.z)}) < far_away);
 }
@@ -126,6 +120,12 @@ void add_threats(const BarrierLaw& law, std::span<const int> chosen, BarrierPeri
 
 }  // namespace
 
+bool is_finite(const Neighbour& n) noexcept {
+  const std::array<double, 12> numbers = {n.p.x,    n.p.y,       n.p.z, n.v.x,   n.v.y, n.v.z,
+                                          n.d_hard, n.speed_max, n.age, n.sigma, n.tie, n.part};
+  return all_finite(numbers) && !std::isnan(n.acceleration_max);
+}
+
 bool find_threats(const BarrierLaw& law, BarrierPeriod& now) noexcept {
   const std::span<const Neighbour> neighbours = now.neighbours;
   // The most threatening neighbours, by the distance that remains after 1 s of closing in.
@@ -137,7 +137,7 @@ bool find_threats(const BarrierLaw& law, BarrierPeriod& now) noexcept {
   bool all_known = true;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& n = neighbours[i];
-    if (!finite(n)) {
+    if (!is_finite(n)) {
       all_known = false;
       continue;
     }
