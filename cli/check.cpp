@@ -7,6 +7,7 @@
 #include "sightline/base/text_file.hpp"
 #include "sightline/config.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/guarantee.hpp"
 #include "sightline/scenario/renamed.hpp"
 #include "sightline/scenario/templates.hpp"
 
@@ -45,7 +46,8 @@ int check(const CheckCommand& command, const Registry& registry) {
     print("{}", printed(document));
     return 0;
   }
-  print("ok\n{}", summary(read));
+  constexpr std::size_t pairs_of_a_line = 8;
+  print("ok\n{}{}", summary(read), describe(distance_guarantees(read), read.team, pairs_of_a_line));
   for (const std::string& remark : known.remarks) print("smooth      {}\n", remark);
   for (const std::string& warning : known.warnings) print("warning     {}\n", warning);
   if (const std::string reported = controls.kernels().sentence(); !reported.empty()) print_sentence(reported);

@@ -36,6 +36,8 @@ defects() {
 }
 encirclements() { tests safety_campaign_test 'EncirclementCampaign.*'; }
 one_attacker() { tests safety_campaign_test 'BarrierCampaign.*'; }
+drivers() { tests safety_campaign_test 'DrivingCampaign.*'; }
+mixed_teams() { tests scenario_campaign_test 'MixedTeamCampaign.*'; }
 mutants() { scripts/mutants.sh "$build" barrier; }
 bench() {
   local after=$build/bin/sightline_bench
@@ -45,6 +47,6 @@ bench() {
 }
 kills() { tests cli_campaign_test 'Killed.*'; }
 
-all=(defects encirclements one_attacker mutants bench kills)
+all=(defects encirclements one_attacker drivers mixed_teams mutants bench kills)
 whole || all=(bench)
 run_sections "$@"

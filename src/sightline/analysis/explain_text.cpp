@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "sightline/analysis.hpp"
 #include "sightline/analysis/observation.hpp"
 #include "sightline/analysis/view_band.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/guarantee.hpp"
 
 namespace sightline {
 namespace {
@@ -171,7 +173,7 @@ std::string explain_text(const Scenario& scenario) {
                         team.name(view.target), team.name(other.observer), team.name(other.target));
   }
   for (const std::string& sentence : unobservable_robots(scenario)) text += sentence + "\n";
-  return text;
+  return text + describe(distance_guarantees(scenario), team, std::numeric_limits<std::size_t>::max());
 }
 
 }  // namespace sightline

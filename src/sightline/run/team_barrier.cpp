@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sightline/safety/authority.hpp"
 #include "sightline/safety/zone.hpp"
 
 namespace sightline {
@@ -47,15 +46,8 @@ std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, B
   return {u_min, u_max};
 }
 
-/// A robot's abilities within its tightest limits, and its kind.
-struct Ability {
-  std::vector<double> u_min, u_max;
-  Authority can;
-  int kind;  // robots of one kind have like motion and rely on each other
-};
+}  // namespace
 
-/// The abilities of each robot. Robots of one kind use the least acceleration and the greatest push
-/// and rise among them, so that each robot's assumptions about the others hold.
 std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come) {
   std::vector<Ability> all;
   std::vector<std::string_view> models;
@@ -81,8 +73,6 @@ std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCo
   }
   return all;
 }
-
-}  // namespace
 
 void validate_barriers(const Team& team, const GuardOptions& options) {
   (void)abilities_of(team, options.limits_to_come);

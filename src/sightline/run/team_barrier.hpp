@@ -7,9 +7,22 @@
 #include <vector>
 
 #include "sightline/loop.hpp"
+#include "sightline/safety/authority.hpp"
 #include "sightline/safety/threat_selection.hpp"
 
 namespace sightline {
+
+/// A robot's abilities within its tightest limits, and its kind.
+struct Ability {
+  std::vector<double> u_min, u_max;
+  Authority can;
+  int kind;  // robots of one kind have like motion and rely on each other
+};
+
+/// The abilities of each robot. Robots of one kind use the least acceleration and the greatest push
+/// and rise among them, so that each robot's assumptions about the others hold.
+/// @throws std::invalid_argument for a robot whose model the barrier does not support
+std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come);
 
 class TeamBarrier {
  public:

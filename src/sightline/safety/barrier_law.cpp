@@ -65,7 +65,7 @@ Flown BarrierLaw::flown(std::span<const double> x, std::span<const double> u) co
 }
 
 Stop BarrierLaw::stop(double speed, double part) const noexcept {
-  constexpr double still = 1e-6, rounding = 1e-6;  // [m/s]; of a period
+  constexpr double rounding = 1e-6;  // of a period
   if (speed <= still) return {};
   const double periods = std::max(1.0, std::ceil(stopping_time(-speed, part) / dt - rounding));
   const double a = part * b;

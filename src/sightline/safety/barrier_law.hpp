@@ -52,6 +52,7 @@ struct BarrierLaw {
   /// The state under the command u (nu) after the period.
   NextState next(std::span<const double> x, std::span<const double> u) const noexcept;
   Flown flown(std::span<const double> x, std::span<const double> u) const noexcept;
+  static constexpr double still = 1e-6;  ///< a robot that is slower stands [m/s]
   /// The plan of a robot that drives along its heading: it brakes with a part of the acceleration,
   /// and in the last period with the less that stops it at the sample.
   Stop stop(double speed, double part) const noexcept;

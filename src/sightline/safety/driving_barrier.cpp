@@ -146,7 +146,10 @@ class Conditions {
   };
   Tightest tightest(std::span<const double> u) const {
     const Flown flown = law_.flown(now_.x, u);
-    const BrakingPath after = braking_path(law_, flown.after.p, flown.after.v, now_.part);
+    BrakingPath after = braking_path(law_, flown.after.p, flown.after.v, now_.part);
+    // Rounding must not turn a robot that stands into one that moves.
+    if (norm(flown.after.v.x, flown.after.v.y) > 0.5 * BarrierLaw::still)
+      after.time = std::max(after.time, law_.dt);
     Tightest found = {nullptr, infinity};
     for (const Condition& one : all_) {
       const double here = left(one, flown, after);
