@@ -27,8 +27,8 @@ barrier() {
   folder=safety
   sources=(safety/{authority,escape,projection,barrier,barrier_law,barrier_threats,joint_plan,barrier_rows,row_projection,surrounded}
     safety/{barrier_check,driving_barrier,evasive_maneuver})
-  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,driving_barrier,evasive_maneuver,zone})
-  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:DrivingBarrier.*:EvasiveManeuvers.*:Zone.*'
+  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,driving_barrier,residual_acceleration,evasive_maneuver,zone})
+  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:DrivingBarrier.*:ResidualAcceleration.*:EvasiveManeuvers.*:Zone.*'
   objects=(cli/allocations)
   libraries=("$build/lib/libsightline_core.a")
   mutants=(
@@ -40,7 +40,7 @@ barrier() {
     'deceleration of members doubled|barrier_threats.cpp|tube.beta = both \* 2 \* law.b;|tube.beta = both * 4 * law.b;'
     'margin zero|barrier_threats.cpp|n.d_hard + law.options.margin + 3 \* n.sigma|n.d_hard'
     'margin of age zero|barrier_threats.cpp|tube.rho0 += n.speed_max \* age;|;'
-    'speed of a stranger halved|barrier_threats.cpp|tube.speed = n.speed_max;|tube.speed = 0.5 * n.speed_max;'
+    'speed of a stranger halved|barrier_threats.cpp|tube.speed += n.speed_max;|tube.speed += 0.5 * n.speed_max;'
     'share of a member doubled|barrier_rows.cpp|law.options.share \* spare|2 * law.options.share * spare'
     'step not looked ahead|barrier_rows.cpp|const EscapeShape left = law.plans.left(touch);|const EscapeShape left = touch.shape;'
     'cuts left out|row_projection.cpp|    add_cuts(law, there, now);||'
@@ -75,6 +75,10 @@ barrier() {
     'braking path of a robot left out|driving_barrier.cpp|return {p, {v.x / speed, v.y / speed}, stop.length|return {p, {v.x / speed, v.y / speed}, 0.0 * stop.length'
     'bounds of a robot that drives left out|driving_barrier.cpp|: now.planes) conditions.add(plane);|: now.planes) (void)plane;'
     'near bodies taken for far ones|driving_barrier.cpp|if (spare >= shift_) return;|if (spare >= 0.1 * shift_) return;'
+    'residual acceleration of a pair counted once|barrier_threats.cpp|2 \* law.options.residual_acceleration|law.options.residual_acceleration'
+    'residual acceleration during a delay left out|barrier_threats.cpp|tube.spread += w \* law.plans.E(delay);|;'
+    'residual acceleration of a period left out of walls|barrier_rows.cpp|law.plans.E(left) \* law.next_predicted.v|0.0 * law.next_predicted.v'
+    'residual acceleration not braked against|barrier_law.cpp|part \* b - options.residual_acceleration,|part * b,'
     'margin of a zone zero|barrier_law.cpp|face.offset += margin;|;'
   )
 }

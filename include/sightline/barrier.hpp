@@ -97,8 +97,11 @@ struct BarrierOptions {
   double floor = -std::numeric_limits<double>::infinity(), ceiling = std::numeric_limits<double>::infinity();
   double world = std::numeric_limits<double>::infinity();  ///< greatest |p_x| and |p_y| [m], > 0
   double margin = 0.002, wall_margin = 0.0;
-  double rate = 4.0;            ///< greatest decay rate of the reserve [1/s], in (0, 1 / dt]
-  double authority = 0.9;       ///< part of the acceleration that plans use, in (0, 1]; the rest is for wind
+  double rate = 4.0;       ///< greatest decay rate of the reserve [1/s], in (0, 1 / dt]
+  double authority = 0.9;  ///< part of the acceleration that plans use, in (0, 1]; the rest is for wind
+  /// Bound of the horizontal acceleration beyond the robots' models, such as wind and lags [m/s^2], >= 0
+  double residual_acceleration = 0.0;
+  double command_delay = 0.0;   ///< from the measurement of a state to its command's effect [s], >= 0
   double velocity_sigma = 0.0;  ///< standard deviation of the robot's estimated velocity [m/s], >= 0
   double share = 0.5;           ///< part of a cooperative pair's reserve that this robot may use, in (0, 1]
   std::vector<Zone> zones{};    ///< all are kept
@@ -108,6 +111,9 @@ struct BarrierOptions {
     return std::tuple{
         parameter("floor", &O::floor, "m", any_finite, "least height"),
         parameter("ceiling", &O::ceiling, "m", any_finite, "greatest height, > floor"),
+        parameter(
+            "residual_acceleration", &O::residual_acceleration, "m/s^2", from_zero,
+            "bound of the horizontal acceleration beyond the robots' models; less than their plans have"),
         parameter("margin", &O::margin, "m", from_zero, "added to d_hard for the motion between samples"),
         parameter("wall_margin", &O::wall_margin, "m", from_zero,
                   "added to floor, ceiling, world and zones; a vehicle that climbs late needs 0.1 m")};

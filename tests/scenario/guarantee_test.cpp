@@ -99,6 +99,21 @@ TEST(Guarantee, NeedsModelsMeasurementsAndStartsThatTheProofHas) {
   EXPECT_THAT(reasons(rover + other_rover), IsEmpty());
 }
 
+TEST(Guarantee, HoldsUnderAWindWithinTheResidualAcceleration) {
+  const auto both = [](const std::string& bound, const std::string& wind, const std::string& second) {
+    return safe + "residual_acceleration = " + bound + "\n[simulation.disturbance]\nwind = [" + wind + "]\n" +
+           uav + second;
+  };
+  const std::string second = robot("v", "multirotor", "0, 9, 1");
+  EXPECT_THAT(reasons(both("0.2", "0.1, 0.1, 0", second)), ElementsAre(""));
+  for (const char* wind : {"0.2, 0.1, 0", "0, 0, 0.01"})
+    EXPECT_THAT(reasons(both("0.2", wind, second)), ElementsAre(HasSubstr("simulation.disturbance moves")));
+  EXPECT_THAT(reasons(both("0.6", "0, 0, 0", body("foe", "0, 30, 1", "speed_max = 1.5"))),
+              ElementsAre("the residual acceleration leaves no plan that outruns the body"));
+  EXPECT_THAT(reasons(both("0.1", "0, 0, 0", robot("o", "omni_rover", "0, 30, 0.2"))),
+              ElementsAre("the residual acceleration of a robot that moves by another law is not counted"));
+}
+
 TEST(Guarantee, IsALineForEachVerdict) {
   const Scenario scenario =
       test::scenario_of(safe + rover + other_rover + robot("c", "unicycle", "6, 0, 0.2") + uav);

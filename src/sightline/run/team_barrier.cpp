@@ -75,8 +75,10 @@ std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCo
 }
 
 void validate_barriers(const Team& team, const GuardOptions& options) {
-  (void)abilities_of(team, options.limits_to_come);
+  const std::vector<Ability> abilities = abilities_of(team, options.limits_to_come);
   validate(options.barrier_options, options.period);
+  for (std::size_t i = 0; i < abilities.size(); ++i)
+    (void)Barrier(team.agents()[i].model, abilities[i].can, options.period, options.barrier_options);
 }
 
 TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
@@ -87,6 +89,9 @@ TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
       sights_(options.bodies.size()),
       threats_(team.bodies()) {
   const std::vector<Ability> abilities = abilities_of(team_, options_.limits_to_come);
+  BarrierOptions counted = options_.barrier_options;
+  for (const double delay : options_.command_delays)
+    counted.command_delay = std::max(counted.command_delay, delay);
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
@@ -100,8 +105,8 @@ TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
                        .u = static_cast<std::size_t>(team_.input_offset(body)),
                        .nx = static_cast<std::size_t>(agent.model.nx()),
                        .nu = u_min.size(),
-                       .barrier = barrier(options_.barrier_options),
-                       .landing = barrier(without_floor(options_.barrier_options)),
+                       .barrier = barrier(counted),
+                       .landing = barrier(without_floor(counted)),
                        .u_min = u_min,
                        .u_max = u_max,
                        .reported = u_min,

@@ -60,6 +60,9 @@ const BarrierOptions& validate(const BarrierOptions& o, double dt) {
           "one that leaves room between floor and ceiling, and in the world");
   require(o.rate > 0 && o.rate * dt <= 1, "rate", o.rate, "in (0, 1 / dt] 1/s");
   require(o.authority > 0 && o.authority <= 1, "authority", o.authority, "in (0, 1]");
+  require(o.residual_acceleration >= 0 && o.residual_acceleration < infinity, "residual_acceleration",
+          o.residual_acceleration, ">= 0 m/s^2");
+  require(o.command_delay >= 0 && o.command_delay < infinity, "command_delay", o.command_delay, ">= 0 s");
   require(o.velocity_sigma >= 0 && o.velocity_sigma < infinity, "velocity_sigma", o.velocity_sigma,
           ">= 0 m/s");
   require(o.share > 0 && o.share <= 1, "share", o.share, "in (0, 1]");

@@ -116,16 +116,18 @@ struct CommandCheck {
                           p.y - now.self.p.y - at.E * now.self.v.y - at.F * own.y, p.z - now.self.p.z};
     };
     const double wanted = required(threat);
-    const auto left = [&](const EscapeShape& at, const Vec3<double>& moved) {
+    const auto left = [&](double t, const EscapeShape& at, const Vec3<double>& moved) {
       const Vec3<double> q = {tube.r.x + at.E * tube.w.x + at.F * threat.plan.a.x,
                               tube.r.y + at.E * tube.w.y + at.F * threat.plan.a.y, tube.r.z};
-      const double length = norm(q), gap = length - tube.rho0 - tube.spread * at.E;
+      const double length = norm(q),
+                   gap = length - tube.rho0 - t * (tube.speed + 0.5 * tube.growth * t) - tube.spread * at.E;
       return dot(q, moved) / std::max(length, 1e-9) + law.options.share * (gap - wanted);
     };
     double least = infinity;
     for (std::size_t k = 0; k < flown.between.size(); ++k) {
-      const EscapeShape at = law.plans.shape(law.dt * static_cast<double>(k + 1) / law.parts);
-      least = std::min(least, left(at, beside_plan(flown.between[k], at)));
+      const double t = law.dt * static_cast<double>(k + 1) / law.parts;
+      const EscapeShape at = law.plans.shape(t);
+      least = std::min(least, left(t, at, beside_plan(flown.between[k], at)));
     }
     const EscapeShape step = law.plans.shape(law.dt);
     const Vec3<double> p = beside_plan(flown.after.p, step);
@@ -133,7 +135,7 @@ struct CommandCheck {
                             flown.after.v.y - step.e * now.self.v.y - step.E * own.y};
     return std::min(least, least_over(law.dt, [&](double t) {
                       const double E = law.plans.E(t - law.dt);
-                      return left(law.plans.shape(t), {p.x + E * v.x, p.y + E * v.y, p.z});
+                      return left(t, law.plans.shape(t), {p.x + E * v.x, p.y + E * v.y, p.z});
                     }));
   }
 
@@ -145,9 +147,14 @@ struct CommandCheck {
     for (const BoundPlane& plane : now.planes) {
       const double here = law.braked(plane, now.self.p, {now.self.v.x, now.self.v.y}, now.part);
       const double wanted = here > 0 ? (1.0 - law.options.rate * law.dt) * here : here;
-      least = std::min(least, law.braked(plane, flown.after.p, flown.after.v, now.part) - wanted);
+      const double p_off = law.next_predicted.p - law.predicted.p,
+                   v_off = law.next_predicted.v - law.predicted.v;
+      const Vec3<double> p_after = flown.after.p - p_off * Vec3<double>{plane.n.x, plane.n.y, 0.0};
+      const Vec2<double> v_after = {flown.after.v.x - v_off * plane.n.x, flown.after.v.y - v_off * plane.n.y};
+      least = std::min(least, law.braked(plane, p_after, v_after, now.part) - wanted);
       for (const Vec3<double>& p : flown.between)
-        least = std::min(least, plane.offset + plane.n.x * p.x + plane.n.y * p.y - std::min(here, 0.0));
+        least = std::min(least, plane.offset + plane.n.x * p.x + plane.n.y * p.y - law.next_predicted.p -
+                                    std::min(here, 0.0));
     }
     return least + touched;
   }

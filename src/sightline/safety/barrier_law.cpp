@@ -1,7 +1,10 @@
 #include "sightline/safety/barrier_law.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "sightline/safety/projection.hpp"
@@ -21,9 +24,22 @@ BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double peri
       parts(EscapePlans::parts(dt)),
       can(ability),
       b(given.authority * can.acceleration),
+      predicted(),
+      next_predicted(),
       plans(can.drag, dt),
       ample(std::max(least_ample, 2 * can.push * (plans.F(dt) + plans.E(dt) * plans.E_longest()))),
       maneuvers(can.drag, can.climbs ? can.climb : 0.0) {
+  const double w = options.residual_acceleration;
+  if (w > 0 && (can.drives() || w >= b)) {
+    throw std::invalid_argument(
+        fmt::format("barrier: residual_acceleration = {} m/s^2, expected {} for \"{}\"", w,
+                    can.drives() ? "0, since only its model brings it to rest,"
+                                 : fmt::format("< {:.3g}, as plans have,", b),
+                    model.name()));
+  }
+  const double delay = options.command_delay;
+  predicted = {w * plans.F(delay), w * plans.E(delay)};
+  next_predicted = {w * plans.F(delay + dt), w * plans.E(delay + dt)};
   options.floor += options.wall_margin;
   options.ceiling -= options.wall_margin;
   // A period may begin and end within the bounds, and exceed them in between.
@@ -80,8 +96,13 @@ Sight<double> BarrierLaw::settled(Sight<double> self) const noexcept {
   return self;
 }
 
+double BarrierLaw::braking(double part) const noexcept {
+  constexpr double least = 0.05;  // of narrower limits
+  return std::max(part * b - options.residual_acceleration, least * part * b);
+}
+
 double BarrierLaw::stopping_time(double away, double part) const noexcept {
-  const double c = can.drag, most = part * b;
+  const double c = can.drag, most = braking(part);
   return away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / most) / c : -away / most;
 }
 
@@ -92,8 +113,9 @@ double BarrierLaw::braked(const BoundPlane& plane, const Vec3<double>& p, const 
     return plane.offset + plane.n.x * p.x + plane.n.y * p.y +
            (towards < 0 ? stop(speed, part).length * towards / speed : 0.0);
   }
-  const double away = std::min(dot(plane.n, v), 0.0), stop = stopping_time(away, part);
-  return plane.offset + plane.n.x * p.x + plane.n.y * p.y + plans.E(stop) * away + part * b * plans.F(stop);
+  const double away = std::min(dot(plane.n, v) - predicted.v, 0.0), stop = stopping_time(away, part);
+  return plane.offset + plane.n.x * p.x + plane.n.y * p.y - predicted.p + plans.E(stop) * away +
+         braking(part) * plans.F(stop);
 }
 
 void BarrierLaw::reach_for(std::span<const double> x, const std::array<double, 3>& wanted,

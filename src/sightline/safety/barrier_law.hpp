@@ -58,6 +58,8 @@ struct BarrierLaw {
   Stop stop(double speed, double part) const noexcept;
   /// Replaces the height by that at which the robot comes to rest without commands.
   Sight<double> settled(Sight<double> self) const noexcept;
+  /// Deceleration that plans have left against the residual acceleration [m/s^2].
+  double braking(double part) const noexcept;
   /// Time until a velocity towards a bound is zero [s].
   double stopping_time(double away, double part) const noexcept;
   /// Distance to a plane when the velocity towards it is zero, after braking straight away from it
@@ -77,6 +79,11 @@ struct BarrierLaw {
   int parts;                           // integration steps of a period
   Authority can;
   double b;  // acceleration that plans use [m/s^2]
+  /// Deviation from the predicted state by the residual acceleration.
+  struct Deviation {
+    double p, v;  // [m], [m/s]
+  };
+  Deviation predicted, next_predicted;  // where the present command and the next one take effect
   EscapePlans plans;
   double ample;  // upper bound on the loss of a plan's reserve in a period [m]
   EvasiveManeuvers maneuvers;

@@ -117,7 +117,7 @@ void find_bounds(const BarrierLaw& law, BarrierPeriod& now) noexcept {
 }
 
 void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noexcept {
-  const double kept_part = 1.0 - law.options.rate * law.dt, b = now.part * law.b;
+  const double kept_part = 1.0 - law.options.rate * law.dt, b = law.braking(now.part);
   // A joint plan climbs or sinks until it reaches the wall, and the height follows the command at
   // once.
   const auto kept_height = [&](double room) {
@@ -130,11 +130,13 @@ void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noe
   for (const BoundPlane& plane : now.planes) {
     // The plan brakes straight away from the wall, until the velocity towards it is zero.
     const Vec3<double> n = {plane.n.x, plane.n.y, 0.0};
-    const double away = n.x * now.self.v.x + n.y * now.self.v.y, here = plane.offset + dot(n, now.self.p);
+    const double away = n.x * now.self.v.x + n.y * now.self.v.y - law.predicted.v,
+                 here = plane.offset + dot(n, now.self.p) - law.predicted.p;
     const double t = std::max(law.stopping_time(away, now.part), law.dt), left = t - law.dt;
     const double later = here + law.plans.E(t) * away + b * law.plans.F(t);
     const double wanted = kept_part * std::min(here, later);
-    const double least = wanted - plane.offset - b * law.plans.F(left);
+    const double least = wanted - plane.offset - b * law.plans.F(left) + law.next_predicted.p +
+                         law.plans.E(left) * law.next_predicted.v;
     now.rows.push_back(row_of_wall(n, law.plans.E(left), least, plane.wall));
   }
 }

@@ -13,6 +13,18 @@ bool is_far(const Vec3<double>& r) {
   return !(std::max({std::abs(r.x), std::abs(r.y), std::abs(r.z)}) < far_away);
 }
 
+/// Adds w F(delay + t) to the radius: the deviation by an acceleration w since the measurement.
+void add_residual(Tube& tube, const BarrierLaw& law, double w) {
+  constexpr double slight = 1e-3;  // drag [1/s], below which F(t) counts as t^2 / 2
+  const double c = law.can.drag, delay = law.options.command_delay;
+  tube.rho0 += w * law.plans.F(delay);
+  tube.spread += w * law.plans.E(delay);
+  if (c > slight)
+    tube.speed += w / c, tube.spread -= w / c;  // F(t) = (t - E(t)) / c
+  else
+    tube.growth += w;
+}
+
 /// Fills a zero tube with a neighbour; for an uncooperative one without its measured motion.
 void fill_tube(Tube& tube, const BarrierLaw& law, const BarrierPeriod& now, const Neighbour& n) {
   tube.r = now.self.p - n.p;
@@ -21,7 +33,8 @@ void fill_tube(Tube& tube, const BarrierLaw& law, const BarrierPeriod& now, cons
   tube.rho0 = n.d_hard + law.options.margin + 3 * n.sigma + now.beside;
   tube.spread = 3 * law.options.velocity_sigma;
   tube.tie.x = n.tie;
-  if (n.behavior != Behavior::cooperative) return;
+  if (n.behavior != Behavior::cooperative) return add_residual(tube, law, law.options.residual_acceleration);
+  add_residual(tube, law, 2 * law.options.residual_acceleration);
   // The measured motion, and the bounded acceleration since the measurement.
   const double age = std::max(n.age, 0.0), both = std::min(now.part, n.part),
                a = std::min(n.acceleration_max, 3 * law.b);
@@ -43,7 +56,8 @@ PairBounds bounds_of_pair(const BarrierLaw& law, const Tube& tube) {
   const double D = norm(tube.r.x, tube.r.y), z = std::abs(tube.r.z);
   const double closing =
       D > 1e-9 ? -(tube.r.x * tube.w.x + tube.r.y * tube.w.y) / D : norm(tube.w.x, tube.w.y);
-  const double held = tube.rho0 + tube.spread * law.plans.E_longest();
+  const double t = law.plans.longest_time(), held = tube.rho0 + tube.spread * law.plans.E_longest() +
+                                                    t * (tube.speed + 0.5 * tube.growth * t);
   // Straight away, the closing speed v vanishes after at most v^2 / (2 beta); drag shortens this
   // distance.
   const auto left = [&](double level, double height, double v) {
@@ -98,13 +112,13 @@ void add_threats(const BarrierLaw& law, std::span<const int> chosen, BarrierPeri
       known.r = known.r - age * n.v;
       known.drift = n.v;
       known.rho0 += 0.5 * n.acceleration_max * age * age;
-      known.speed = n.acceleration_max * age;
-      known.growth = n.acceleration_max;
+      known.speed += n.acceleration_max * age;
+      known.growth += n.acceleration_max;
       request(of_others, known, measured_plans[measured_of.size()]);
       measured_of.push_back(&threat);
     }
     tube.rho0 += n.speed_max * age;
-    tube.speed = n.speed_max;
+    tube.speed += n.speed_max;
     request(of_others, tube, threat.plan);
   }
   for (Requested* requested : {&of_members, &of_others})

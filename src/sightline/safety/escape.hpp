@@ -115,7 +115,8 @@ class EscapePlans {
 
   double E(double t) const noexcept;
   double F(double t) const noexcept;
-  double E_longest() const noexcept { return E_[times - 1]; }  ///< at the end of all plans [s]
+  double longest_time() const noexcept { return t_[times - 1]; }  ///< end of all plans [s]
+  double E_longest() const noexcept { return E_[times - 1]; }     ///< at the end of all plans [s]
   EscapeShape shape(double t) const noexcept;
   /// Shape of the rest of the plan after the next sample, at touch.time - dt.
   EscapeShape left(const Touch& touch) const noexcept;

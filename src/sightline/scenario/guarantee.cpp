@@ -16,7 +16,8 @@ namespace {
 /// Why no distance is guaranteed in this scenario, whatever the pair; empty: some are.
 std::string why_none(const ScenarioSpec& scenario) {
   const Disturbances& d = scenario.simulation.disturbances;
-  const bool pushed = dot(d.wind, d.wind) > 0 || d.gust_sigma > 0 || d.airflow.amplitude > 0;
+  const bool pushed = norm(d.wind.x, d.wind.y) > scenario.safety->barrier_options.residual_acceleration ||
+                      d.wind.z != 0 || d.gust_sigma > 0 || d.airflow.amplitude > 0;
   if (scenario.links != nullptr) return "real vehicles deviate from their models";
   if (pushed || d.yaw_lag > 0 || d.input_gain != 1 || d.slip > 0)
     return "simulation.disturbance moves the robots otherwise than their models";
@@ -99,6 +100,13 @@ class Guarantees {
       constexpr double fastest = 2.5, usual_period = 0.01;  // [m/s], [s]
       if (!together && assumed(other) > fastest)
         return fmt::format("a body is up to {:.3g} m/s fast, beyond {} m/s", assumed(other), fastest);
+      // The residual acceleration makes a body as fast, relative to the plan, as it makes the robot.
+      const double w = options_.barrier_options.residual_acceleration;
+      if (w > 0 && can.drag > 0 && !together &&
+          assumed(other) + w / can.drag > barrier(robot).acceleration() / can.drag)
+        return "the residual acceleration leaves no plan that outruns the body";
+      if (w > 0 && !together && team_.is_agent(other))
+        return "the residual acceleration of a robot that moves by another law is not counted";
       if (team_.bodies() > 2) return "a robot that flies has more than one neighbour";
       if (!options_.barrier_options.zones.empty()) return "zones may stop a plan";
       if (scenario_.horizon.dt > usual_period && (can.thrust_count == 0 || can.free < 1 - 1e-6))

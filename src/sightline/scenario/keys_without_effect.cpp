@@ -100,7 +100,7 @@ void look_at_safety(const Scenario& scenario, const Takers& takers, const Keys& 
   const bool filters = scenario.safety->barrier != BarrierMode::off;
   for (const char* bound : {"safety.floor", "safety.ceiling"})
     keys.look(bound, takers.climbs, "no robot leaves its height");
-  for (const char* margin : {"safety.margin", "safety.wall_margin"})
+  for (const char* margin : {"safety.margin", "safety.wall_margin", "safety.residual_acceleration"})
     keys.look(margin, filters, "the barrier is off");
   for (const char* sigma : {"safety.position_sigma", "safety.heading_sigma"})
     keys.look(sigma, filters || scenario.safety->supervisor,
