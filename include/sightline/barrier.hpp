@@ -28,6 +28,9 @@
 /// Against a body that moves at will it is safe in the passive sense: it stands before the body can
 /// be nearer than d_hard, and cannot flee.
 ///
+/// If vehicles accelerate by up to w beyond their models, rho(t) contains w F(delay + t), or twice that
+/// for a cooperative pair.
+///
 /// Floor, ceiling, world and zones have priority. docs/safety.md has the mathematics, and the
 /// guarantee with its model and knowledge.
 ///

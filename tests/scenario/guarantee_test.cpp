@@ -15,108 +15,118 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::string safe = "[safety]\nbarrier = \"on\"\nd_hard = 0.5\n";
-const std::string no_wall = "if no wall is within the robot's plan";
+const std::string with_barrier = "[safety]\nbarrier = \"on\"\nd_hard = 0.5\n";
+const std::string away_from_walls = "if no wall is within the robot's plan";
 
-std::string robot(const std::string& name, const std::string& model, const std::string& p) {
+std::string agent_text(const std::string& name, const std::string& model, const std::string& p) {
   return "[agent." + name + "]\nrobot = \"" + model + "\"\nstart = { p = [" + p + "] }\n";
 }
-std::string body(const std::string& name, const std::string& p, const std::string& more) {
+std::string obstacle_text(const std::string& name, const std::string& p, const std::string& more) {
   return "[obstacle." + name + "]\np = [" + p + "]\n" + more + "\n";
 }
 
 /// For each pair "", or why not.
-std::vector<std::string> reasons(const std::string& text) {
+std::vector<std::string> reasons_of_pairs(const std::string& text) {
   std::vector<std::string> all;
   for (const PairGuarantee& pair : distance_guarantees(test::scenario_of(text))) all.push_back(pair.why_not);
   return all;
 }
 
-const std::string rover = robot("a", "unicycle", "0, 0, 0.2"),
-                  other_rover = robot("b", "unicycle", "3, 0, 0.2"),
-                  uav = robot("u", "multirotor", "0, 4, 1");
+const std::string one_rover = agent_text("a", "unicycle", "0, 0, 0.2"),
+                  other_rover = agent_text("b", "unicycle", "3, 0, 0.2"),
+                  one_uav = agent_text("u", "multirotor", "0, 4, 1");
 
 TEST(Guarantee, HoldsForRobotsThatDriveAmongOthersAndBodiesAtRest) {
-  EXPECT_THAT(reasons(safe + rover + other_rover + body("rock", "0, 2, 0.2", "speed_max = 0.0")),
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_rover + other_rover +
+                               obstacle_text("rock", "0, 2, 0.2", "speed_max = 0.0")),
               ElementsAre("", "", ""));
-  EXPECT_THAT(reasons(safe + rover + body("rock", "0, 2, 0.2", "")), ElementsAre(""))
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_rover + obstacle_text("rock", "0, 2, 0.2", "")),
+              ElementsAre(""))
       << "it is at rest, whatever the barrier assumes";
-  for (const PairGuarantee& pair : distance_guarantees(test::scenario_of(safe + rover + other_rover)))
+  for (const PairGuarantee& pair :
+       distance_guarantees(test::scenario_of(with_barrier + one_rover + other_rover)))
     EXPECT_EQ(pair.condition, "");
 }
 
 TEST(Guarantee, DoesNotHoldForARobotThatDrivesAndABodyThatMoves) {
   const std::string motion = "motion = { adversary = { agent = \"a\", speed = 0.4 } }\n";
-  EXPECT_THAT(reasons(safe + rover + body("foe", "0, 2, 0.2", motion)),
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_rover + obstacle_text("foe", "0, 2, 0.2", motion)),
               ElementsAre("a robot that drives along its heading stands and cannot flee"));
-  EXPECT_THAT(reasons(safe + rover + body("foe", "0, 2, 0.2", motion + "speed_max = 0.1")),
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_rover +
+                               obstacle_text("foe", "0, 2, 0.2", motion + "speed_max = 0.1")),
               ElementsAre("a body is up to 0.4 m/s fast, but the barriers assume 0.1 m/s"));
 }
 
 TEST(Guarantee, OfARoverAndAMultirotorIsTheMultirotors) {
-  const std::vector<PairGuarantee> pairs = distance_guarantees(test::scenario_of(safe + rover + uav));
+  const std::vector<PairGuarantee> pairs =
+      distance_guarantees(test::scenario_of(with_barrier + one_rover + one_uav));
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_TRUE(pairs[0].holds());
-  EXPECT_EQ(pairs[0].condition, no_wall);
-  const std::string fast = rover + "parameters = { b_f = 10.0, a_f = -2.5 }\n";
+  EXPECT_EQ(pairs[0].condition, away_from_walls);
+  const std::string fast = one_rover + "parameters = { b_f = 10.0, a_f = -2.5 }\n";
   EXPECT_THAT(
-      reasons(safe + fast + uav),
+      reasons_of_pairs(with_barrier + fast + one_uav),
       ElementsAre("a robot that drives along its heading stands and cannot flee, and a body is up to 4 m/s "
                   "fast, beyond 2.5 m/s"));
 }
 
 TEST(Guarantee, OfMultirotorsIsThatOfTwoAlike) {
-  const std::string second = robot("v", "multirotor", "0, 8, 1"),
-                    third = robot("w", "multirotor", "0, 12, 1");
-  EXPECT_THAT(reasons(safe + uav + second), ElementsAre(""));
+  const std::string second = agent_text("v", "multirotor", "0, 8, 1"),
+                    third = agent_text("w", "multirotor", "0, 12, 1");
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_uav + second), ElementsAre(""));
   const std::string several = "a robot that flies has more than one neighbour";
-  EXPECT_THAT(reasons(safe + uav + second + third), ElementsAre(several, several, several));
-  EXPECT_THAT(reasons(safe + uav + second +
-                      "[[safety.zone]]\npolygon = [[20, 0], [30, 0], [30, 9]]\nkeep = "
-                      "\"outside\"\n"),
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_uav + second + third),
+              ElementsAre(several, several, several));
+  EXPECT_THAT(reasons_of_pairs(with_barrier + one_uav + second +
+                               "[[safety.zone]]\npolygon = [[20, 0], [30, 0], [30, 9]]\nkeep = "
+                               "\"outside\"\n"),
               ElementsAre("zones may stop a plan"));
   const auto px4 = [](const std::string& name, const std::string& p) {
-    return robot(name, "velocity_multirotor", p) + "parameters = { preset = \"px4\" }\n";
+    return agent_text(name, "velocity_multirotor", p) + "parameters = { preset = \"px4\" }\n";
   };
-  EXPECT_THAT(reasons(safe + px4("a", "0, 0, 1") + px4("b", "9, 0, 1")),
+  EXPECT_THAT(reasons_of_pairs(with_barrier + px4("a", "0, 0, 1") + px4("b", "9, 0, 1")),
               ElementsAre(HasSubstr("fast, but the barriers assume 1.5 m/s")));
 }
 
 TEST(Guarantee, NeedsModelsMeasurementsAndStartsThatTheProofHas) {
-  const std::string both = safe + rover + other_rover;
-  EXPECT_THAT(reasons(both + "[simulation.disturbance]\nwind = [0.1, 0, 0]\n"),
+  const std::string both = with_barrier + one_rover + other_rover;
+  EXPECT_THAT(reasons_of_pairs(both + "[simulation.disturbance]\nwind = [0.1, 0, 0]\n"),
               ElementsAre("simulation.disturbance moves the robots otherwise than their models"));
-  EXPECT_THAT(reasons(both + "[simulation.disturbance]\ninput_delay = 0.1\n"),
+  EXPECT_THAT(reasons_of_pairs(both + "[simulation.disturbance]\ninput_delay = 0.1\n"),
               ElementsAre("commands take effect later than computed"));
-  EXPECT_THAT(reasons(both + "[simulation.disturbance]\nnoise = { position = 0.01 }\n"),
+  EXPECT_THAT(reasons_of_pairs(both + "[simulation.disturbance]\nnoise = { position = 0.01 }\n"),
               ElementsAre("the measurements are disturbed"));
-  EXPECT_THAT(reasons(both + "[[event]]\nat = 1.0\nremove = \"b\"\n"), ElementsAre("events change the team"));
-  EXPECT_THAT(reasons(safe + "start_outside = true\n" + rover + robot("b", "unicycle", "0.3, 0, 0.2")),
+  EXPECT_THAT(reasons_of_pairs(both + "[[event]]\nat = 1.0\nremove = \"b\"\n"),
+              ElementsAre("events change the team"));
+  EXPECT_THAT(reasons_of_pairs(with_barrier + "start_outside = true\n" + one_rover +
+                               agent_text("b", "unicycle", "0.3, 0, 0.2")),
               ElementsAre("the start leaves no plan"));
   for (const char* mode : {"off", "report"})
-    EXPECT_THAT(reasons("[safety]\nbarrier = \"" + std::string(mode) + "\"\n" + rover + other_rover),
-                IsEmpty());
-  EXPECT_THAT(reasons(rover + other_rover), IsEmpty());
+    EXPECT_THAT(
+        reasons_of_pairs("[safety]\nbarrier = \"" + std::string(mode) + "\"\n" + one_rover + other_rover),
+        IsEmpty());
+  EXPECT_THAT(reasons_of_pairs(one_rover + other_rover), IsEmpty());
 }
 
 TEST(Guarantee, HoldsUnderAWindWithinTheResidualAcceleration) {
   const auto both = [](const std::string& bound, const std::string& wind, const std::string& second) {
-    return safe + "residual_acceleration = " + bound + "\n[simulation.disturbance]\nwind = [" + wind + "]\n" +
-           uav + second;
+    return with_barrier + "residual_acceleration = " + bound + "\n[simulation.disturbance]\nwind = [" + wind +
+           "]\n" + one_uav + second;
   };
-  const std::string second = robot("v", "multirotor", "0, 9, 1");
-  EXPECT_THAT(reasons(both("0.2", "0.1, 0.1, 0", second)), ElementsAre(""));
+  const std::string second = agent_text("v", "multirotor", "0, 9, 1");
+  EXPECT_THAT(reasons_of_pairs(both("0.2", "0.1, 0.1, 0", second)), ElementsAre(""));
   for (const char* wind : {"0.2, 0.1, 0", "0, 0, 0.01"})
-    EXPECT_THAT(reasons(both("0.2", wind, second)), ElementsAre(HasSubstr("simulation.disturbance moves")));
-  EXPECT_THAT(reasons(both("0.6", "0, 0, 0", body("foe", "0, 30, 1", "speed_max = 1.5"))),
+    EXPECT_THAT(reasons_of_pairs(both("0.2", wind, second)),
+                ElementsAre(HasSubstr("simulation.disturbance moves")));
+  EXPECT_THAT(reasons_of_pairs(both("0.6", "0, 0, 0", obstacle_text("foe", "0, 30, 1", "speed_max = 1.5"))),
               ElementsAre("the residual acceleration leaves no plan that outruns the body"));
-  EXPECT_THAT(reasons(both("0.1", "0, 0, 0", robot("o", "omni_rover", "0, 30, 0.2"))),
+  EXPECT_THAT(reasons_of_pairs(both("0.1", "0, 0, 0", agent_text("o", "omni_rover", "0, 30, 0.2"))),
               ElementsAre("the residual acceleration of a robot that moves by another law is not counted"));
 }
 
 TEST(Guarantee, IsALineForEachVerdict) {
-  const Scenario scenario =
-      test::scenario_of(safe + rover + other_rover + robot("c", "unicycle", "6, 0, 0.2") + uav);
+  const Scenario scenario = test::scenario_of(with_barrier + one_rover + other_rover +
+                                              agent_text("c", "unicycle", "6, 0, 0.2") + one_uav);
   const std::vector<PairGuarantee> pairs = distance_guarantees(scenario);
   EXPECT_EQ(
       describe(pairs, scenario.team, 2),

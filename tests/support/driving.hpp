@@ -17,8 +17,8 @@
 namespace sightline::test {
 
 inline constexpr std::array<double, 2> drive_low = {-1, -1}, drive_high = {1, 1};
-using Rover = std::array<double, Unicycle::nx>;
-using DriveInput = std::array<double, Unicycle::nu>;
+using Rover = std::array<double, sightline::Unicycle::nx>;
+using DriveInput = std::array<double, sightline::Unicycle::nu>;
 
 inline Rover rover(const Vec2<double>& p, double psi, double speed) {
   return {p.x, p.y, 0.2, std::cos(psi), std::sin(psi), speed};
@@ -26,14 +26,14 @@ inline Rover rover(const Vec2<double>& p, double psi, double speed) {
 inline Vec3<double> at(const Rover& x) { return {x[0], x[1], x[2]}; }
 inline Vec3<double> velocity(const Rover& x) { return {x[5] * x[3], x[5] * x[4], 0}; }
 
-inline Barrier drive_barrier(const Unicycle& model, double dt, BarrierOptions options = {}) {
+inline Barrier drive_barrier(const sightline::Unicycle& model, double dt, BarrierOptions options = {}) {
   options.rate = std::min(options.rate, 1 / dt);
   return Barrier(model, drive_low, drive_high, dt, options);
 }
 
 /// Advances a rover by dt; `seen` is told the position at least each 5 ms.
 template <class Seen>
-void drive(const Unicycle& model, Rover& x, const DriveInput& u, double dt, Seen&& seen) {
+void drive(const sightline::Unicycle& model, Rover& x, const DriveInput& u, double dt, Seen&& seen) {
   const int parts = std::max(2, static_cast<int>(std::ceil(dt / 0.005)));
   const double h = dt / parts, c = -model.a_f, a = model.b_f * u[0], turn = model.b_psi * u[1];
   for (int k = 0; k < parts; ++k) {
@@ -58,7 +58,7 @@ struct Brake {
   std::vector<Vec3<double>> path;
   double time = 0.0;  // [s]
 };
-inline Brake simulated_brake(const Unicycle& model, Rover x, double dt) {
+inline Brake simulated_brake(const sightline::Unicycle& model, Rover x, double dt) {
   Brake brake{.path = {at(x)}};
   while (std::abs(x[5]) > 1e-6) {
     double less = 0.0, more = 0.9;
@@ -74,7 +74,7 @@ inline Brake simulated_brake(const Unicycle& model, Rover x, double dt) {
   }
   return brake;
 }
-inline double braking_distance(const Unicycle& model, double speed, double dt) {
+inline double braking_distance(const sightline::Unicycle& model, double speed, double dt) {
   return norm(simulated_brake(model, rover({0, 0}, 0, speed), dt).path.back() - Vec3<double>{0, 0, 0.2});
 }
 
@@ -96,7 +96,7 @@ inline OneStep one_steps(int count, std::uint64_t seed) {
   OneStep found;
   for (int i = 0; i < count; ++i) {
     const double dt = std::array{0.01, 0.05, 0.2, 0.5}[static_cast<std::size_t>(i % 4)];
-    const Unicycle model{
+    const sightline::Unicycle model{
         .b_psi = uniform(random, 0.5, 9), .a_f = -uniform(random, 0.2, 4), .b_f = uniform(random, 1, 4)};
     const Barrier filter = drive_barrier(model, dt);
     const auto any_rover = [&] {
@@ -182,7 +182,7 @@ struct DriveOutcome {
 /// Rovers that would rather meet, drive into rocks, or go anywhere, hunted by pursuers that aim at the nearest one.
 inline DriveOutcome drive_among(const Drive& d, std::uint64_t seed) {
   Random random(seed);
-  const Unicycle model;
+  const sightline::Unicycle model;
   const Barrier filter = drive_barrier(model, d.dt);
   DriveOutcome outcome{.d_hard = d.d_hard};
   std::vector<Rover> x;

@@ -11,8 +11,8 @@
 namespace sightline {
 namespace {
 
-constexpr double kept = 1e-9;         // [m] tolerance of a condition
-constexpr int most_conditions = 128;  // if more bodies are near, the robot brakes
+constexpr double driving_rounding = 1e-9;     // [m] tolerance of a condition
+constexpr int most_driving_conditions = 128;  // if more bodies are near, the robot brakes
 
 /// The segment on which a robot brakes, from p to p + length along; `time` until it stands.
 struct BrakingPath {
@@ -39,7 +39,7 @@ BrakingPath braking_path(const BarrierLaw& law, const Vec3<double>& p, const Vec
 }
 
 /// From the nearest point of `b` to that of `a`.
-Vec3<double> apart(const BrakingPath& a, const BrakingPath& b) {
+Vec3<double> between_paths(const BrakingPath& a, const BrakingPath& b) {
   // In the plane the least distance is at an end of one of them, unless they cross.
   const Vec3<double> a_end = a.at(1.0), b_end = b.at(1.0);
   std::array<Vec3<double>, 4> between = {a.p - b.nearest(a.p), a_end - b.nearest(a_end), a.nearest(b.p) - b.p,
@@ -96,7 +96,7 @@ class Conditions {
     const double fast = norm(n.v.x, n.v.y), a = std::min(n.acceleration_max, of_member(fast, age));
     const BrakingPath other = braking_path(law_, n.p + age * n.v, {n.v.x, n.v.y}, std::min(n.part, 1.0));
     rho += 0.5 * a * age * age + a * age * law_.stop(fast + a * age, n.part).time + drift * path_.time;
-    Vec3<double> r = apart(path_, other);
+    Vec3<double> r = between_paths(path_, other);
     double D = norm(r);
     if (!(D > 1e-9)) r = path_.p - other.p, D = 0.0;
     const double length = norm(r);
@@ -178,12 +178,12 @@ class Conditions {
   const BarrierPeriod& now_;
   BrakingPath path_;
   double kept_part_, shift_, latest_, least_ = infinity;
-  Bounded<Condition, most_conditions> all_;
+  Bounded<Condition, most_driving_conditions> all_;
   bool too_many_ = false;
 };
 
 /// The command of the plan.
-std::array<double, most_inputs> brake(const BarrierLaw& law, const BarrierPeriod& now) {
+std::array<double, most_inputs> braking_command(const BarrierLaw& law, const BarrierPeriod& now) {
   std::array<double, most_inputs> command{};
   const std::size_t nu = now.u_min.size(), k = static_cast<std::size_t>(law.can.drive);
   for (std::size_t i = 0; i < nu; ++i) command[i] = std::clamp(0.0, now.u_min[i], now.u_max[i]);
@@ -211,7 +211,7 @@ class NearestCommand {
         conditions_(conditions),
         nominal_(nominal),
         drive_(static_cast<std::size_t>(law.can.drive)),
-        braking_(brake(law, now)),
+        braking_(braking_command(law, now)),
         best_(braking_),
         least_(infinity) {
     if (conditions.too_many()) return;
@@ -243,7 +243,7 @@ class NearestCommand {
     const auto is_kept = [&](double part) {
       u[drive_] = std::clamp(braking_[drive_] + part * (nominal_[drive_] - braking_[drive_]),
                              now_.u_min[drive_], now_.u_max[drive_]);
-      return conditions_.left(std::span(u).first(nu)) >= -kept;
+      return conditions_.left(std::span(u).first(nu)) >= -driving_rounding;
     };
     double part = 0.0;
     if (is_kept(1.0)) {
@@ -290,7 +290,7 @@ BarrierResult keep_driving_distances(const BarrierLaw& law, BarrierPeriod& now,
   find_bounds(law, now);
   for (const BoundPlane& plane : now.planes) conditions.add(plane);
   result.reserve = conditions.least_reserve();
-  if (conditions.too_many() || conditions.left(u) < -kept) {
+  if (conditions.too_many() || conditions.left(u) < -driving_rounding) {
     const auto nearest = NearestCommand(law, now, conditions, u).best();
     result.active = !std::equal(u.begin(), u.end(), nearest.begin());
     std::copy_n(nearest.begin(), u.size(), u.begin());
