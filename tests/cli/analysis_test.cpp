@@ -91,6 +91,19 @@ TEST(ExplainCommand, TakesEveryScenarioThatIsShipped) {
   }
 }
 
+TEST(CheckCommand, TellsAsExplainDoesOfEachPairWhetherItsDistanceIsGuaranteed) {
+  const std::string all = " scenarios/ground_and_air.toml --set 'safety.barrier=\"on\"'";
+  for (const std::string command : {"check", "explain"}) {
+    const auto done = sightline(command + all, fresh_folder());
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_THAT(done.out,
+                HasSubstr("\ndistance    not guaranteed, a body is up to 4.17 m/s fast, beyond 2.5 m/s: "
+                          "uav0 and uav1\n"));
+    EXPECT_THAT(sightline(command + " scenarios/paper_7_1.toml", fresh_folder()).out,
+                Not(HasSubstr("guaranteed")));
+  }
+}
+
 TEST(CheckCommand, WarnsInALineEachAfterOkAndStaysAtZero) {
   const auto done = sightline("check scenarios/paper_7_1.toml", fresh_folder());
   EXPECT_EQ(done.code, 0);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "sightline/barrier.hpp"
@@ -218,17 +219,15 @@ TEST(ResidualAcceleration, TowardsABoundOfTheWorldIsBrakedInTime) {
 }
 
 TEST(ResidualAcceleration, IsRefusedWherePlansHaveLessAndForRobotsThatDrive) {
+  const std::string said = "barrier: residual_acceleration = ";
   EXPECT_EQ(refusal_of([] { counting(1.5, 0); }),
-            "barrier: residual_acceleration = 1.5 m/s^2, expected < 1.46, as plans have, for \"multirotor\"");
-  EXPECT_EQ(refusal_of([] { counting(-0.1, 0); }),
-            "barrier: residual_acceleration = -0.1, expected >= 0 m/s^2");
-  EXPECT_EQ(
-      refusal_of([] {
-        Barrier(Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2), control_period,
-                {.residual_acceleration = 0.1});
-      }),
-      "barrier: residual_acceleration = 0.1 m/s^2, expected 0, since only its model brings it to rest, for "
-      "\"unicycle\"");
+            said + "1.5 m/s^2, expected < 1.46, the acceleration of the plans of \"multirotor\"");
+  EXPECT_EQ(refusal_of([] { counting(-0.1, 0); }), said + "-0.1, expected >= 0 m/s^2");
+  EXPECT_EQ(refusal_of([] {
+              Barrier(Unicycle{}, std::span(lowest).first(2), std::span(highest).first(2), control_period,
+                      {.residual_acceleration = 0.1});
+            }),
+            said + "0.1 m/s^2, expected 0 with \"unicycle\", which stands by its model alone");
 }
 
 }  // namespace

@@ -31,11 +31,10 @@ BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double peri
       maneuvers(can.drag, can.climbs ? can.climb : 0.0) {
   const double w = options.residual_acceleration;
   if (w > 0 && (can.drives() || w >= b)) {
-    throw std::invalid_argument(
-        fmt::format("barrier: residual_acceleration = {} m/s^2, expected {} for \"{}\"", w,
-                    can.drives() ? "0, since only its model brings it to rest,"
-                                 : fmt::format("< {:.3g}, as plans have,", b),
-                    model.name()));
+    throw std::invalid_argument(fmt::format(
+        "barrier: residual_acceleration = {} m/s^2, expected {}", w,
+        can.drives() ? fmt::format("0 with \"{}\", which stands by its model alone", model.name())
+                     : fmt::format("< {:.3g}, the acceleration of the plans of \"{}\"", b, model.name())));
   }
   const double delay = options.command_delay;
   predicted = {w * plans.F(delay), w * plans.E(delay)};
