@@ -151,7 +151,7 @@ TEST(DrivingBarrier, AllocatesNothing) {
   for (int i = 0; i < 200; ++i)
     all.push_back({.p = {1.2 + 0.001 * i, 0, 0.2}, .speed_max = i % 2 == 0 ? 0.0 : 1.0});
   const Rover x = test::rover({0, 0}, 0.0, 1.0);
-  for (const std::size_t count : {1, 20, 200}) {
+  for (const std::size_t count : {1U, 20U, 200U}) {
     DriveInput u = {1, 1};
     const std::int64_t before = cli::allocations();
     (void)filter.filter(x, std::span(all).first(count), test::drive_low, test::drive_high, u);

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
+#include "tests/support/scenario_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -93,7 +95,7 @@ TEST(Guarantee, NeedsModelsMeasurementsAndStartsThatTheProofHas) {
   EXPECT_THAT(reasons_of_pairs(both + "[simulation.disturbance]\nwind = [0.1, 0, 0]\n"),
               ElementsAre("simulation.disturbance moves the robots otherwise than their models"));
   EXPECT_THAT(reasons_of_pairs(both + "[simulation.disturbance]\ninput_delay = 0.1\n"),
-              ElementsAre("commands take effect later than computed"));
+              ElementsAre("commands do not act after the command_delay that the barrier predicts"));
   EXPECT_THAT(reasons_of_pairs(both + "[simulation.disturbance]\nnoise = { position = 0.01 }\n"),
               ElementsAre("the measurements are disturbed"));
   EXPECT_THAT(reasons_of_pairs(both + "[[event]]\nat = 1.0\nremove = \"b\"\n"),
@@ -122,6 +124,28 @@ TEST(Guarantee, HoldsUnderAWindWithinTheResidualAcceleration) {
               ElementsAre("the residual acceleration leaves no plan that outruns the body"));
   EXPECT_THAT(reasons_of_pairs(both("0.1", "0, 0, 0", agent_text("o", "omni_rover", "0, 30, 0.2"))),
               ElementsAre("the residual acceleration of a robot that moves by another law is not counted"));
+}
+
+TEST(Guarantee, OfLateCommandsInAWindIsKeptInFlight) {
+  // A robot is sent through a rock, towards which the wind blows.
+  const auto text = [](const std::string& bound, const std::string& delay) {
+    return "[simulation]\nduration = 6.0\n[simulation.disturbance]\ninput_delay = 0.2\nwind = [0.5, 0.0, "
+           "0.0]\n" +
+           with_barrier + "residual_acceleration = " + bound + "\n" +
+           agent_text("a", "multirotor", "-5, 0.02, 1") + "command_delay = " + delay +
+           "\nQ = [4.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0]\nreference = { constant = { p = [9, 0, 1] } }\n" +
+           obstacle_text("rock", "0, 0, 1", "speed_max = 0.0");
+  };
+  const auto nearest = [](const Scenario& scenario) {
+    double least = infinity;
+    for (const FlownPeriod& period : fly_scenario(scenario).flown)
+      least = std::min(least, norm(Vec3<double>{period.x[0], period.x[1], period.x[2] - 1.0}));
+    return least;
+  };
+  EXPECT_THAT(reasons_of_pairs(text("0.5", "0.2")), ElementsAre(""));
+  EXPECT_GE(nearest(test::scenario_of(text("0.5", "0.2"))), 0.5);
+  EXPECT_THAT(reasons_of_pairs(text("0.0", "0.0")), ElementsAre(HasSubstr("simulation.disturbance moves")));
+  EXPECT_LT(nearest(test::scenario_of(text("0.0", "0.0"))), 0.5);
 }
 
 TEST(Guarantee, IsALineForEachVerdict) {

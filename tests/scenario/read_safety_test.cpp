@@ -41,6 +41,7 @@ d_hard = 0.7
 floor = 0.2
 ceiling = 8.0
 world = 50.0
+residual_acceleration = 0.2
 margin = 0.01
 position_sigma = 0.03
 heading_sigma = 0.04
@@ -73,6 +74,7 @@ turn_after = 7.0
   EXPECT_EQ(guard->barrier_options.ceiling, 8.0);
   EXPECT_EQ(guard->barrier_options.world, 50.0);
   EXPECT_EQ(guard->barrier_options.margin, 0.01);
+  EXPECT_EQ(guard->barrier_options.residual_acceleration, 0.2);
   EXPECT_EQ(guard->position_sigma, 0.03);
   const SupervisorOptions& o = *guard->supervisor;
   EXPECT_EQ(o.times.fresh, 0.03);

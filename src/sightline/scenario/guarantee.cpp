@@ -21,7 +21,13 @@ std::string why_none(const ScenarioSpec& scenario) {
   if (scenario.links != nullptr) return "real vehicles deviate from their models";
   if (pushed || d.yaw_lag > 0 || d.input_gain != 1 || d.slip > 0)
     return "simulation.disturbance moves the robots otherwise than their models";
-  if (d.input_delay > 0) return "commands take effect later than computed";
+  std::vector<double> delays(scenario.team.agents().size());
+  for (const RobotCompensation& of : scenario.compensations) {
+    delays[scenario.team.agent_index(of.robot)] = of.command_delay;
+    if (of.disturbance_time > 0) return "the estimate of a disturbance may move";
+  }
+  if (std::any_of(delays.begin(), delays.end(), [&](double delay) { return delay != d.input_delay; }))
+    return "commands do not act after the command_delay that the barrier predicts";
   if (d.spoil_measurements() || !scenario.simulation.faults.empty()) return "the measurements are disturbed";
   if (!scenario.simulation.late_plans.empty()) return "plans are late";
   if (!scenario.localization.robots.empty()) return "robots know positions by estimates alone";
