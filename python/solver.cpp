@@ -11,6 +11,7 @@
 #include "python/bindings.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/read_part.hpp"
+#include "sightline/solvers.hpp"
 #include "sightline/worlds.hpp"
 
 namespace sightline::python {
@@ -86,6 +87,7 @@ SolverChoice choice_of(std::string_view name, const Horizon& horizon, const py::
 /// A solver with its access flag.
 struct GuardedSolver {
   std::unique_ptr<Solver> solver;
+  std::unique_ptr<InputGradient> input_gradient{};  // of the solver, made at its first use
   std::atomic_flag taken{};
 
   GuardedSolver(const Team& team, const std::string& name, const Horizon& horizon,
@@ -151,6 +153,34 @@ py::array_t<double> planned(GuardedSolver& of, double time) {
   return array(u);
 }
 
+/// Derivatives of g' u with their own memory.
+struct KeptGradient {
+  py::array_t<double> states, previous;
+  py::dict parameters;
+};
+
+KeptGradient gradient(GuardedSolver& of, const Numbers& g) {
+  const OneAtATime here(of.taken, "solver");
+  const auto numbers = view(g, "g", of.nu());
+  auto* const newton = dynamic_cast<NewtonRiccati*>(of.solver.get());
+  if (newton == nullptr) {
+    throw std::invalid_argument(
+        fmt::format("gradient: solver = {}, expected newton_riccati", of.solver->name()));
+  }
+  if (of.input_gradient == nullptr) of.input_gradient = std::make_unique<InputGradient>(*newton);
+  InputGradient& its = *of.input_gradient;
+  if (!its.differentiate(numbers)) {
+    throw std::invalid_argument(
+        "gradient: the last call was no update with a full, undamped step, expected solve() until its status "
+        "is "
+        "converged or stepped, with headings within 120 degrees of their references");
+  }
+  KeptGradient kept{array(its.states()), array(its.previous()), {}};
+  for (std::size_t i = 0; i < its.parameters().size(); ++i)
+    kept.parameters[its.parameters()[i].name.c_str()] = its.by_parameters()[i];
+  return kept;
+}
+
 /// The simulated world with its access flag.
 struct GuardedPlant {
   Plant plant;
@@ -185,10 +215,20 @@ void bind_solution(py::module_& module) {
       .def_readonly("elapsed", &KeptSolution::elapsed, "Wall time of the update [s].");
 }
 
+void bind_gradient(py::module_& module) {
+  py::class_<KeptGradient>(module, "Gradient", "Derivatives of g' u, u the inputs of an update.")
+      .def_readonly("states", &KeptGradient::states, "By the measured states of all bodies (nx).")
+      .def_readonly("previous", &KeptGradient::previous, "By the inputs in force before the update (nu).")
+      .def_readonly("parameters", &KeptGradient::parameters,
+                    "By each weight, reference and parameter of a potential: name to number, as uav0.Q[3], "
+                    "uav0.x_ref[2] (a shift of the reference), couple[0].weight, couple[0].d_min.");
+}
+
 }  // namespace
 
 void bind_solver(py::module_& module) {
   bind_solution(module);
+  bind_gradient(module);
   const auto made = [](const Team& team, const std::string& name, double T, int N, double dt,
                        const py::kwargs& options) {
     return std::make_unique<GuardedSolver>(team, name, Horizon{.T = T, .N = N, .dt = dt}, options);
@@ -208,6 +248,10 @@ void bind_solver(py::module_& module) {
       .def("step", &step, py::arg("time"), py::arg("states"), "solve() for who wants the inputs alone (nu).")
       .def("kkt", &kkt, py::arg("time"), py::arg("states"),
            "Projected KKT infinity norm of the present iterate at these states.")
+      .def("gradient", &gradient, py::arg("g"),
+           "Derivatives of g' u (g: nu) by all that u, the inputs of the last update, depends on. Call it "
+           "next after "
+           "solve or step; for newton_riccati.")
       .def("planned", &planned, py::arg("time"), "Inputs (nu) that the last good plan has for `time` [s].")
       .def(
           "restart",

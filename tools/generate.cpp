@@ -45,6 +45,7 @@ Generator paper_potentials() {
   Generator generator("paper_potentials");
   const Weighted cone = 0.4 * SensorCone{}, keep_out = 0.4 * KeepOut{}, cohesion = 0.4 * Cohesion{};
   generator.add({cone, keep_out, cohesion});
+  generator.add_slopes({cone, keep_out, cohesion});
   generator.add({cone, keep_out});
   generator.add({cone, cohesion});
   generator.add({keep_out, cohesion});

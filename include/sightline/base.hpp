@@ -247,6 +247,41 @@ std::string value_text(const Value& value) {
 
 }  // namespace detail
 
+/// A number of a part that its parameters describe: "d_min", "p[2]".
+struct NamedNumber {
+  std::string key;
+  double* value;
+};
+
+/// The real numbers among the parameters of a part, in the order of their description.
+template <class P>
+std::vector<NamedNumber> numbers_of([[maybe_unused]] P& part) {
+  std::vector<NamedNumber> numbers;
+  if constexpr (Described<P>) {
+    const auto add_all = [&](std::string_view key, auto&&... values) {
+      int i = 0;
+      (numbers.push_back({std::string(key) + "[" + std::to_string(i++) + "]", &values}), ...);
+    };
+    const auto add = [&](const auto& p) {
+      if constexpr (requires { p.bounds; }) {
+        auto& value = part.*p.member;
+        using Value = std::remove_cvref_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, double>) {
+          numbers.push_back({std::string(p.key), &value});
+        } else if constexpr (requires { value.has_value(); }) {
+          if (value) numbers.push_back({std::string(p.key), &*value});
+        } else if constexpr (requires { value.x + value.y + value.z; }) {
+          add_all(p.key, value.x, value.y, value.z);
+        } else if constexpr (requires { std::tuple_size<Value>::value; }) {
+          std::apply([&](auto&... each) { add_all(p.key, each...); }, value);
+        }
+      }
+    };
+    std::apply([&](const auto&... p) { (add(p), ...); }, P::parameters());
+  }
+  return numbers;
+}
+
 /// Checks each number against its bounds; a list's numbers are finite. Returns the part.
 /// @throws std::invalid_argument naming the part, the parameter, its value and its range
 template <Described P>

@@ -172,6 +172,24 @@ enum class Numbers {
 PosePotential trace_potential(std::span<const Weighted* const> terms, double h, const Ends& ends,
                               Numbers numbers = Numbers::known);
 
+/// Change of the gradient of potentials along a step ds of the bodies that feel them, by what it
+/// depends on: derivatives of D = h (l_a' ds_a + l_b' ds_b), l the weighted sum.
+struct PotentialSlopes {
+  /// Whether l = l(p_a - p_b, d_a); then the variables and the step are those of this argument.
+  bool relative = false;
+  /// Inputs: of (s_a, s_b, t, uncertainty, third) as in PosePotential, then entries of the step.
+  std::vector<int> variables, along;
+  /// Outputs: for each term, in this order, by its weight and by each of Potential::numbers(); then
+  /// by these variables, which are of uncontrolled bodies.
+  std::vector<std::size_t> order;
+  std::vector<int> uncontrolled;
+  Program program;
+};
+
+/// @param terms  potentials between the same bodies, felt by the same; or of one robot alone, a
+PotentialSlopes trace_slopes(std::span<const Weighted* const> terms, double h, const Ends& ends,
+                             bool third_is_agent);
+
 /// Whether a program was printed and compiled.
 using IsCompiled = std::function<bool(const Program&)>;
 
@@ -224,6 +242,8 @@ class Generator {
   /// Adds the sum of potentials between two bodies, or of one robot, independent of their numbers
   /// and order: acting on both bodies, on either, and with an uncontrolled second body.
   void add(const std::vector<Weighted>& terms);
+  /// Adds their PotentialSlopes between two robots.
+  void add_slopes(const std::vector<Weighted>& terms);
   /// Adds the potential of a swarm, independent of its numbers.
   void add_swarm(const Weighted& term);
 
@@ -445,6 +465,21 @@ class Group {
   /// Solves with the last factorisation for the right side r in s.
   virtual void precondition(const double* r, double* du, double* ds) noexcept = 0;
 
+  /// Solves with the last factorisation for the right side r in s and g in the inputs of stage 0.
+  /// @param g  (nu packs)
+  /// @param r  null: zero
+  /// @param y  change of the states along the horizon  (N+1 x nx packs)
+  /// @param p  costate of stage 0: the derivative, by x_0, of du' times the gradient of the
+  ///   Lagrangian  (nx packs)
+  virtual void adjoint(const double* g, const double* r, double* du, double* ds, double* y,
+                       double* p) noexcept = 0;
+  /// Derivatives of du' times the gradient of the Lagrangian at the last roll-out, under u, by a
+  /// shift of x* at all stages (nx), u* (nu), Q (nx), R (nu), Q_f (nx), R_rate (before), in packs.
+  /// @param first  time for which the previous input was in force [s]; h [s] of the horizon
+  virtual void own_slopes(const double* u, const double* du, const double* y, double h, double first,
+                          double* slopes) const noexcept = 0;
+  int slopes() const { return 3 * sizes_.nx + 2 * sizes_.nu + sizes_.before; }
+
  protected:
   std::ptrdiff_t at(int k, int n, int i, int lane) const {
     return (static_cast<std::ptrdiff_t>(k) * n + i) * width_ + lane;
@@ -572,7 +607,105 @@ class StageGroup final : public Group {
     forward(du, ds);
   }
 
+  void adjoint(const double* g, const double* r, double* du, double* ds, double* y,
+               double* p_first) noexcept override {
+    const StageSizes n = kernel_.sizes();
+    double *now = carry_[0], *next = carry_[1];
+    std::fill_n(now, n.nx * W, 0.0);
+    if (r == nullptr) std::fill_n(du, stages_ * n.nu * W, 0.0);
+    for (int k = stages_ - 1; k >= 0 && r != nullptr; --k, std::swap(now, next)) {
+      kernel_.precondition_back(now, r + k * n.ns * W, gain_[0] + k * n.gain() * W, next, du + k * n.nu * W);
+    }
+    std::copy_n(now, n.nx * W, p_first);
+    std::fill_n(y, n.nx * W, 0.0);
+    double* const units = carry_[0];  // a step from rest with k = 1 has du = -unit
+    std::fill_n(units, n.nu * W, 1.0);
+    kernel_.precondition_forward(y, gain_[0], units, units, y + n.nx * W, ds);
+    add_first(units, g, du, p_first);
+    for (int k = 0; k < stages_; ++k, y += n.nx * W) {
+      double* const of_k = du + k * n.nu * W;
+      kernel_.precondition_forward(y, gain_[0] + k * n.gain() * W, of_k, of_k, y + n.nx * W,
+                                   ds + k * n.ns * W);
+    }
+  }
+
+  void own_slopes(const double* u, const double* du, const double* y, double h, double first,
+                  double* slopes) const noexcept override {
+    using L = Lane<W>;
+    const StageSizes n = kernel_.sizes();
+    const int own = n.nx - n.before;
+    double* next = slopes;
+    const auto block = [&](int count) { return std::exchange(next, next + count * W); };
+    double *const of_x_ref = block(n.nx), *const of_u_ref = block(n.nu), *const of_Q = block(n.nx);
+    double *const of_R = block(n.nu), *const of_Q_f = block(n.nx), *const of_R_rate = block(n.before);
+    const double *const Q = weights_[0], *const R = Q + n.nx * W, *const u_ref = R + n.nu * W;
+    const double* const x_end = x_[0] + stages_ * n.nx * W;
+    const double* const x_ref_end = x_ref_[0] + stages_ * ref_stage_;
+    const double* const y_end = y + stages_ * n.nx * W;
+    const L twice_h = 2.0 * h;
+    for (int i = 0; i < n.nx * W; i += W) {
+      L along = 0.0, sum = 0.0;
+      for (int k = 0; k < stages_; ++k) {
+        const L y_k = L::load(y + k * n.nx * W + i);
+        along = fma(L::load(x_[0] + k * n.nx * W + i) - L::load(x_ref_[0] + k * ref_stage_ + i), y_k, along);
+        sum += y_k;
+      }
+      const L end = L(2.0) * L::load(y_end + i);
+      (twice_h * along).store(of_Q + i);
+      (end * (L::load(x_end + i) - L::load(x_ref_end + i))).store(of_Q_f + i);
+      (-(L::load(Q + i) * sum + L::load(Q_f_[0] + i) * end)).store(of_x_ref + i);
+    }
+    for (int i = 0; i < n.nu * W; i += W) {
+      L along = 0.0, sum = 0.0;
+      for (int k = 0; k < stages_; ++k) {
+        const L du_k = L::load(du + k * n.nu * W + i);
+        along = fma(L::load(u + k * n.nu * W + i) - L::load(u_ref + i), du_k, along);
+        sum += du_k;
+      }
+      (twice_h * along).store(of_R + i);
+      (-(L::load(R + i) * sum)).store(of_u_ref + i);
+    }
+    for (int i = 0; i < n.before * W; i += W) {
+      L sum = 0.0;
+      for (int k = 0; k < stages_; ++k) {
+        const std::ptrdiff_t of_u = k * n.nu * W + i, of_x = (k * n.nx + own) * W + i;
+        const L change = L::load(u + of_u) - L::load(x_[0] + of_x);
+        sum += L(2.0 / (k > 0 ? h : first)) * change * (L::load(du + of_u) - L::load(y + of_x));
+      }
+      sum.store(of_R_rate + i);
+    }
+  }
+
  private:
+  /// Adds the right side g in the inputs of stage 0: to k (R + B'PB)^-1 w with w = -unit g, to its
+  /// costate -K' w.
+  /// @param w_0  -unit (nu packs), overwritten
+  void add_first(double* w_0, const double* g, double* k, double* p) noexcept {
+    using L = Lane<W>;
+    const StageSizes n = kernel_.sizes();
+    const double *const inverse_D = gain_[0], *const lower = inverse_D + n.nu * W;
+    const double* const K = lower + n.nu * (n.nu - 1) / 2 * W;
+    const auto below = [&](int a, int b) { return L::load(lower + (a * (a - 1) / 2 + b) * W); };
+    const auto w = [&](int a) { return w_0 + a * W; };
+    for (int a = 0; a < n.nu; ++a) (L::load(w(a)) * L::load(g + a * W)).store(w(a));
+    for (int j = 0; j < n.nx; ++j) {
+      L sum = L::load(p + j * W);
+      for (int a = 0; a < n.nu; ++a) sum -= L::load(K + (j * n.nu + a) * W) * L::load(w(a));
+      sum.store(p + j * W);
+    }
+    for (int a = 0; a < n.nu; ++a) {
+      L sum = L::load(w(a));
+      for (int b = 0; b < a; ++b) sum -= below(a, b) * L::load(w(b));
+      sum.store(w(a));
+    }
+    for (int a = n.nu - 1; a >= 0; --a) {
+      L sum = L::load(inverse_D + a * W) * L::load(w(a));
+      for (int b = a + 1; b < n.nu; ++b) sum -= below(b, a) * L::load(w(b));
+      sum.store(w(a));
+    }
+    for (int a = 0; a < n.nu; ++a) (L::load(k + a * W) + L::load(w(a))).store(k + a * W);
+  }
+
   /// Terminal values: lambda = 2 Q_f (x - x*), e = 0, P = 2 Q_f.
   void start_carry(double* carry) noexcept {
     const StageSizes n = kernel_.sizes();

@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sightline/base.hpp"
@@ -132,6 +133,10 @@ class Potential {
   bool is_pair() const { return block_->is_pair; }
   /// Descriptions of its parameters; empty if the potential does not describe them.
   std::vector<ParameterText> parameters() const { return block_->parameters(); }
+  /// Keys and values of the real numbers among them.
+  std::vector<std::pair<std::string, double>> numbers() const { return block_->numbers(); }
+  /// A copy with another value of number i; it may be out of its range.
+  Potential with_number(std::size_t i, double value) const { return block_->with_number(i, value); }
 
   /// l [-] of the observer a and the target b at time t [s].
   double operator()(const Sight<double>& a, const Sight<double>& b, double t) const noexcept {
@@ -209,6 +214,8 @@ class Potential {
     virtual std::optional<Potential> sharpened(double kappa_A) const = 0;
     virtual const SensorMount* mount() const = 0;
     virtual std::optional<Potential> seen_from(const SensorMount& mount) const = 0;
+    virtual std::vector<std::pair<std::string, double>> numbers() const = 0;
+    virtual Potential with_number(std::size_t i, double value) const = 0;
   };
 
   template <class P>
@@ -350,7 +357,20 @@ class Potential {
         return {};
       }
     }
+    std::vector<std::pair<std::string, double>> numbers() const override {
+      std::vector<std::pair<std::string, double>> list;
+      P copy = potential;
+      for (const NamedNumber& n : numbers_of(copy)) list.emplace_back(n.key, *n.value);
+      return list;
+    }
+    Potential with_number(std::size_t i, double value) const override {
+      const auto other = std::make_shared<Block>(potential);
+      *numbers_of(other->potential)[i].value = value;
+      return Potential(std::shared_ptr<const Interface>(other));
+    }
   };
+
+  explicit Potential(std::shared_ptr<const Interface> block) : block_(std::move(block)) {}
 
   std::shared_ptr<const Interface> block_;
 };

@@ -671,7 +671,59 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   double tolerance() const noexcept override;
 
  private:
+  friend class InputGradient;
   std::unique_ptr<newton::Workspace> workspace_;
+};
+
+// Derivatives of the applied input with respect to all that an update depends on: adjoint of the
+// Newton step.
+//
+// At the optimum H_u(u, theta) = 0 for inputs that are free; inputs on their limits do not move. So
+// du/dtheta = -M^-1 dH_u/dtheta with M the matrix of the Newton step, and for any numbers g
+//
+//   d(g' u_0)/dtheta = -v' dH_u/dtheta,   M' v = (g, 0, ..., 0)
+//
+// One v gives the derivatives by all theta. M' is solved with the factorisation of the last update;
+// docs/equations.md, 15.
+
+/// Derivatives of g' u of a NewtonRiccati solver. Neither throws, allocates nor locks after its
+/// construction. Not included: weights of swarms, numbers of barriers, the motion of a controlled
+/// third body, limits that move with the previous input.
+class InputGradient {
+ public:
+  /// A number that the inputs depend on: "uav0.Q[3]", "couple[0].weight", "couple[0].d_min",
+  /// "constrain[1].weight" in the order of Team. "uav0.x_ref[2]" is a shift of the whole reference.
+  struct Parameter {
+    std::string name;
+    double value = 0.0;
+  };
+
+  /// @param solver  must outlive the object
+  /// @throws std::bad_alloc
+  explicit InputGradient(NewtonRiccati& solver);
+  InputGradient(InputGradient&& other) noexcept;
+  InputGradient& operator=(InputGradient&& other) noexcept;
+  ~InputGradient();
+
+  /// Differentiates g' u, u the inputs of the last update (nu), at the point that it linearised.
+  /// Call it before the solver's next function. @return false, with derivatives of zero, unless the
+  /// update ended with a full step that was not damped and no reference was turned
+  /// (HeadingErrorLimit)
+  bool differentiate(std::span<const double> g) noexcept;
+
+  /// By the measured states of all bodies, with normalised headings  (nx).
+  std::span<const double> states() const noexcept;
+  /// By the inputs in force before the update  (nu); nonzero only for robots with R_rate.
+  std::span<const double> previous() const noexcept;
+  /// By each of parameters().
+  std::span<const double> by_parameters() const noexcept;
+  const std::vector<Parameter>& parameters() const noexcept;
+  /// Relative change of v by the last refinement: the error of the derivatives is smaller.
+  double error() const noexcept;
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
 };
 
 // A subteam: robots of a team that plan separately; coupled bodies outside follow their

@@ -63,6 +63,18 @@ class Flown:
     @property
     def summary(self) -> str: ...
 
+class Gradient:
+    """Derivatives of g' u, u the inputs of an update."""
+    @property
+    def parameters(self) -> dict:
+        """By each weight, reference and parameter of a potential: name to number, as uav0.Q[3], uav0.x_ref[2] (a shift of the reference), couple[0].weight, couple[0].d_min."""
+    @property
+    def previous(self) -> npt.NDArray[np.float64]:
+        """By the inputs in force before the update (nu)."""
+    @property
+    def states(self) -> npt.NDArray[np.float64]:
+        """By the measured states of all bodies (nx)."""
+
 class Horizon:
     """T: length [s]; N: stages; dt: control period [s]."""
     @property
@@ -351,6 +363,8 @@ class Solver:
     """A solver of a team over a horizon. For one thread; solve, step and kkt let other threads run."""
     def __init__(self, team: Team, name: str = ..., *, T: float = ..., N: int = ..., dt: float = ..., **kwargs: Any) -> None:
         """T: horizon [s]; N: stages; dt: control period [s]; options as [solver] of a scenario has them"""
+    def gradient(self, g: npt.ArrayLike) -> Gradient:
+        """Derivatives of g' u (g: nu) by all that u, the inputs of the last update, depends on. Call it next after solve or step; for newton_riccati."""
     def kkt(self, time: float, states: npt.ArrayLike) -> float:
         """Projected KKT infinity norm of the present iterate at these states."""
     @property

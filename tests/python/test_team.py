@@ -91,6 +91,29 @@ def test_an_update_from_python_costs_a_few_microseconds_more():
     assert np.median(beyond) < 20e-6  # on a busy machine; scripts/accept/15.sh has the figure
 
 
+def test_the_gradient_is_the_central_difference_of_the_optimum():
+    g, states, step = np.linspace(-1.0, 1.0, 8), np.asarray(start, dtype=float), 1e-4
+    mpc = sl.newton_riccati(paper_pair(), max_newton_steps=50, tolerance=1e-12, krylov_stop=1e-10, max_krylov=50)
+
+    def value(x):
+        assert mpc.solve(0.0, x).status == sl.Status.converged
+        return g @ mpc.planned(0.0)
+
+    value(states)
+    gradient = mpc.gradient(g)
+    assert {"uav0.Q[5]", "uav1.x_ref[0]", "couple[0].weight", "couple[1].d_min"} <= gradient.parameters.keys()
+    for i in [0, 1, 2, 5, 6, 7, 8, 9, 12, 13]:  # no headings, which are normalised
+        shift = step * np.eye(14)[i]
+        assert gradient.states[i] == pytest.approx((value(states + shift) - value(states - shift)) / (2 * step), abs=1e-6)
+    with pytest.raises(ValueError, match="g has 3 numbers, expected 8"):
+        mpc.gradient([1, 2, 3])
+    mpc.kkt(0.0, states)
+    with pytest.raises(ValueError, match="the last call was no update"):
+        mpc.gradient(g)
+    with pytest.raises(ValueError, match="solver = cgmres, expected newton_riccati"):
+        sl.cgmres(paper_pair()).gradient(g)
+
+
 def test_a_solver_refuses_a_second_thread():
     mpc = sl.newton_riccati(paper_pair(), max_newton_steps=50, tolerance=1e-12)
     refused = []

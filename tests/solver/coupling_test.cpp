@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sightline/formula.hpp"
 #include "sightline/potentials.hpp"
 #include "sightline/solver/newton/groups.hpp"
@@ -128,6 +130,48 @@ TEST(Couplings, HessiansAndProductAreTheDerivativeOfTheGradients) {
   }
 }
 
+Team plain_chain(int agents, bool masked) {
+  Team team;
+  std::vector<AgentId> ids;
+  for (int i = 0; i < agents; ++i) ids.push_back(team.add(Multirotor{}));
+  for (std::size_t i = 0; i + 1 < ids.size(); ++i) {
+    const auto who = masked ? felt_by(ids[i]) : felt_by({ids[i], ids[i + 1]});
+    team.couple(0.4 * SensorCone{}, {ids[i], ids[i + 1]}, who);
+    team.couple(0.4 * Cohesion{}, {ids[i], ids[i + 1]}, who);
+    team.couple(0.4 * KeepOut{}, {ids[i], ids[i + 1]}, who);
+  }
+  return team;
+}
+
+TEST(Couplings, TheTransposedProductIsTheAdjointOfTheProduct) {
+  Random random(9);
+  const auto expect_adjoint = [&](PotentialField& field) {
+    const int n = field.layout().s_length;
+    Rows w(1, n), y_transposed(1, n);
+    field.each_seen([&](std::ptrdiff_t at, int, int, int) {
+      field.z[0][at] = uniform(random, -1, 1), w[0][at] = uniform(random, -1, 1);
+    });
+    field.couplings->evaluate(field.s[0], field.c[0]);
+    field.couplings->product(field.z[0], field.y[0]);
+    for (int g = 0; g < static_cast<int>(field.layout().groups.size()); ++g)
+      field.couplings->transposed_product(g, w[0], y_transposed[0]);
+    double product = 0.0, adjoint = 0.0, size = 0.0;
+    field.each_seen([&](std::ptrdiff_t at, int, int, int) {
+      product += w[0][at] * field.y[0][at], adjoint += field.z[0][at] * y_transposed[0][at];
+      size += std::fabs(w[0][at] * field.y[0][at]);
+    });
+    EXPECT_NEAR(product, adjoint, 1e-13 * (1.0 + size));
+  };
+  for (int trial = 0; trial < 12; ++trial) {
+    PotentialField field(random_team(random, 2 + static_cast<int>(random() % 4), Feeling::anyone), random);
+    expect_adjoint(field);
+  }
+  for (const int agents : {2, 3, 8, 19}) {
+    PotentialField field(plain_chain(agents, true), random);
+    expect_adjoint(field);
+  }
+}
+
 TEST(Couplings, APotentialThatAPairHasTwiceCountsTwice) {
   Random random(5);
   for (const int robots : {2, 3, 9, 20}) {
@@ -144,19 +188,6 @@ TEST(Couplings, APotentialThatAPairHasTwiceCountsTwice) {
     expect_gradient_is_the_slope_of_costs(field);
     expect_product_is_the_derivative(field, random);
   }
-}
-
-Team plain_chain(int agents, bool masked) {
-  Team team;
-  std::vector<AgentId> ids;
-  for (int i = 0; i < agents; ++i) ids.push_back(team.add(Multirotor{}));
-  for (std::size_t i = 0; i + 1 < ids.size(); ++i) {
-    const auto who = masked ? felt_by(ids[i]) : felt_by({ids[i], ids[i + 1]});
-    team.couple(0.4 * SensorCone{}, {ids[i], ids[i + 1]}, who);
-    team.couple(0.4 * Cohesion{}, {ids[i], ids[i + 1]}, who);
-    team.couple(0.4 * KeepOut{}, {ids[i], ids[i + 1]}, who);
-  }
-  return team;
 }
 
 TEST(Couplings, LanesOfAgentsDoNotChangeTheLaws) {

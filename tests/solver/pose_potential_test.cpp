@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <tuple>
 
 #include "sightline/formula.hpp"
 #include "sightline/kernels.hpp"
@@ -82,6 +84,41 @@ TEST(PosePotential, AnEndThatFeelsNothingHasNoRow) {
   for (const auto& g : p.gradient) EXPECT_LT(g.variable, sight_size);
   for (const auto& s : p.own) EXPECT_LT(s.row, sight_size);
   EXPECT_FALSE(p.cross.empty()) << "a still sees b move";
+}
+
+/// A potential with two parameters that multiply the same number.
+struct Twins {
+  double a = 0.7, b = 0.7;
+  static constexpr std::string_view name = "twins";
+  static constexpr auto parameters() {
+    return std::tuple{parameter("a", &Twins::a, "1/m", any_finite, "frequency"),
+                      parameter("b", &Twins::b, "1/m", any_finite, "growth")};
+  }
+
+  template <class S>
+  S operator()(const Sight<S>& one, const Sight<S>& other) const {
+    const S x = one.p.x - other.p.x;
+    return sin(a * x) + exp(b * x);
+  }
+};
+
+TEST(PosePotential, SlopesAreThoseOfTheFormulaAlsoIfParametersAreEqual) {
+  Random random(4);
+  for (const double b : {0.7, 0.4}) {
+    const Weighted term = 0.5 * Twins{.a = 0.7, .b = b};
+    const double h = default_horizon.h(), a = 0.7;
+    const PotentialSlopes slopes = trace_slopes(std::array{&term}, h, {}, false);
+    ASSERT_TRUE(slopes.relative);
+    ASSERT_EQ(slopes.along, slopes.variables);
+    for (int trial = 0; trial < 20; ++trial) {
+      const double x = uniform(random, -2, 2), dx = uniform(random, -1, 1);
+      const auto out = evaluate(slopes.program, std::array{x, 0.3, 0.1, 1.0, 0.0, dx, 0.2, 0.4, 0.0, 0.1});
+      ASSERT_EQ(out.size(), 3u);
+      EXPECT_NEAR(out[0], h * dx * (a * std::cos(a * x) + b * std::exp(b * x)), 1e-12);
+      EXPECT_NEAR(out[1], h * 0.5 * dx * (std::cos(a * x) - a * x * std::sin(a * x)), 1e-11);
+      EXPECT_NEAR(out[2], h * 0.5 * dx * (1 + b * x) * std::exp(b * x), 1e-11);
+    }
+  }
 }
 
 }  // namespace

@@ -73,6 +73,13 @@ void Generator::add(const std::vector<Weighted>& terms) {
   }
 }
 
+void Generator::add_slopes(const std::vector<Weighted>& terms) {
+  std::vector<const Weighted*> pointers;
+  for (const Weighted& t : terms) pointers.push_back(&t);
+  for (const Ends& ends : {Ends{}, Ends{.b_feels = false}, Ends{.a_feels = false}})
+    add(trace_slopes(pointers, any_h, ends, false).program, terms.at(0).potential.name());
+}
+
 void Generator::add_swarm(const Weighted& term) {
   const SwarmPotential swarm = trace_swarm(term, any_h, Numbers::parameters);
   for (const Program* program : {&swarm.value, &swarm.derivatives}) add(*program, term.potential.name());

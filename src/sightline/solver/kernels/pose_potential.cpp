@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
@@ -212,6 +213,128 @@ std::vector<PosePotential> trace_terms(const Terms& terms, double h, const Ends&
 }
 
 }  // namespace
+
+namespace {
+
+/// The constants of an output, in the order of its formula.
+std::vector<Term> constants_of(const Graph& graph, Term out) {
+  std::vector<Term> list;
+  for (const int v : graph.in_order(std::array{out})) {
+    if (graph.is_constant({v, false})) list.push_back({v, false});
+  }
+  return list;
+}
+
+/// Derivative of h times the sum of the terms along a step, D = l_s' ds; the step's entries are the
+/// inputs after the variables.
+Term along_step(Graph& graph, std::span<const Weighted* const> terms, double h, const PotentialSlopes& p) {
+  const int n = static_cast<int>(p.variables.size());
+  const Term l = record(graph, terms, h, p.variables, Numbers::parameters);
+  graph.keep_values();
+  const std::vector<Term> slopes = gradient(graph, l, recorded_inputs(graph, n));
+  Term D = graph.constant(0.0);
+  int step = n;
+  for (int i = 0; i < n; ++i) {
+    if (std::find(p.along.begin(), p.along.end(), p.variables[at(i)]) != p.along.end())
+      D = graph.add(D, graph.multiply(slopes[at(i)], graph.input(step++)));
+  }
+  return D;
+}
+
+/// A term with another weight (i = 0) or another number of its potential.
+Weighted changed(const Weighted& term, std::size_t i, double value) {
+  if (i == 0) return {value, term.potential};
+  return {term.weight, term.potential.with_number(i - 1, value)};
+}
+
+/// Finite difference of fourth order: the sum of factor f(x + by step) / step.
+struct Shift {
+  double by, factor;
+};
+constexpr std::array<Shift, 4> shifts = {
+    {{1.0, 2.0 / 3.0}, {-1.0, -2.0 / 3.0}, {2.0, -1.0 / 12.0}, {-2.0, 1.0 / 12.0}}};
+
+}  // namespace
+
+// The numbers of a potential enter its formula as constants, which are functions of the weight and
+// the parameters. Their derivatives are differences, taken here once; those of D by the constants
+// are exact. If a parameter happens to equal another number, its formula has another shape nearby:
+// then D itself is the difference.
+PotentialSlopes trace_slopes(std::span<const Weighted* const> given, double h, const Ends& ends,
+                             bool third_is_agent) {
+  constexpr double relative_step = 1e-3;
+  PotentialSlopes p;
+  const std::vector<const Weighted*> terms = sorted(given);
+  for (const Weighted* term : terms)
+    p.order.push_back(static_cast<std::size_t>(std::find(given.begin(), given.end(), term) - given.begin()));
+  {
+    Graph graph;
+    const Term l = record(graph, terms, h, range(PosePotential::variable_count), Numbers::parameters);
+    p.variables = occurring(graph, l, PosePotential::variable_count);
+    p.relative = ends.a_is_agent && ends.b_is_agent && is_relative(graph, l, p.variables);
+  }
+  if (p.relative) p.variables = range(PosePotential::relative_size);
+  for (const int v : p.variables) {
+    const bool of_b = v >= sight_size, of_third = v >= PosePotential::third_variable;
+    const bool is_sight = v < PosePotential::time_variable;
+    const bool is_agent = of_third ? third_is_agent : of_b ? ends.b_is_agent : ends.a_is_agent;
+    const bool moves_r = p.relative && v < 3 && ends.b_feels;
+    if (is_sight && is_agent && (moves_r || (of_b ? ends.b_feels : ends.a_feels))) p.along.push_back(v);
+    if ((is_sight || of_third) && !is_agent) p.uncontrolled.push_back(v);
+  }
+  const int n = static_cast<int>(p.variables.size());
+  const int inputs = n + static_cast<int>(p.along.size());
+  Graph graph;
+  const Term D = along_step(graph, terms, h, p);
+  const Program program(graph, std::vector{D}, inputs);
+  const std::vector<Term> constants = constants_of(graph, D);
+  const std::vector<Term> by_constants = gradient(graph, D, constants);
+  std::vector<Term> outputs;
+  const auto output = [&](std::size_t of_term, std::size_t i, double value) {
+    const double step = relative_step * (value != 0.0 ? std::fabs(value) : 1.0);
+    std::vector<const Weighted*> list(terms.begin(), terms.end());
+    std::vector<double> slopes(constants.size(), 0.0);
+    bool same_shape = true;
+    Term difference = graph.constant(0.0);
+    for (const Shift& shift : shifts) {
+      const Weighted nearby = changed(*terms[of_term], i, value + shift.by * step);
+      list[of_term] = &nearby;
+      Graph its;
+      const Term D_nearby = along_step(its, list, h, p);
+      const std::vector<Term> its_constants = constants_of(its, D_nearby);
+      same_shape &= its_constants.size() == constants.size() &&
+                    structure(Program(its, std::vector{D_nearby}, inputs)) == structure(program);
+      for (std::size_t c = 0; same_shape && c < constants.size(); ++c)
+        slopes[c] += shift.factor / step * its.constant_value(its_constants[c]);
+    }
+    if (!same_shape) {
+      for (const Shift& shift : shifts) {
+        const Weighted nearby = changed(*terms[of_term], i, value + shift.by * step);
+        list[of_term] = &nearby;
+        const Term D_nearby = along_step(graph, list, h, p);
+        difference = graph.add(difference, graph.multiply(graph.constant(shift.factor / step), D_nearby));
+      }
+      return difference;
+    }
+    for (std::size_t c = 0; c < constants.size(); ++c) {
+      if (slopes[c] != 0.0)
+        difference = graph.add(difference, graph.multiply(graph.parameter(slopes[c]), by_constants[c]));
+    }
+    return difference;
+  };
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    outputs.push_back(output(t, 0, terms[t]->weight));
+    std::size_t i = 0;
+    for (const auto& [key, value] : terms[t]->potential.numbers()) outputs.push_back(output(t, ++i, value));
+  }
+  const std::vector<Term> by_inputs = gradient(graph, D, recorded_inputs(graph, n));
+  for (int i = 0; i < n; ++i) {
+    if (std::find(p.uncontrolled.begin(), p.uncontrolled.end(), p.variables[at(i)]) != p.uncontrolled.end())
+      outputs.push_back(by_inputs[at(i)]);
+  }
+  p.program = Program(graph, outputs, inputs);
+  return p;
+}
 
 std::vector<BodyPotential> trace_potentials(const Ocp& ocp, const IsCompiled& is_compiled) {
   const Team& team = ocp.team();

@@ -62,6 +62,7 @@ class LaneCouplings final : public Couplings {
 
  public:
   using Couplings::derive;
+  using Couplings::product;
 
   LaneCouplings(std::span<const BodyPotential> pairs, const Layout& layout, int bodies, KernelChoice choice,
                 std::span<const SwarmPotential> swarms)
@@ -78,7 +79,8 @@ class LaneCouplings final : public Couplings {
     for (const SwarmPotential& swarm : swarms) swarms_.emplace_back(swarm, layout_, choice);
     find_slots();
     crosses_.emplace(general_, layout_, choice);
-    find_rows();
+    rows_into_ = find_rows(false);
+    rows_from_ = find_rows(true);
     for (PairBatch& b : general_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     for (PairBatch& b : relative_) b.points.resize(static_cast<int>(b.pairs.size()) * layout.stages);
     lone_pair_ = W == 2 && swarms.empty() && pairs.size() == 1 && slots_.size() == 1 &&
@@ -154,26 +156,20 @@ class LaneCouplings final : public Couplings {
   }
 
   void product(int group, const double* z, double* y) const noexcept override {
-    if (lone_pair_) return product_of_lone_pair(z, y);
-    const Layout::Part& part = layout_.groups[at(group)];
-    const FeltRows& rows = rows_into_[at(group)];
-    std::fill_n(y + part.s, (rows.assigns ? 1 : layout_.stages) * part.ns * W, 0.0);
-    for (std::size_t i = 0; i < rows.felt.size(); ++i) {
-      const auto& [slot, of_b] = rows.felt[i];
-      if (of_b) {
-        add_product_of_b(slots_[at(slot)], z, y);
-      } else if (i == 0 && rows.assigns) {
-        product_of_a<true>(slots_[at(slot)], z, y);
-      } else {
-        product_of_a<false>(slots_[at(slot)], z, y);
-      }
-    }
+    if (lone_pair_) return product_of_lone_pair(false, z, y);
+    product(group, rows_into_[at(group)], z, y);
     crosses_->product(group, z, y);
+  }
+  void transposed_product(int group, const double* z, double* y) const noexcept override {
+    if (lone_pair_) return product_of_lone_pair(true, z, y);
+    product(group, rows_from_[at(group)], z, y);
+    crosses_->transposed_product(group, z, y);
   }
   void add_swarms(const double* z, double* y) const noexcept override {
     for (const Neighbourhood& swarm : swarms_) swarm.product(z, y);
   }
   bool has_swarms() const noexcept override { return !swarms_.empty(); }
+  const StageParameters& parameters() const noexcept override { return parameters_; }
 
   void find_neighbours(const double* s) noexcept override {
     for (Neighbourhood& swarm : swarms_) swarm.find(s);
@@ -407,14 +403,14 @@ class LaneCouplings final : public Couplings {
     }
   }
 
-  void product_of_lone_pair(const double* z, double* y) const noexcept {
+  void product_of_lone_pair(bool transposed, const double* z, double* y) const noexcept {
     constexpr int M = native_width;
     const Slot<W>& slot = slots_[0];
     const BodyPotential& pair = *relative_[0].pairs[0];
     const Layout::Part& part = layout_.groups[0];
     const L none = 0.0;
-    const L a_row = -(pair.ends.a_feels ? slot.a_mask : none),
-            b_row = -(pair.ends.b_feels ? slot.b_mask : none);
+    const auto [a_feels, b_feels] = rows_of(pair.ends.a_feels, pair.ends.b_feels, transposed);
+    const L a_row = -(a_feels ? slot.a_mask : none), b_row = -(b_feels ? slot.b_mask : none);
     const L both = a_row + b_row;
     typename L::Bits other{};
     for (int i = 0; i < W; ++i) other[i] = (i + 1) % W;
@@ -439,18 +435,38 @@ class LaneCouplings final : public Couplings {
     std::vector<std::pair<int, bool>> felt{};
     bool assigns = false;
   };
-  void find_rows() {
-    rows_into_.resize(layout_.groups.size());
+  /// Rows of C that a potential has, for a and for b; those of C' are of the other.
+  static std::pair<bool, bool> rows_of(bool a_feels, bool b_feels, bool transposed) {
+    return transposed ? std::pair(b_feels, a_feels) : std::pair(a_feels, b_feels);
+  }
+  std::vector<FeltRows> find_rows(bool transposed) const {
+    std::vector<FeltRows> of_groups(layout_.groups.size());
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const int slot = static_cast<int>(i);
-      if (slots_[i].a_feels) rows_into_[at(slots_[i].group_a)].felt.emplace_back(slot, false);
-      if (slots_[i].b_feels) rows_into_[at(slots_[i].group_b)].felt.emplace_back(slot, true);
+      const auto [a_feels, b_feels] = rows_of(slots_[i].a_feels, slots_[i].b_feels, transposed);
+      if (a_feels) of_groups[at(slots_[i].group_a)].felt.emplace_back(slot, false);
+      if (b_feels) of_groups[at(slots_[i].group_b)].felt.emplace_back(slot, true);
     }
-    for (std::size_t g = 0; g < rows_into_.size(); ++g) {
-      FeltRows& rows = rows_into_[g];
+    for (std::size_t g = 0; g < of_groups.size(); ++g) {
+      FeltRows& rows = of_groups[g];
       std::stable_partition(rows.felt.begin(), rows.felt.end(),
                             [](const auto& felt) { return !felt.second; });
       rows.assigns = !rows.felt.empty() && !rows.felt[0].second && layout_.groups[g].ns == relative;
+    }
+    return of_groups;
+  }
+  void product(int group, const FeltRows& rows, const double* z, double* y) const noexcept {
+    const Layout::Part& part = layout_.groups[at(group)];
+    std::fill_n(y + part.s, (rows.assigns ? 1 : layout_.stages) * part.ns * W, 0.0);
+    for (std::size_t i = 0; i < rows.felt.size(); ++i) {
+      const auto& [slot, of_b] = rows.felt[i];
+      if (of_b) {
+        add_product_of_b(slots_[at(slot)], z, y);
+      } else if (i == 0 && rows.assigns) {
+        product_of_a<true>(slots_[at(slot)], z, y);
+      } else {
+        product_of_a<false>(slots_[at(slot)], z, y);
+      }
     }
   }
 
@@ -463,7 +479,7 @@ class LaneCouplings final : public Couplings {
   std::vector<Slot<W>> slots_;
   Rows outputs_;  // of slots
   std::optional<CrossBlocks<W>> crosses_;
-  std::vector<FeltRows> rows_into_;  // [group]
+  std::vector<FeltRows> rows_into_, rows_from_;  // [group], of C and of C'
   std::vector<Neighbourhood> swarms_;
   bool lone_pair_ = false;
 };

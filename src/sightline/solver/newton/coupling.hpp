@@ -15,6 +15,7 @@
 #include "sightline/kernels.hpp"
 #include "sightline/solver.hpp"
 #include "sightline/solver/newton/layout.hpp"
+#include "sightline/solver/newton/pair_batch.hpp"
 #include "sightline/team.hpp"
 
 namespace sightline {
@@ -66,8 +67,12 @@ class Couplings {
   void product(const double* z, double* y) const noexcept;
   /// The rows of one group alone; `add_swarms` adds the swarms' contribution to all rows.
   virtual void product(int group, const double* z, double* y) const noexcept = 0;
+  /// The rows of one group of C' z: each coupling then changes the robot that is seen.
+  virtual void transposed_product(int group, const double* z, double* y) const noexcept = 0;
   virtual void add_swarms(const double* z, double* y) const noexcept = 0;
   virtual bool has_swarms() const noexcept = 0;
+  /// Times, uncertainties and Sights that were set.
+  virtual const StageParameters& parameters() const noexcept = 0;
 
  protected:
   explicit Couplings(const Layout& layout) : layout_(layout) {}

@@ -32,7 +32,8 @@ class CrossBlocks {
         layout_(layout),
         slots_of_(batches.size()),
         in_place_of_(layout.groups.size()),
-        into_(layout.groups.size()) {
+        into_(layout.groups.size()),
+        from_(layout.groups.size()) {
     for (std::size_t b = 0; b < batches.size(); ++b) {
       const std::size_t before = slots_.size();
       for (const BodyPotential* pair : batches[b].pairs) slots_of_[b].push_back(add(*pair, b, choice));
@@ -108,6 +109,10 @@ class CrossBlocks {
   /// The rows of one group.
   void product(int group, const double* z, double* y) const noexcept {
     for (const Felt& felt : into_[at(group)]) product(slots_[at(felt.slot)], felt.of_b, z, y);
+  }
+  /// The rows of one group of C'.
+  void transposed_product(int group, const double* z, double* y) const noexcept {
+    for (const auto& [slot, of_b] : from_[at(group)]) product(slots_[at(slot)], of_b, z, y);
   }
 
  private:
@@ -222,6 +227,10 @@ class CrossBlocks {
       const int made = static_cast<int>(slot - slots_.begin());
       if (pair.a >= 0 && pair.ends.a_feels) feel(made, pair, false);
       if (pair.b >= 0 && pair.ends.b_feels) feel(made, pair, true);
+      if (pair.a >= 0 && pair.b >= 0) {
+        if (pair.ends.b_feels) from_[at(a.group)].emplace_back(made, false);
+        if (pair.ends.a_feels) from_[at(b.group)].emplace_back(made, true);
+      }
     }
     slot->mask.v[lead] = 1.0;
     if (pair.b >= 0) {
@@ -310,6 +319,7 @@ class CrossBlocks {
   std::vector<std::vector<int>> in_place_of_;            // [group]: slots
   std::vector<std::array<std::vector<Line>, 2>> lines_;  // [batch][of b]
   std::vector<std::vector<Felt>> into_;                  // [group]
+  std::vector<std::vector<std::pair<int, bool>>> from_;  // [group]: slots whose other end feels, of b
 };
 
 }  // namespace sightline

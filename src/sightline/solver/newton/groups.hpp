@@ -88,6 +88,18 @@ class Groups {
   void precondition(const double* r, double* du, double* ds) noexcept {
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) precondition(g, r, du, ds);
   }
+  /// As Group::adjoint() and own_slopes(); y, p and slopes are the group's own.
+  void adjoint(int group, const double* g, const double* r, double* du, double* ds, double* y,
+               double* p) noexcept {
+    const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
+    groups_[static_cast<std::size_t>(group)]->adjoint(g + part.u, r != nullptr ? r + part.s : nullptr,
+                                                      du + part.u, ds + part.s, y, p);
+  }
+  void own_slopes(int group, const double* u, const double* du, const double* y,
+                  double* slopes) const noexcept {
+    const Layout::Part& part = layout_.groups[static_cast<std::size_t>(group)];
+    groups_[static_cast<std::size_t>(group)]->own_slopes(u + part.u, du + part.u, y, h_, dt_, slopes);
+  }
   /// work(group, thread) for each group, on the thread pool.
   template <class Work>
   void each(ThreadPool& pool, Work&& work) const noexcept {

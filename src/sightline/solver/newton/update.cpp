@@ -62,6 +62,7 @@ Step whole_step(Workspace& w, const Direction& d) noexcept {
   std::swap(w.u, w.u_next);
   w.watched = infinity;
   w.votes = d.proposal.votes;
+  w.factorised = d.settled;
   return {.correction = d.proposal.largest, .whole = d.settled, .taken = true};
 }
 
@@ -88,6 +89,7 @@ Step globalised_step(Workspace& w) noexcept {
 }
 
 Step newton_step(Workspace& w) noexcept {
+  w.factorised = false;
   if (w.globalising) return globalised_step(w);
   Direction d = find_direction(w);
   const Proposal& p = d.proposal;
@@ -109,6 +111,7 @@ Solution update(Workspace& w, double time, std::span<const double> states) noexc
   w.begin = Clock::now();
   const FlushSubnormals guard;
   w.states = States::none;
+  w.factorised = false;
   if (!std::isfinite(time) || !accept(w, states)) return fall_back(w, time, Status::invalid_state);
   set_time(w, time);
   const bool anew = !w.started && !w.has_plan;
@@ -146,6 +149,7 @@ Solution update(Workspace& w, double time, std::span<const double> states) noexc
 double kkt(Workspace& w, double time, std::span<const double> states) noexcept {
   const FlushSubnormals guard;
   w.states = States::none;
+  w.factorised = false;
   if (!std::isfinite(time) || !accept(w, states)) return infinity;
   set_time(w, time);
   if (!w.started) {

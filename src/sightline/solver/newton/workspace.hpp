@@ -71,6 +71,7 @@ struct Workspace final : PredictedStates::Writer {
   Rows c;  // of the team with swarms, else of the current group of each thread
   double *u, *du, *active, *H_u, *low, *high, *plan, *u_start;
   double* u_next;                  // target of the step; after acceptance its start
+  bool factorised = false;         // the groups hold the undamped factorisation at u_next
   double* spare = nullptr;         // between updates, when u is plan: next buffer of u
   double *plan_before, *H_before;  // plan before `plan`; during an update, H_u of the previous one
   double *per_scale, *scale_2;     // per input, for comparison with a threshold
