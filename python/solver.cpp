@@ -7,6 +7,8 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 #include "python/bindings.hpp"
 #include "sightline/scenario.hpp"
@@ -159,6 +161,12 @@ struct KeptGradient {
   py::dict parameters;
 };
 
+py::dict named(const std::vector<InputGradient::Parameter>& parameters, std::span<const double> values) {
+  py::dict dict;
+  for (std::size_t i = 0; i < values.size(); ++i) dict[parameters[i].name.c_str()] = values[i];
+  return dict;
+}
+
 KeptGradient gradient(GuardedSolver& of, const Numbers& g) {
   const OneAtATime here(of.taken, "solver");
   const auto numbers = view(g, "g", of.nu());
@@ -175,10 +183,49 @@ KeptGradient gradient(GuardedSolver& of, const Numbers& g) {
         "is "
         "converged or stepped, with headings within 120 degrees of their references");
   }
-  KeptGradient kept{array(its.states()), array(its.previous()), {}};
-  for (std::size_t i = 0; i < its.parameters().size(); ++i)
-    kept.parameters[its.parameters()[i].name.c_str()] = its.by_parameters()[i];
-  return kept;
+  return {array(its.states()), array(its.previous()), named(its.parameters(), its.by_parameters())};
+}
+
+/// A closed loop with its access flag.
+struct GuardedLoop {
+  LoopGradient loop;
+  int nx, nu, periods = 0;  // of the last flight; 0: none
+  std::atomic_flag taken{};
+
+  GuardedLoop(const Team& team, const Horizon& horizon, int delay)
+      : loop(Ocp(team, horizon), delay), nx(team.nx()), nu(team.nu()) {}
+};
+
+/// States (K+1 x nx) and inputs (K x nu) of a flight.
+std::pair<py::array_t<double>, py::array_t<double>> fly(GuardedLoop& of, const Numbers& x0, int periods) {
+  const OneAtATime here(of.taken, "loop");
+  const auto start = view(x0, "x0", of.nx);
+  of.periods = 0;
+  bool finite = false;
+  {
+    const py::gil_scoped_release others_run;
+    finite = of.loop.fly(start, periods);
+  }
+  if (!finite)
+    throw std::invalid_argument(
+        "fly: a state of the flight is not finite, expected another x0 or other weights");
+  of.periods = periods;
+  std::vector<double> x, u;
+  for (int k = 0; k <= periods; ++k) x.insert(x.end(), of.loop.x(k).begin(), of.loop.x(k).end());
+  for (int k = 0; k < periods; ++k) u.insert(u.end(), of.loop.u(k).begin(), of.loop.u(k).end());
+  return {array(x, periods + 1, of.nx), array(u, periods, of.nu)};
+}
+
+KeptGradient differentiate(GuardedLoop& of, const Numbers& by_x, const std::optional<Numbers>& by_u) {
+  const OneAtATime here(of.taken, "loop");
+  if (of.periods == 0) throw std::invalid_argument("differentiate: no flight, expected fly() before");
+  const auto states = view(by_x, "by_x", (of.periods + 1) * of.nx);
+  const auto inputs = by_u ? view(*by_u, "by_u", of.periods * of.nu) : std::span<const double>();
+  {
+    const py::gil_scoped_release others_run;
+    of.loop.differentiate(states, inputs);
+  }
+  return {array(of.loop.by_start()), {}, named(of.loop.parameters(), of.loop.by_parameters())};
 }
 
 /// The simulated world with its access flag.
@@ -216,9 +263,12 @@ void bind_solution(py::module_& module) {
 }
 
 void bind_gradient(py::module_& module) {
-  py::class_<KeptGradient>(module, "Gradient", "Derivatives of g' u, u the inputs of an update.")
-      .def_readonly("states", &KeptGradient::states, "By the measured states of all bodies (nx).")
-      .def_readonly("previous", &KeptGradient::previous, "By the inputs in force before the update (nu).")
+  py::class_<KeptGradient>(module, "Gradient",
+                           "Derivatives of g' u, u the inputs of an update, or of a cost of a flight.")
+      .def_readonly("states", &KeptGradient::states,
+                    "By the measured states of all bodies, or their start (nx).")
+      .def_readonly("previous", &KeptGradient::previous,
+                    "By the inputs in force before the update (nu); of a flight empty.")
       .def_readonly("parameters", &KeptGradient::parameters,
                     "By each weight, reference and parameter of a potential: name to number, as uav0.Q[3], "
                     "uav0.x_ref[2] (a shift of the reference), couple[0].weight, couple[0].d_min.");
@@ -250,8 +300,8 @@ void bind_solver(py::module_& module) {
            "Projected KKT infinity norm of the present iterate at these states.")
       .def("gradient", &gradient, py::arg("g"),
            "Derivatives of g' u (g: nu) by all that u, the inputs of the last update, depends on. Call it "
-           "next after "
-           "solve or step; for newton_riccati.")
+           "next "
+           "after solve or step; for newton_riccati.")
       .def("planned", &planned, py::arg("time"), "Inputs (nu) that the last good plan has for `time` [s].")
       .def(
           "restart",
@@ -286,6 +336,20 @@ void bind_solver(py::module_& module) {
           "States of all bodies (nx), a copy.")
       .def_property_readonly(
           "time", [](const GuardedPlant& p) { return p.plant.time(); }, "[s]");
+
+  py::class_<GuardedLoop>(
+      module, "LoopGradient",
+      "A closed loop of a team's models and newton_riccati, and derivatives of its costs.")
+      .def(py::init([](const Team& team, double T, int N, double dt, int delay) {
+             return std::make_unique<GuardedLoop>(team, Horizon{.T = T, .N = N, .dt = dt}, delay);
+           }),
+           py::arg("team"), py::kw_only(), py::arg("T") = 1.0, py::arg("N") = 20, py::arg("dt") = 0.01,
+           py::arg("delay") = 0, "delay: of the commands, in periods")
+      .def("fly", &fly, py::arg("x0"), py::arg("periods"),
+           "Flies K periods from x0 (nx): the states (K+1 x nx) and the inputs (K x nu).")
+      .def("differentiate", &differentiate, py::arg("by_x"), py::arg("by_u") = py::none(),
+           "Gradient of a cost of the last flight, from its derivatives by the states (K+1 x nx) and the "
+           "inputs (K x nu).");
 }
 
 }  // namespace sightline::python

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "sightline/base.hpp"
 #include "sightline/events.hpp"
 #include "sightline/sensors.hpp"
+#include "sightline/solvers.hpp"
 #include "sightline/vehicle.hpp"
 #include "sightline/world.hpp"
 
@@ -510,6 +512,73 @@ class RotorWorld final : public VehicleWorld {
   Vec3<double> position(BodyId body) const noexcept;
 
   std::vector<Pair> pairs_;
+};
+
+// A closed loop and its derivatives, backwards in time.
+//
+// The loop is that of the models: x_{k+1} = F(x_k, u_{k-d}), F the Runge-Kutta step of a period with
+// normalised headings, and u_k the first inputs of the optimum at x_k; before the first the
+// constants u* are in force. For any cost J of the states x_0 .. x_K and inputs u_0 .. u_{K-1},
+//
+//   lambda_k = J_x(k) + F_x' lambda_{k+1} + (du_k/dx_k)' g_k,   g_k = J_u(k) + F_u' lambda_{k+d+1}
+//   dJ/dtheta = sum of (du_k/dtheta)' g_k
+//
+// with the products from InputGradient. No noise, disturbance or filter takes part.
+
+class LoopGradient {
+ public:
+  /// @param delay  of the commands, in periods, >= 0
+  /// @throws std::invalid_argument for a delay < 0
+  explicit LoopGradient(const Ocp& ocp, int delay = 0);
+
+  /// Flies K periods from x0 (nx) at t = 0. Allocates.
+  /// @throws std::invalid_argument for periods < 1 or another length of x0
+  /// @return false if a state is not finite or a heading (0, 0)
+  bool fly(std::span<const double> x0, int periods);
+  /// Of the last flight, k = 0 .. K (nx), and k = 0 .. K - 1 (nu).
+  std::span<const double> x(int k) const { return periods_[at(k)].x; }
+  std::span<const double> u(int k) const { return periods_[at(k)].u; }
+
+  /// Derivatives of J over the last flight that fly() completed. An update without a derivative
+  /// (InputGradient) counts as one with constant inputs.
+  /// @param by_x  J_x  (K+1 x nx)
+  /// @param by_u  J_u  (K x nu); empty: 0
+  /// @return number of updates without a derivative
+  int differentiate(std::span<const double> by_x, std::span<const double> by_u = {});
+
+  /// By InputGradient::parameters(), and by x0 with normalised headings (nx).
+  std::span<const double> by_parameters() const { return by_parameters_; }
+  std::span<const double> by_start() const { return by_start_; }
+  const std::vector<InputGradient::Parameter>& parameters() const { return gradient_.parameters(); }
+
+ private:
+  /// The step of a body's model with its derivatives.
+  struct Step {
+    Model model;
+    std::size_t x, u;  // offsets
+    int heading;       // first state of its heading vector; -1: none
+    Program program;   // inputs x, u; outputs F, then F_x and F_u, row by row
+    std::vector<double> out{};
+
+    /// Derivatives by the normalised state to those by F: the heading's length does not count.
+    void denormalise(double* by_state) const;
+  };
+  /// State and plan of one period, and the derivative of J by its inputs.
+  struct Period {
+    std::vector<double> x, u, plan, by_u;
+  };
+
+  void evaluate(Step& step, const Period& from, std::span<const double> u) const;
+  std::span<const double> applied(int k) const;
+
+  int delay_;
+  double dt_;
+  NewtonRiccati solver_;
+  InputGradient gradient_;
+  std::vector<Step> steps_;
+  std::vector<double> resting_;
+  std::vector<Period> periods_;  // K + 1; the last has a state alone
+  std::vector<double> by_parameters_, by_start_;
 };
 
 }  // namespace sightline

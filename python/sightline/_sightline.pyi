@@ -64,16 +64,16 @@ class Flown:
     def summary(self) -> str: ...
 
 class Gradient:
-    """Derivatives of g' u, u the inputs of an update."""
+    """Derivatives of g' u, u the inputs of an update, or of a cost of a flight."""
     @property
     def parameters(self) -> dict:
         """By each weight, reference and parameter of a potential: name to number, as uav0.Q[3], uav0.x_ref[2] (a shift of the reference), couple[0].weight, couple[0].d_min."""
     @property
     def previous(self) -> npt.NDArray[np.float64]:
-        """By the inputs in force before the update (nu)."""
+        """By the inputs in force before the update (nu); of a flight empty."""
     @property
     def states(self) -> npt.NDArray[np.float64]:
-        """By the measured states of all bodies (nx)."""
+        """By the measured states of all bodies, or their start (nx)."""
 
 class Horizon:
     """T: length [s]; N: stages; dt: control period [s]."""
@@ -178,6 +178,15 @@ class LoggedBody:
     @property
     def x(self) -> npt.NDArray[np.float64]:
         """True state, n x nx, all bits of it."""
+
+class LoopGradient:
+    """A closed loop of a team's models and newton_riccati, and derivatives of its costs."""
+    def __init__(self, team: Team, *, T: float = ..., N: int = ..., dt: float = ..., delay: int = ...) -> None:
+        """delay: of the commands, in periods"""
+    def differentiate(self, by_x: npt.ArrayLike, by_u: Optional[npt.ArrayLike] = ...) -> Gradient:
+        """Gradient of a cost of the last flight, from its derivatives by the states (K+1 x nx) and the inputs (K x nu)."""
+    def fly(self, x0: npt.ArrayLike, periods: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Flies K periods from x0 (nx): the states (K+1 x nx) and the inputs (K x nu)."""
 
 class Model:
     """A robot: x' = f(x, u), and what is seen of it."""

@@ -1,8 +1,11 @@
 """Teams, parts and solvers from Python: the same bits as from a scenario, the same sentences where they are refused."""
 
 import json
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,6 +115,35 @@ def test_the_gradient_is_the_central_difference_of_the_optimum():
         mpc.gradient(g)
     with pytest.raises(ValueError, match="solver = cgmres, expected newton_riccati"):
         sl.cgmres(paper_pair()).gradient(g)
+
+
+def test_the_gradient_of_a_closed_loop_is_its_central_difference():
+    x0, periods = np.asarray(start, dtype=float), 20
+
+    def flown(x):
+        loop = sl.LoopGradient(paper_pair(), T=1.0, N=10, dt=0.05)
+        states, inputs = loop.fly(x, periods)
+        assert states.shape == (periods + 1, 14) and inputs.shape == (periods, 8)
+        return loop, states
+
+    loop, states = flown(x0)
+    gradient = loop.differentiate(states)  # of half of the sum of squares
+    for i in [0, 1, 2, 5, 8, 13]:
+        shift = 1e-4 * np.eye(14)[i]
+        difference = (flown(x0 + shift)[1] ** 2 - flown(x0 - shift)[1] ** 2).sum() / 4e-4
+        assert gradient.states[i] == pytest.approx(difference, rel=1e-5)
+    assert gradient.parameters["couple[0].weight"] != 0
+    with pytest.raises(ValueError, match="by_x has 3 numbers, expected 294"):
+        loop.differentiate([1, 2, 3])
+    with pytest.raises(ValueError, match="periods = 0, expected >= 1"):
+        loop.fly(x0, 0)
+
+
+def test_the_example_with_torch_learns_or_says_that_there_is_none():
+    example = Path(__file__).parents[2] / "examples/weights_by_torch.py"
+    done = subprocess.run([sys.executable, str(example)], capture_output=True, text=True, check=True)
+    losses = [float(line.split()[3]) for line in done.stdout.splitlines() if line.startswith("step")]
+    assert done.stdout == "weights_by_torch: skipped, torch is not installed\n" or losses[-1] < losses[0]
 
 
 def test_a_solver_refuses_a_second_thread():

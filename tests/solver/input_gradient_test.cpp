@@ -11,6 +11,7 @@
 #include "cli/allocations.hpp"
 #include "sightline/solvers.hpp"
 #include "tests/support/chain_team.hpp"
+#include "tests/support/changed_team.hpp"
 #include "tests/support/random_team.hpp"
 #include "tests/support/swap_team.hpp"
 
@@ -29,62 +30,6 @@ NewtonRiccatiOptions converging() {
           .max_krylov = 40,
           .krylov_stop = 1e-11,
           .start_steps = 100};
-}
-
-/// What a parameter of InputGradient sets in a team.
-struct Change {
-  std::string name;
-  double by = 0.0;
-};
-
-/// The team with one parameter changed, found by its name.
-Team changed(const Team& team, const Change& change) {
-  const auto add_to = [&](Values& values, const std::string& name) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (name + "[" + std::to_string(i) + "]" == change.name) values[i] += change.by;
-  };
-  const auto weighted = [&](Weighted term, const std::string& name) {
-    if (name + ".weight" == change.name) term.weight += change.by;
-    const auto numbers = term.potential.numbers();
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      if (name + "." + numbers[i].first == change.name)
-        term.potential = term.potential.with_number(i, numbers[i].second + change.by);
-    return term;
-  };
-  Team copy;
-  for (int b = 0; b < team.bodies(); ++b) {
-    const BodyId body{b};
-    const std::string name(team.name(body));
-    if (!team.is_agent(body)) {
-      copy.add(Obstacle{.name = name, .has_heading = team.model(body).nx() > 6});
-      continue;
-    }
-    Agent agent = team.agent(body);
-    agent.name = name;
-    add_to(agent.Q, name + ".Q"), add_to(agent.R, name + ".R"), add_to(agent.Q_f, name + ".Q_f");
-    add_to(agent.u_ref, name + ".u_ref"), add_to(agent.R_rate, name + ".R_rate");
-    Values shift(agent.Q.size(), 0.0);
-    add_to(shift, name + ".x_ref");
-    agent.x_ref = Reference([from = agent.x_ref, model = agent.model, shift](double t) {
-      Values x(shift.size());
-      from(t, model, x);
-      for (std::size_t i = 0; i < x.size(); ++i) x[i] += shift[i];
-      return x;
-    });
-    copy.add(agent);
-  }
-  for (std::size_t i = 0; i < team.couplings().size(); ++i) {
-    Coupling coupling = team.couplings()[i];
-    coupling.term = weighted(coupling.term, "couple[" + std::to_string(i) + "]");
-    copy.couple(coupling);
-  }
-  for (std::size_t i = 0; i < team.constraints().size(); ++i) {
-    Constraint constraint = team.constraints()[i];
-    constraint.term = weighted(constraint.term, "constrain[" + std::to_string(i) + "]");
-    copy.constrain(constraint);
-  }
-  for (const BarrierTerm& limit : team.barriers()) copy.constrain(limit.barrier, limit.agent);
-  return copy;
 }
 
 struct Plan {
@@ -199,7 +144,7 @@ void compare_parameter(const Converged& c, std::size_t i, Comparison& comparison
   // A shift of a free heading, or of one that the heading-error limit turns, has no derivative.
   const bool may_turn = parameter.name.find("x_ref") != std::string::npos;
   const auto at_change = [&](double by) {
-    NewtonRiccati its(changed(c.team, {parameter.name, by}), horizon, converging());
+    NewtonRiccati its(changed_team(c.team, parameter.name, by), horizon, converging());
     const double value = converged(its, c.plan, c.states, c.g);
     return may_turn && !InputGradient(its).differentiate(c.g) ? std::nan("") : value;
   };
@@ -307,7 +252,7 @@ TEST(InputGradient, KnowsThePreviousInputIfItsRateHasACost) {
     const auto& parameter = gradient.parameters()[p];
     if (parameter.name.find("R_rate") == std::string::npos) continue;
     const auto at_change = [&](double by) {
-      NewtonRiccati its(changed(team, {parameter.name, by}), horizon, converging());
+      NewtonRiccati its(changed_team(team, parameter.name, by), horizon, converging());
       return value(its);
     };
     const double difference = slope(at_change, 1e-4);

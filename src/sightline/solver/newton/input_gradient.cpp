@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sightline/base.hpp"
+#include "sightline/model/state_roles.hpp"
 #include "sightline/solver/newton/points.hpp"
 #include "sightline/solver/newton/workspace.hpp"
 #include "sightline/solvers.hpp"
@@ -39,17 +40,6 @@ struct SlopesOfPairs {
   std::vector<Pair> pairs{};
 };
 
-/// States of a heading vector in a robot's or body's state, of which normalise() keeps the
-/// direction; -1: none.
-int heading_of(const Model& model) {
-  std::vector<double> x(at(model.nx()), 1.0);
-  if (!model.normalise(x.data())) return -1;
-  for (int i = 0; i + 1 < model.nx(); ++i) {
-    if (x[at(i)] < 0.9 && x[at(i)] == x[at(i + 1)]) return i;
-  }
-  return -1;
-}
-
 }  // namespace
 
 struct InputGradient::Work {
@@ -69,7 +59,7 @@ struct InputGradient::Work {
   std::vector<SlopesOfPairs> formulas;
   std::vector<Parameter> parameters;
   std::vector<std::size_t> first_of_agent;  // place of its Q
-  std::vector<int> headings;                // [body]: of heading_of()
+  std::vector<int> headings;                // [body]: first state of the heading vector; -1: none
   std::vector<double> by_states, by_previous, by_parameters;
   double error = 0.0;
 
@@ -185,7 +175,7 @@ InputGradient::Work::Work(newton::Workspace& workspace)
                              .potential = {},
                              .ramp = c.ramp};
       });
-  for (int b = 0; b < team.bodies(); ++b) headings.push_back(heading_of(team.model(BodyId{b})));
+  for (int b = 0; b < team.bodies(); ++b) headings.push_back(roles_of(team.model(BodyId{b})).direction[0]);
   by_states.resize(at(team.nx()));
   by_previous.resize(at(team.nu()));
   by_parameters.resize(parameters.size());
