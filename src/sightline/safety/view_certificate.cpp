@@ -1,0 +1,467 @@
+#include "sightline/safety/view_certificate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+namespace sightline {
+namespace {
+
+constexpr double inset = 0.003;        // of lo and hi, for the interpolation of the table [m]
+constexpr double spare = 1e-5;         // of each reserve, for rounding [m]
+constexpr double estimate_rate = 1.2;  // speed of an estimate, relative to the target's
+constexpr std::size_t most_nodes = ViewSection::distances;
+
+constexpr std::array sideward_speeds = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7};  // [m/s]
+constexpr std::array turn_shares = {0.02, 0.03, 0.045, 0.06, 0.1, 0.2, 0.35, 0.6, 1.0};     // of the yaw rate
+
+/// Greatest distance of a target from its estimate. The estimate moves by `step` in a period
+/// towards a measurement with an error of at most `error`, the target by `move`. At a distance d
+/// the direction of the measurement is off by at most asin(error / d).
+double estimate_radius(double error, double move, double step) {
+  constexpr double finer = 1.01, farthest = 5.0;  // [m]
+  for (double radius = error; radius < farthest; radius *= finer) {
+    const double d = radius + move, sine = error / d;
+    if (sine < 1 && square(d) - 2 * d * step * std::sqrt(1 - square(sine)) + square(step) <= square(radius))
+      return radius;
+  }
+  return infinity;
+}
+
+/// Tables of one bearing limit, sideward speed and yaw rate, and the sets between two distances.
+class Sets {
+ public:
+  Sets(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
+      : task_(task), section_(section), known_(task.bounds.known(task.dt)), ignored_(ignored) {}
+
+  /// @return false if no set exists for any distances
+  bool prepare(double theta, double sideward, double turn);
+  /// Volume of the set from r_i to r_j; 0 if a condition fails.
+  double volume(int i, int j);
+  ViewCertificate certificate(int i, int j);
+
+  int first() const { return first_; }        ///< the least r_i at which the section is not empty
+  int last() const { return last_; }          ///< the greatest r_j of the same interval
+  int corridor() const { return corridor_; }  ///< least j - i, (C1)
+
+ private:
+  bool follows(int i, int j) const;  ///< (C2)
+
+  ViewTask task_;
+  const ViewSection& section_;
+  ViewBounds::Known known_;
+  ViewLimit ignored_;
+  double theta_ = 0, sideward_ = 0, turn_ = 0, across_ = 0, sine_ = 0, sine_between_ = 0;
+  ViewBrake brake_{};
+  int first_ = 0, last_ = 0, corridor_ = 0;
+  // [k]: greatest v_f within a period from a state whose braking distance is at most (k + 1) steps.
+  std::array<double, most_nodes> fastest_{};
+  std::array<ViewSection::Heights, most_nodes> heights_{};
+  std::array<double, most_nodes> low_{}, high_{};
+};
+
+bool Sets::prepare(double theta, double sideward, double turn) {
+  const ViewMotion& robot = task_.motion;
+  const ViewBounds& bounds = task_.bounds;
+  const double dt = task_.dt, c = robot.along.drag, b = robot.along.most;
+  const double between = theta + 1.5 * turn * dt;  // T
+  if (between >= 1.5) return false;
+  const bool measured = bounds.is_velocity_measured();
+  // Between samples a velocity may exceed its values at both by what the target and wind change it.
+  const double varied = (bounds.wind + (measured ? bounds.acceleration : 0.0)) * dt;
+  const double w = measured ? 0.0 : known_.speed, tangent = (sideward + varied) * std::tan(between);
+  const double W_e = w / std::cos(between) + tangent;
+  // Thrust that wind, and the target's drag, acceleration and turn in V, may use up.
+  const double used = bounds.wind + (measured ? bounds.acceleration + (c + turn) * known_.speed : 0.0);
+  const double least = b - used, most = b + used;
+  if (least - c * W_e < 0.02 * b) return false;
+  if (robot.across.input >= 0) {
+    const double held =
+        bounds.wind + (measured ? bounds.acceleration + (robot.across.drag + turn) * known_.speed : 0.0);
+    if (held > 0.95 * robot.across.most || sideward <= 2 * held * dt) return false;
+  }
+  theta_ = theta, sideward_ = sideward, turn_ = turn;
+  across_ = w + sideward + varied, sine_ = std::sin(theta), sine_between_ = std::sin(between);
+  brake_ = {c, least - c * W_e, W_e};
+
+  // The longest interval of distances with heights.
+  for (int k = 0; k < ViewSection::distances; ++k) {
+    ViewSection::Heights& at_k = heights_[size(k)];
+    at_k = section_.heights(k, theta, known_.radius);
+    at_k = {at_k.low + inset + known_.height, at_k.high - inset - known_.height};
+  }
+  first_ = last_ = 0;
+  for (int k = 0, begin = 0; k < ViewSection::distances; ++k) {
+    if (heights_[size(k)].is_empty()) begin = k + 1;
+    if (k - begin > last_ - first_) first_ = begin, last_ = k;
+  }
+
+  // (C1): a thrust for one border uses up at most `lost` of the other's reserve.
+  const double change = (most + c * W_e) * dt;
+  const double lost =
+      (2 * W_e + change) * dt * std::max(least + most, 1.5 * (most + c * W_e)) / (least + c * W_e);
+  const double length = brake_.distance(W_e) + 2 * (lost + spare);
+  corridor_ =
+      ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
+  if (corridor_ > last_ - first_) return false;
+
+  const double moved = dt * (W_e + brake_.fastest((last_ - first_) * section_.step()));
+  for (int k = 0; k <= last_ - first_; ++k)
+    fastest_[size(k)] = brake_.fastest((k + 1) * section_.step() + moved) + varied;
+  return true;
+}
+
+bool Sets::follows(int i, int j) const {
+  if (ignored_ == ViewLimit::yaw) return true;
+  const double below = 4 * task_.motion.along.most * square(task_.dt);
+  double most = 0.0;  // rate of the line of sight [rad/s]
+  for (int k = i; k < j; ++k) {
+    const double r = section_.distance(k) - below, ahead = fastest_[size(k - i)],
+                 back = fastest_[size(j - k - 1)];
+    const double left = across_ + ahead * (ahead > 0 ? sine_between_ : sine_),
+                 right = across_ + back * (back > 0 ? sine_between_ : sine_);
+    if (left > turn_ * r || right > 2 * turn_ * r) return false;
+    most = std::max({most, left / r, right / r});
+  }
+  return theta_ >= (turn_ + most) * task_.dt + spare;
+}
+
+double Sets::volume(int i, int j) {
+  if (!follows(i, j)) return 0.0;
+  const double climb = task_.motion.climb.most - known_.climb, d = section_.step();
+  if (climb < 0) return 0.0;
+  for (int k = i; k <= j; ++k)
+    low_[size(k - i)] = heights_[size(k)].low, high_[size(k - i)] = heights_[size(k)].high;
+  const int n = j - i;
+  if (ignored_ != ViewLimit::height) {
+    const auto narrow = [&](int to, int from, double speed) {  // (C4)
+      const double step = d * climb / std::max(brake_.speed + speed, 1e-3);
+      high_[size(to)] = std::min(high_[size(to)], high_[size(from)] + step);
+      low_[size(to)] = std::max(low_[size(to)], low_[size(from)] - step);
+    };
+    for (int k = 1; k <= n; ++k) narrow(k, k - 1, fastest_[size(k - 1)]);
+    for (int k = n - 1; k >= 0; --k) narrow(k, k + 1, fastest_[size(n - 1 - k)]);
+  }
+  const double least =
+      ignored_ == ViewLimit::height ? 0.0 : 4 * task_.motion.climb.most * task_.dt + 2 * spare;  // (C3)
+  double sum = 0.0;
+  for (int k = 0; k <= n; ++k) {
+    const double height = high_[size(k)] - low_[size(k)], r = section_.distance(i + k);
+    if (height < least) return 0.0;
+    sum += height * (brake_.fastest(k * d) + brake_.fastest((n - k) * d)) * r * d;
+  }
+  return std::max(4 * theta_ * std::max(sideward_, 1e-3) * sum, 1e-12);
+}
+
+ViewCertificate Sets::certificate(int i, int j) {
+  ViewCertificate z{.task = task_,
+                    .theta = theta_,
+                    .sideward = sideward_,
+                    .near = section_.distance(i),
+                    .far = section_.distance(j),
+                    .turn = turn_,
+                    .brake = brake_,
+                    .volume = volume(i, j)};
+  z.low.assign(low_.begin(), low_.begin() + (j - i + 1));
+  z.high.assign(high_.begin(), high_.begin() + (j - i + 1));
+  return z;
+}
+
+/// A set by its places in the tables.
+struct Candidate {
+  int turn, bearing, sideward, near, far;
+};
+
+/// The sets of a task; those that `ignored` forbids count too.
+class Search {
+ public:
+  Search(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
+      : yaw_(task.motion.turn.most),
+        slowest_turn_(task.bounds.is_velocity_measured() ? 0 : turns - 1),
+        sideward_count_(task.motion.across.input >= 0 ? size(sideward_speeds.size()) : 1),
+        sets_(task, section, ignored) {}
+
+  /// Calls visit(sets, candidate) for the tables of every `stride`-th bearing limit and sideward speed,
+  /// until it returns true.
+  template <class Visit>
+  bool any(int stride, Visit&& visit) {
+    for (int turn = slowest_turn_; turn < turns; ++turn)
+      for (int i = stride - 1; i < ViewSection::bearings; i += stride)
+        for (int k = 0; k < sideward_count_; k += stride)
+          if (prepare(turn, i, k) && visit(sets_, Candidate{turn, i, k, 0, 0})) return true;
+    return false;
+  }
+  /// The certificate of a candidate; of volume 0 if a condition fails.
+  double volume(const Candidate& of) {
+    if (of.turn < slowest_turn_ || of.turn >= turns || of.bearing < 0 ||
+        of.bearing >= ViewSection::bearings || of.sideward < 0 || of.sideward >= sideward_count_ ||
+        !prepare(of.turn, of.bearing, of.sideward))
+      return 0.0;
+    const bool fits =
+        of.near >= sets_.first() && of.far <= sets_.last() && of.far - of.near >= sets_.corridor();
+    return fits ? sets_.volume(of.near, of.far) : 0.0;
+  }
+  ViewCertificate certificate(const Candidate& of) {
+    prepare(of.turn, of.bearing, of.sideward);
+    return sets_.certificate(of.near, of.far);
+  }
+
+ private:
+  static constexpr int turns = static_cast<int>(turn_shares.size());
+  static int size(std::size_t n) { return static_cast<int>(n); }
+
+  bool prepare(int turn, int bearing, int sideward) {
+    const double speed = sideward_count_ > 1 ? sideward_speeds[at(sideward)] : 0.0;
+    return sets_.prepare(ViewSection::bearing(bearing), speed, turn_shares[at(turn)] * yaw_);
+  }
+
+  double yaw_;
+  int slowest_turn_, sideward_count_;
+  Sets sets_;
+};
+
+/// Some set of a task, or none. Of one r1 the shortest corridor has the least speeds.
+std::optional<Candidate> any_certificate(const ViewTask& task, const ViewSection& section,
+                                         ViewLimit ignored) {
+  std::optional<Candidate> found;
+  Search(task, section, ignored).any(1, [&](Sets& sets, Candidate of) {
+    for (of.near = sets.first(); of.near + sets.corridor() <= sets.last(); ++of.near) {
+      of.far = of.near + sets.corridor();
+      if (sets.volume(of.near, of.far) == 0) continue;
+      found = of;
+      return true;
+    }
+    return false;
+  });
+  return found;
+}
+
+/// The condition without which the task would be certified; the thrust if no single one.
+ViewLimit limit_of(const ViewTask& task, const ViewSection& section) {
+  for (const ViewLimit one : {ViewLimit::range, ViewLimit::yaw, ViewLimit::height})
+    if (any_certificate(task, section, one)) return one;
+  return ViewLimit::thrust;
+}
+
+}  // namespace
+
+ViewBounds::Known ViewBounds::known(double dt) const {
+  if (error == 0) return {speed, climb, spread + speed * age, climb * age};
+  const double faster = estimate_rate * speed, up = estimate_rate * climb;
+  const double radius = estimate_radius(error, speed * dt, faster * dt);
+  return {faster, up, spread + radius + faster * age, error + climb * dt + up * age};
+}
+
+ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean) {
+  const auto holds = [](const Potential& limit, const Sight<double>& robot, const Sight<double>& target) {
+    return limit.violation(robot, target) <= 0;
+  };
+  std::vector<Vec2<double>> leans = {{0, 0}};
+  const bool tilts = std::any_of(limits.begin(), limits.end(), [](const Potential& limit) {
+    return limit.mount() != nullptr && limit.mount()->frame == MountFrame::body;
+  });
+  if (tilts) {
+    for (const double f : {-1.0, 0.0, 1.0})
+      for (const double s : {-1.0, 0.0, 1.0}) leans.push_back({f * lean.x, s * lean.y});
+  }
+  for (const Potential& limit : limits) {
+    // The same relative position with another place, heading, velocity and time.
+    constexpr double turned = 0.7;
+    const Vec2<double> d = {std::cos(turned), std::sin(turned)};
+    bool same = !limit.sees_third();
+    for (const Vec3<double>& r : {Vec3<double>{1.1, 0.2, -0.5}, Vec3<double>{0.4, -0.9, 0.3}}) {
+      const Sight<double> robot = {{{0, 0, 0}, {1, 0}}, {}}, target = {{r, {1, 0}}, {}};
+      const Vec2<double> moved = rotate(d, {r.x, r.y});
+      const Sight<double> other = {{{2, -3, 4}, d},
+                                   {0.3, 0.2, -0.1},
+                                   tilts ? Vec2<double>{} : Vec2<double>{0.05, -0.04}},
+                          seen = {{{2 + moved.x, -3 + moved.y, 4 + r.z}, {0.8, 0.6}}, {-0.2, 0.4, 0.3}};
+      same = same && std::abs(limit.violation(robot, target) - limit.violation(other, seen, 5.0)) < 1e-9;
+    }
+    if (!same)
+      throw_invalid(
+          "certify_view: the limit \"{}\" depends on more than the relative position, expected one "
+          "of the position alone",
+          limit.name());
+  }
+  return [limits = std::move(limits), leans = std::move(leans), holds](double ahead, double left,
+                                                                       double above) {
+    const Sight<double> target = {{{ahead, left, 0}, {1, 0}}, {}};
+    return std::all_of(limits.begin(), limits.end(), [&](const Potential& limit) {
+      const bool once = limit.mount() == nullptr || limit.mount()->frame != MountFrame::body;
+      return std::all_of(leans.begin(), once ? leans.begin() + 1 : leans.end(), [&](const Vec2<double>& xi) {
+        return holds(limit, {{{0, 0, above}, {1, 0}}, {}, xi}, target);
+      });
+    });
+  };
+}
+
+ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * bearings)) {
+  constexpr double farthest = 30.0, coarse = 0.05;  // [m]
+  constexpr int levels = 100;
+  // The distances at which some height straight ahead is in the region.
+  const auto holds_at = [&](double r, double reach) {
+    for (int k = -levels; k <= levels; ++k)
+      if (region(r, 0.0, reach * k / levels)) return true;
+    return false;
+  };
+  double first = infinity, last = 0.0;
+  for (double r = coarse; r <= farthest + coarse; r += coarse) {
+    if (!holds_at(r, std::max(3.0, r))) continue;
+    first = std::min(first, r), last = r;
+  }
+  if (last == 0.0)
+    throw_invalid("certify_view: no place within {} m is in the region, expected some", farthest);
+  if (last > farthest)
+    throw_invalid(
+        "certify_view: the region reaches beyond {} m, expected a limit of the distance such as "
+        "d_max",
+        farthest);
+  first_ = std::max(0.5 * coarse, first - coarse);
+  step_ = (last + coarse - first_) / (distances - 1);
+
+  const double reach = std::max(3.0, last);
+  const auto longest = [&](double r, double theta, Heights within) {
+    const double x = r * std::cos(theta), y = r * std::sin(theta);
+    constexpr double scan = 0.02;  // [m]
+    Heights best = {1, 0};
+    double begin = 0.0, before = within.low;
+    bool in = false;
+    const auto border = [&](double out, double inside) {  // by bisection, on the inner side
+      for (int k = 0; k < 8; ++k) {
+        const double middle = 0.5 * (out + inside);
+        (region(x, y, middle) ? inside : out) = middle;
+      }
+      return inside;
+    };
+    const auto count = static_cast<int>(std::ceil((within.high - within.low) / scan));
+    for (int k = 0; k <= count + 1; ++k) {
+      const double h = std::min(within.high, within.low + k * scan);
+      const bool now = k <= count && region(x, y, h);
+      if (now && !in) begin = k == 0 ? h : border(before, h);
+      if (in && !now) {
+        const double end = k > count ? within.high : border(h, before);
+        if (best.is_empty() || end - begin > best.high - best.low) best = {begin, end};
+      }
+      in = now, before = h;
+    }
+    return best;
+  };
+  for (int k = 0; k < distances; ++k) {
+    const double r = distance(k);
+    Heights run = longest(r, 0.0, {-reach, reach});
+    for (int i = 0; i < bearings; ++i) {
+      for (const double side : {1.0, -1.0})
+        if (!run.is_empty()) run = longest(r, side * bearing(i), run);
+      heights_[size(i * distances + k)] = run;
+    }
+  }
+}
+
+ViewSection::Heights ViewSection::heights(int k, double bearing, double radius) const {
+  const double r = distance(k);
+  if (radius >= r) return {1, 0};
+  const double wide = bearing + std::asin(radius / r);
+  const int i = std::max(0, static_cast<int>(std::ceil(wide / bearing_step - 1e-9)) - 1),
+            beside = static_cast<int>(std::ceil(radius / step_ - 1e-9));
+  if (i >= bearings || k - beside < 0 || k + beside >= distances) return {1, 0};
+  Heights all = heights_[size(i * distances + k)];
+  for (int j = k - beside; j <= k + beside; ++j) {
+    const Heights& one = heights_[size(i * distances + j)];
+    if (one.is_empty()) return one;
+    all = {std::max(all.low, one.low), std::min(all.high, one.high)};
+  }
+  return all;
+}
+
+// With y = v + W_e and z = c y / thrust: n = y^2 / thrust (z - ln(1 + z)) / z^2.
+double ViewBrake::distance(double v) const noexcept {
+  const double y = v + speed;
+  if (y <= 0) return 0.0;
+  const double z = drag * y / thrust;
+  const double g = z < 1e-3 ? 0.5 - z / 3 + z * z / 4 : (z - std::log1p(z)) / (z * z);
+  return y * y / thrust * g;
+}
+
+double ViewBrake::slope(double v) const noexcept {
+  const double y = v + speed;
+  return y <= 0 ? 0.0 : y / (thrust + drag * y);
+}
+
+double ViewBrake::fastest(double d) const noexcept {
+  if (d <= 0) return -speed;
+  double v = -speed + std::sqrt(2 * thrust * d);
+  for (int k = 0; k < 6; ++k) v -= (distance(v) - d) / slope(v);
+  return v;
+}
+
+std::string_view to_string(ViewLimit limit) noexcept {
+  constexpr std::array<std::string_view, 5> names = {"nothing", "the range corridor", "the yaw rate",
+                                                     "the height", "the thrust"};
+  return names[static_cast<std::size_t>(limit)];
+}
+
+double ViewCertificate::at(const std::vector<double>& heights, double r) const noexcept {
+  const auto last = static_cast<double>(heights.size() - 1);
+  const double s = std::clamp((r - near) / step(), 0.0, last);
+  const std::size_t k = std::min(static_cast<std::size_t>(s), heights.size() - 2);
+  return heights[k] + (s - static_cast<double>(k)) * (heights[k + 1] - heights[k]);
+}
+
+ViewCertificate certify_view(const ViewTask& task, const ViewSection& section) {
+  Search search(task, section, ViewLimit::none);
+  std::optional<Candidate> best;
+  double volume = 0.0;
+  // A coarse grid first; a thin set that it misses is found by the whole one.
+  constexpr int stride = 4, coarse = 8;
+  search.any(stride, [&](Sets& sets, Candidate of) {
+    for (of.near = sets.first(); of.near + sets.corridor() <= sets.last(); of.near += coarse) {
+      for (of.far = of.near + sets.corridor(); of.far <= sets.last(); of.far += coarse) {
+        const double one = sets.volume(of.near, of.far);
+        if (one > volume) volume = one, best = of;
+      }
+    }
+    return false;
+  });
+  if (!best) best = any_certificate(task, section, ViewLimit::none);
+  if (!best) return {.task = task};
+  // Then from neighbour to neighbour, in ever smaller steps.
+  constexpr std::array members = {&Candidate::turn, &Candidate::bearing, &Candidate::sideward,
+                                  &Candidate::near, &Candidate::far};
+  for (int step = coarse / 2; step > 0; step /= 2) {
+    for (bool better = true; better;) {
+      better = false;
+      for (const auto member : members) {
+        for (const int change : {-step, step}) {
+          Candidate next = *best;
+          next.*member += change;
+          const double one = search.volume(next);
+          if (one > volume) volume = one, best = next, better = true;
+        }
+      }
+    }
+  }
+  return search.certificate(*best);
+}
+
+CertifiedSpeed certified_speed(ViewTask task, const ViewSection& section) {
+  const auto holds = [&](double speed, ViewLimit ignored) {
+    task.bounds.speed = speed;
+    return any_certificate(task, section, ignored).has_value();
+  };
+  constexpr double fine = 0.005, slowest = 0.01, fastest = 32.0;  // relative; [m/s]
+  if (!holds(0.0, ViewLimit::none)) return {0.0, limit_of(task, section)};
+  double low = 0.0, high = 0.5;
+  while (high < fastest && holds(high, ViewLimit::none)) low = high, high *= 2;
+  while (high - low > std::max(fine * high, slowest * fine)) {
+    const double middle = 0.5 * (low + high);
+    (holds(middle, ViewLimit::none) ? low : high) = middle;
+  }
+  task.bounds.speed = high;
+  return {low, limit_of(task, section)};
+}
+
+}  // namespace sightline

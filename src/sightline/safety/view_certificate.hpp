@@ -1,0 +1,169 @@
+/// The certificate of a view: a set of states that a filter can never be forced to leave, and whose
+/// every state has the target in the sensor's region.
+///
+/// Coordinates are relative to the target, in the heading frame V of the robot: r horizontal
+/// distance, theta bearing of the target (left > 0), h height of the robot above the target,
+/// v_f, v_s velocity. (w_r, w_t) is the target's velocity along and across the line of sight:
+///
+///   r'     = w_r - (v_f cos theta + v_s sin theta)                        |(w_r, w_t)| <= W
+///   theta' = (w_t - v_s cos theta + v_f sin theta) / r - omega            |omega| <= Omega
+///   h'     = v_z - w_z                                                    |w_z| <= W_z
+///   v_f'   = -c v_f + a_f,   v_s' = -c_s v_s + a_s                        |a_f| <= b, |a_s| <= b_s
+///
+/// Braking distance at full thrust against a target that approaches at W_e:
+///
+///   n(v) = integral of y / (b - c W_e + c y) over y from 0 to v + W_e, or 0 for v <= -W_e
+///   W_e  = (W + V_s sin T) / cos T,   T = Theta + 1.5 Omega dt
+///
+/// The set:
+///
+///   S = { r - r1 >= n(v_f), r2 - r >= n(-v_f), |theta| <= Theta, |v_s| <= V_s, lo(r) <= h <= hi(r) }
+///
+/// If the target's velocity is measured, v is relative to it and W_e = V_s tan T. The theorem, its
+/// conditions (C1) to (C6) and the proof are in docs/certified_view.md. Units are SI.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/potential.hpp"
+
+namespace sightline {
+
+/// How the commands move a robot: each command moves one coordinate of the heading frame.
+struct ViewMotion {
+  /// A command and its effect; gain * u is an acceleration, a climb or a yaw rate.
+  struct Axis {
+    int input = -1;     ///< index, or -1: no such motion
+    double gain = 0.0;  ///< per unit of the input
+    double most = 0.0;  ///< greatest |gain u| in both directions; [m/s^2], [m/s] or [rad/s]
+    double drag = 0.0;  ///< of its velocity [1/s]; along and across
+  };
+  Axis along{}, across{}, climb{}, turn{};
+  Vec2<double> lean{};  ///< greatest |xi_f|, |xi_s| that commands produce [-]
+};
+
+/// @param u_min, u_max  limits of the inputs (nu), finite
+/// @throws std::invalid_argument for a robot that moves otherwise: with a sentence that names it
+ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
+
+/// What is assumed of the target, of the measurements and of the air.
+struct ViewBounds {
+  double speed = 0.5;              ///< W, greatest horizontal speed of the target [m/s]
+  double climb = 0.3;              ///< W_z, greatest vertical speed of the target [m/s]
+  double acceleration = infinity;  ///< A, horizontal; finite: the target's velocity is measured [m/s^2]
+  double age = 0.0;                ///< greatest age of the target's position [s]
+  double error = 0.0;              ///< greatest error of the target's relative position [m]
+  double spread = 0.0;             ///< distance from the known point to the farthest of several targets [m]
+  double wind = 0.0;               ///< greatest horizontal acceleration by wind [m/s^2]
+
+  static constexpr auto parameters() {
+    using B = ViewBounds;
+    constexpr Bounds age_range = {0.0, 2.0, "0 to 2"};
+    return std::tuple{
+        parameter("speed_max", &B::speed, "m/s", from_zero, "greatest horizontal speed of the target"),
+        parameter("climb_max", &B::climb, "m/s", from_zero, "greatest vertical speed of the target"),
+        parameter("acceleration_max", &B::acceleration, "m/s^2", above_zero,
+                  "greatest horizontal acceleration of a target whose velocity is measured"),
+        parameter("age", &B::age, "s", age_range, "greatest age of the target's measured position"),
+        parameter("error", &B::error, "m", from_zero, "greatest error of the target's relative position"),
+        parameter("spread", &B::spread, "m", from_zero, "greatest distance of further targets from this one"),
+        parameter("wind", &B::wind, "m/s^2", from_zero, "greatest horizontal acceleration by wind")};
+  }
+
+  bool is_velocity_measured() const { return acceleration < infinity; }
+  /// The point that the filter follows: how fast it moves, and how far the target is from it.
+  struct Known {
+    double speed, climb, radius, height;
+  };
+  /// An estimate that follows measurements no faster than 1.2 W stays within `radius` of the target.
+  Known known(double dt) const;
+};
+
+/// Whether the target, `ahead` and `left` of a robot `above` it [m], is where it must be.
+using ViewRegion = std::function<bool(double ahead, double left, double above)>;
+
+/// The region in which all potentials hold: sensor and distances, for every tilt up to `lean` of a
+/// sensor that is fixed to the body.
+/// @throws std::invalid_argument for a potential that depends on more than the relative position
+ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean);
+
+/// Heights at which the target is in the region at all bearings up to a limit, tabulated once.
+class ViewSection {
+ public:
+  struct Heights {
+    double low, high;  ///< [m]; low > high: none
+    bool is_empty() const { return !(low < high); }
+  };
+  static constexpr int distances = 121, bearings = 36;
+  static constexpr double bearing_step = 0.0125;  ///< [rad]
+
+  /// @throws std::invalid_argument if the region is empty or has points beyond 30 m
+  explicit ViewSection(const ViewRegion& region);
+
+  double step() const { return step_; }                        ///< between distances [m]
+  double distance(int k) const { return first_ + k * step_; }  ///< r_k [m]
+  static double bearing(int i) { return bearing_step * (i + 1); }
+  /// Heights at r_k and all bearings up to `bearing`, with the target anywhere within `radius` [m].
+  Heights heights(int k, double bearing, double radius) const;
+
+ private:
+  double first_ = 0.0, step_ = 0.0;
+  std::vector<Heights> heights_;  // bearings x distances
+};
+
+/// n(v) and its inverse.
+struct ViewBrake {
+  double drag = 0.0;    ///< c [1/s]
+  double thrust = 1.0;  ///< b - c W_e, the deceleration at v = -W_e, > 0 [m/s^2]
+  double speed = 0.0;   ///< W_e [m/s]
+
+  double distance(double v) const noexcept;        ///< n(v) [m]
+  double slope(double v) const noexcept;           ///< n'(v) [s]
+  double fastest(double distance) const noexcept;  ///< greatest v with n(v) <= distance [m/s]
+};
+
+/// The task of a certificate.
+struct ViewTask {
+  ViewMotion motion{};
+  ViewBounds bounds{};
+  double dt = 0.01;  ///< period of the commands [s]
+};
+
+/// A condition of the theorem that can limit the certified speed.
+enum class ViewLimit { none, range, yaw, height, thrust };
+std::string_view to_string(ViewLimit limit) noexcept;
+
+struct ViewCertificate {
+  ViewTask task{};
+  double theta = 0.0;                 ///< Theta [rad]
+  double sideward = 0.0;              ///< V_s [m/s]
+  double near = 0.0;                  ///< r1 [m]
+  double far = 0.0;                   ///< r2 [m]
+  double turn = 0.0;                  ///< Omega, the yaw rate that the filter uses [rad/s]
+  ViewBrake brake{};                  ///< n
+  std::vector<double> low{}, high{};  ///< lo and hi at equal distances from r1 to r2 [m]
+  double volume = 0.0;                ///< of S in (r, theta, h, v_f, v_s); 0: there is no certificate
+
+  bool exists() const { return volume > 0; }
+  double step() const { return (far - near) / static_cast<double>(low.size() - 1); }
+  /// lo(r) or hi(r), linear between the nodes and constant beyond them.
+  double at(const std::vector<double>& heights, double r) const noexcept;
+};
+
+/// The largest certificate of a task, or one of volume 0.
+ViewCertificate certify_view(const ViewTask& task, const ViewSection& section);
+
+/// The largest W that can be certified [m/s], to 0.5 %, and the condition that limits it.
+struct CertifiedSpeed {
+  double speed = 0.0;  ///< 0: not even a target at rest
+  ViewLimit limit = ViewLimit::none;
+};
+CertifiedSpeed certified_speed(ViewTask task, const ViewSection& section);
+
+}  // namespace sightline

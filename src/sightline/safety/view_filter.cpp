@@ -1,0 +1,313 @@
+#include "sightline/safety/view_filter.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace sightline {
+namespace {
+
+constexpr double rate = 4.0;     // greatest decay rate of a reserve [1/s]
+constexpr double strict = 1e-5;  // below this a reserve may not fall [m]
+constexpr double rounding = 1e-7;
+
+/// (1 - e^{-c t}) / c and its integral over t, by their series.
+std::array<double, 2> responses(double c, double t) {
+  double E = 0.0, F = 0.0, term = 1.0;
+  for (int k = 0; k < 20; ++k) {
+    E += term / (k + 1), F += term / ((k + 1) * (k + 2));
+    term *= -c * t / (k + 1);
+  }
+  return {t * E, t * t * F};
+}
+
+/// What a reserve must be at the next sample: at least a part of what it is, or S itself.
+struct Need {
+  double soft, hard;
+};
+Need need_of(double reserve, double keep) {
+  const double hard = std::min(reserve, strict);
+  return {std::max(keep * reserve, hard), hard};
+}
+
+}  // namespace
+
+SlowEstimate::SlowEstimate(const ViewBounds& bounds, double dt) noexcept
+    : step_(bounds.error > 0 ? bounds.known(dt).speed * dt : infinity),
+      climb_(bounds.error > 0 ? bounds.known(dt).climb * dt : infinity) {}
+
+const Vec3<double>& SlowEstimate::follow(const Vec3<double>& measured) noexcept {
+  if (!has_begun_) p_ = measured, has_begun_ = true;
+  const Vec2<double> off = {measured.x - p_.x, measured.y - p_.y};
+  const double distance = norm(off.x, off.y), part = distance > step_ ? step_ / distance : 1.0;
+  p_ = {p_.x + part * off.x, p_.y + part * off.y, p_.z + std::clamp(measured.z - p_.z, -climb_, climb_)};
+  return p_;
+}
+
+/// The target in coordinates of the certificate.
+struct ViewFilter::Place {
+  double r, theta, h;
+  double v_f, v_s;  // relative to the target's known velocity, in V [m/s]
+};
+
+/// Values from low to high that a command may have.
+struct ViewFilter::Interval {
+  double low = -infinity, high = infinity;            // by the decay rate
+  double hard_low = -infinity, hard_high = infinity;  // by S
+
+  /// The nearest value to `wanted`, within the limits.
+  double nearest(double wanted, double least, double most) const noexcept {
+    double from = low, to = high;
+    if (from > to) {
+      const double middle = 0.5 * (low + high);
+      from = to = std::clamp(middle, std::min(hard_low, hard_high), std::max(hard_low, hard_high));
+    }
+    return std::clamp(std::clamp(wanted, from, to), least, most);
+  }
+};
+
+struct ViewFilter::Period {
+  std::span<const double> x, u_min, u_max;
+  std::array<double, most_inputs> wanted;
+  ViewTarget later;  // the target at the next sample, if it keeps its known velocity
+  Place at;
+  ViewReserves reserves;
+  Place next{};             // under the command,
+  bool is_current = false;  // unless the command has changed since
+
+  /// Puts the value of an axis (gain u) nearest to the wanted one into u, at most `most`.
+  void choose(const ViewMotion::Axis& axis, const Interval& interval, double most,
+              std::span<double> u) noexcept {
+    const auto k = size(axis.input);
+    const double a = axis.gain * u_min[k], b = axis.gain * u_max[k], asked = axis.gain * wanted[k];
+    const double least = std::min(a, b), greatest = std::max(a, b);
+    const double value =
+        interval.nearest(asked, std::clamp(-most, least, greatest), std::clamp(most, least, greatest));
+    const double before = u[k];
+    u[k] = value == asked ? wanted[k] : std::clamp(value / axis.gain, u_min[k], u_max[k]);
+    is_current = is_current && u[k] == before;
+  }
+};
+
+ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
+    : model_(model), certificate_(certificate) {
+  const ViewTask& task = certificate.task;
+  const double dt = task.dt;
+  if (!certificate.exists()) throw_invalid("certify_view: no certificate exists, expected one");
+  if (model.nx() > most_states || model.nu() > most_inputs)
+    throw_invalid("certify_view: \"{}\" has {} states and {} inputs, expected at most {} and {}",
+                  model.name(), model.nx(), model.nu(), most_states, most_inputs);
+  if (!(dt > 0 && dt <= longest_period))
+    throw_invalid("certify_view: period = {}, expected in (0, {}] s", dt, longest_period);
+  const auto [E, F] = responses(task.motion.along.drag, dt);
+  const double wind = task.bounds.wind;
+  const ViewBounds::Known known = task.bounds.known(dt);
+  climbs_ = known.climb * dt;
+  E_ = E, F_ = F, E_across_ = responses(task.motion.across.drag, dt)[0];
+  keep_ = 1 - rate * dt;
+  if (task.bounds.is_velocity_measured()) {
+    const double A = task.bounds.acceleration;
+    moves_ = 0.5 * A * dt * dt + wind * F, speeds_ = A * dt + wind * E;
+  } else {
+    moves_ = known.speed * dt + wind * F, speeds_ = wind * E;
+  }
+}
+
+ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const double> u,
+                                    const ViewTarget& target) const noexcept {
+  const Sight<double> robot = model_.sight(x.data(), u.data());
+  const Vec2<double> back = {robot.d.x, -robot.d.y};
+  const Vec2<double> q = rotate(back, {target.p.x - robot.p.x, target.p.y - robot.p.y});
+  const bool measured = certificate_.task.bounds.is_velocity_measured();
+  const Vec2<double> w = measured ? target.v : Vec2<double>{};
+  const Vec2<double> v = rotate(back, {robot.v.x - w.x, robot.v.y - w.y});
+  return {norm(q.x, q.y), std::atan2(q.y, q.x), robot.p.z - target.p.z, v.x, v.y};
+}
+
+const ViewFilter::Place& ViewFilter::next(Period& now, std::span<const double> u) const noexcept {
+  if (now.is_current) return now.next;
+  std::array<double, most_states> state;
+  std::copy(now.x.begin(), now.x.end(), state.begin());
+  model_.step(state.data(), u.data(), certificate_.task.dt);
+  now.next = place(std::span(state).first(now.x.size()), u, now.later);
+  now.is_current = true;
+  return now.next;
+}
+
+double ViewFilter::least_gap(const std::vector<double>& heights, double r, double beside,
+                             double sign) const noexcept {
+  const ViewCertificate& z = certificate_;
+  double least = std::min(sign * z.at(heights, r - beside), sign * z.at(heights, r + beside));
+  const double last = static_cast<double>(heights.size() - 1);
+  const double from = std::max(0.0, std::ceil((r - beside - z.near) / z.step())),
+               to = std::min(last, std::floor((r + beside - z.near) / z.step()));
+  for (double k = from; k <= to; ++k) least = std::min(least, sign * heights[static_cast<std::size_t>(k)]);
+  return least;
+}
+
+/// Reserves at a place, if the target may be `moved`, `sped` and `climbed` more than known.
+ViewReserves ViewFilter::reserves(const Place& at, double moved, double sped, double climbed) const noexcept {
+  const ViewCertificate& z = certificate_;
+  const double off = moved < at.r ? std::asin(moved / at.r) : std::numbers::pi;
+  return {at.r - moved - z.near - z.brake.distance(at.v_f + sped),
+          z.far - at.r - moved - z.brake.distance(sped - at.v_f),
+          (z.theta - at.theta - off) * at.r,
+          (z.theta + at.theta - off) * at.r,
+          least_gap(z.high, at.r, moved, 1.0) - climbed - at.h,
+          least_gap(z.low, at.r, moved, -1.0) - climbed + at.h,
+          z.task.motion.across.input < 0 ? z.far : z.sideward - sped - std::abs(at.v_s)};
+}
+
+ViewReserves ViewFilter::reserves(std::span<const double> x, const ViewTarget& target) const noexcept {
+  const std::array<double, most_inputs> none{};
+  return reserves(place(x, none, target), 0.0, 0.0, 0.0);
+}
+
+void ViewFilter::push_across(Period& now, std::span<double> u) const noexcept {
+  const ViewMotion::Axis& axis = certificate_.task.motion.across;
+  if (axis.input < 0) return;
+  const double value = axis.gain * u[size(axis.input)], v = next(now, u).v_s,
+               room = certificate_.sideward - speeds_;
+  Interval interval;
+  interval.low = interval.hard_low = value + (-room - v) / E_across_;
+  interval.high = interval.hard_high = value + (room - v) / E_across_;
+  now.choose(axis, interval, axis.most, u);
+}
+
+/// Largest a with  gap + r_per_a (a - a0) - n(v + E (a - a0)) >= need. Newton's method on a concave
+/// function.
+double ViewFilter::largest_push(double gap, double v, double a0, double r_per_a, double need) const noexcept {
+  constexpr double settled = 1e-10;  // [m/s^2]
+  double a = certificate_.task.motion.along.most;
+  for (int k = 0; k < 12; ++k) {
+    const double then = v + E_ * (a - a0);
+    const double left = gap + r_per_a * (a - a0) - certificate_.brake.distance(then) - need;
+    if (k == 0 && left >= 0) return infinity;
+    const double change = left / (E_ * certificate_.brake.slope(then) - r_per_a);
+    a += change;
+    if (std::abs(change) < settled) break;
+  }
+  return a;
+}
+
+void ViewFilter::push_along(Period& now, std::span<double> u) const noexcept {
+  const ViewCertificate& z = certificate_;
+  const ViewMotion::Axis& axis = z.task.motion.along;
+  const double value = axis.gain * u[size(axis.input)];
+  const Place& then = next(now, u);
+  const double per_push = -std::max(0.1, std::cos(then.theta)) * F_;
+  const double near = then.r - moves_ - z.near, far = z.far - then.r - moves_;
+  const Need of_near = need_of(now.reserves[0], keep_), of_far = need_of(now.reserves[1], keep_);
+  Interval interval;
+  interval.high = largest_push(near, then.v_f + speeds_, value, per_push, of_near.soft);
+  interval.low = -largest_push(far, speeds_ - then.v_f, -value, per_push, of_far.soft);
+  if (interval.low > interval.high) {
+    interval.hard_high = largest_push(near, then.v_f + speeds_, value, per_push, of_near.hard);
+    interval.hard_low = -largest_push(far, speeds_ - then.v_f, -value, per_push, of_far.hard);
+  }
+  now.choose(axis, interval, axis.most, u);
+}
+
+void ViewFilter::climb(Period& now, std::span<double> u) const noexcept {
+  const ViewCertificate& z = certificate_;
+  const ViewMotion::Axis& axis = z.task.motion.climb;
+  if (axis.input < 0) return;
+  const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
+  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_);
+  const Need high = need_of(now.reserves[4], keep_), low = need_of(now.reserves[5], keep_);
+  now.choose(axis,
+             {.low = value + (low.soft - then[5]) / dt,
+              .high = value + (then[4] - high.soft) / dt,
+              .hard_low = value + (low.hard - then[5]) / dt,
+              .hard_high = value + (then[4] - high.hard) / dt},
+             axis.most, u);
+}
+
+void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
+  const ViewCertificate& z = certificate_;
+  const ViewMotion::Axis& axis = z.task.motion.turn;
+  const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
+  const Place& at = next(now, u);
+  const double off = moves_ < at.r ? std::asin(moves_ / at.r) : std::numbers::pi;
+  // A turn also moves the robot: theta+ falls by this much per yaw rate.
+  const double per_rate = dt * (1 + 0.5 * dt * (at.v_f * std::cos(at.theta) + at.v_s * std::sin(at.theta)) /
+                                        std::max(at.r, 0.05));
+  const Need left = need_of(now.reserves[2] / now.at.r, keep_),
+             right = need_of(now.reserves[3] / now.at.r, keep_);
+  const double over = at.theta + off - z.theta, under = at.theta - off + z.theta;
+  now.choose(axis,
+             {.low = value + (over + left.soft) / per_rate,
+              .high = value + (under - right.soft) / per_rate,
+              .hard_low = value + (over + left.hard) / per_rate,
+              .hard_high = value + (under - right.hard) / per_rate},
+             z.turn, u);
+}
+
+ViewFilterResult ViewFilter::judge(Period& now, std::span<const double> u) const noexcept {
+  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_);
+  const auto least = std::min_element(now.reserves.begin(), now.reserves.end());
+  const double turned = certificate_.turn * (1 + 1e-9);
+  const ViewMotion::Axis& yaw = certificate_.task.motion.turn;
+  ViewFilterResult result;
+  result.reserve = *least;
+  result.least = static_cast<ViewReserve>(least - now.reserves.begin());
+  result.certified = *least >= -rounding && *std::min_element(then.begin(), then.end()) >= -rounding &&
+                     std::abs(yaw.gain * u[size(yaw.input)]) <= turned;
+  return result;
+}
+
+ViewFilter::Period ViewFilter::period(std::span<const double> x, const ViewTarget& target,
+                                      std::span<const double> u) const noexcept {
+  const double dt = certificate_.task.dt;
+  Period now{.x = x, .u_min = {}, .u_max = {}, .wanted = {}, .later = target, .at = {}, .reserves = {}};
+  if (certificate_.task.bounds.is_velocity_measured())
+    now.later.p = {target.p.x + dt * target.v.x, target.p.y + dt * target.v.y, target.p.z};
+  now.at = place(x, u, target);
+  now.reserves = reserves(now.at, 0.0, 0.0, 0.0);
+  return now;
+}
+
+ViewFilterResult ViewFilter::judge(std::span<const double> x, const ViewTarget& target,
+                                   std::span<const double> u) const noexcept {
+  Period now = period(x, target, u);
+  return judge(now, u);
+}
+
+ViewFilterResult ViewFilter::filter(std::span<const double> x, const ViewTarget& target,
+                                    std::span<const double> u_min, std::span<const double> u_max,
+                                    std::span<double> u) const noexcept {
+  assert(u.size() == size(model_.nu()) && x.size() == size(model_.nx()) &&
+         "state and command have as many numbers as the model");
+  bool active = false;
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    const double wanted = u[k];
+    u[k] = std::clamp(std::isfinite(wanted) ? wanted : 0.0, u_min[k], u_max[k]);
+    active = active || u[k] != wanted;
+  }
+  if (!all_finite(x) || !std::isfinite(norm(target.p)) || !std::isfinite(norm(target.v.x, target.v.y)))
+    return {.active = active};
+  Period now = period(x, target, u);
+  now.u_min = u_min, now.u_max = u_max;
+  std::copy(u.begin(), u.end(), now.wanted.begin());
+  // A turn changes r and v by terms of dt^2, and so the other intervals: a few passes.
+  constexpr int passes = 5;
+  constexpr double settled = 1e-9;
+  for (int pass = 0; pass < passes; ++pass) {
+    std::array<double, most_inputs> before{};
+    std::copy(u.begin(), u.end(), before.begin());
+    push_across(now, u);
+    push_along(now, u);
+    turn(now, u);
+    double change = 0.0;
+    for (std::size_t k = 0; k < u.size(); ++k) change = std::max(change, std::abs(u[k] - before[k]));
+    if (change < settled) break;
+  }
+  climb(now, u);
+  ViewFilterResult result = judge(now, u);
+  result.active = active || !std::equal(u.begin(), u.end(), now.wanted.begin());
+  return result;
+}
+
+}  // namespace sightline

@@ -1,0 +1,111 @@
+/// A filter that keeps a state in the set S of a ViewCertificate.
+///
+/// It replaces a command by the nearest one, input by input, after which the state is in S at the
+/// next sample, whatever the target does within its bounds. Each input has an interval: across from
+/// |v_s| <= V_s, along from r1 and r2, turn from Theta, climb from lo and hi. A reserve may decay by
+/// a part rate dt of itself in a period; where the intervals of two reserves then contradict each
+/// other, only S itself counts. The next state is that of the model's own step.
+///
+/// Units are SI. Constant after construction: one filter may serve many loops and threads.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "sightline/base.hpp"
+#include "sightline/model.hpp"
+#include "sightline/safety/view_certificate.hpp"
+
+namespace sightline {
+
+/// The target as known to the robot.
+struct ViewTarget {
+  Vec3<double> p{};  ///< position in G [m]
+  Vec2<double> v{};  ///< horizontal velocity in G [m/s]; used if the certificate has it measured
+};
+
+/// The point that the filter follows where measurements have errors: an estimate that moves towards
+/// each measurement, no faster than ViewBounds::known() states. Then it stays within the radius of
+/// the target.
+class SlowEstimate {
+ public:
+  SlowEstimate(const ViewBounds& bounds, double dt) noexcept;
+  /// The estimate after a measurement [m]; the first one is taken as it is.
+  const Vec3<double>& follow(const Vec3<double>& measured) noexcept;
+
+ private:
+  double step_, climb_;  // greatest motion in a period; infinite without errors [m]
+  bool has_begun_ = false;
+  Vec3<double> p_{};
+};
+
+/// A reserve of S; in this order in arrays.
+enum class ViewReserve { near, far, left, right, high, low, sideward };
+inline constexpr std::array<std::string_view, 7> view_reserves = {"near", "far", "left",    "right",
+                                                                  "high", "low", "sideward"};
+/// All >= 0 in S. Bearings are multiplied by r, so all but the last are in m; the last is in m/s.
+using ViewReserves = std::array<double, view_reserves.size()>;
+
+struct ViewFilterResult {
+  bool active = false;                    ///< the command was changed
+  bool certified = false;                 ///< the state is in S, and is in S at the next sample
+  double reserve = -infinity;             ///< least of the reserves, of the present state
+  ViewReserve least = ViewReserve::near;  ///< which one that is
+};
+
+class ViewFilter {
+ public:
+  /// @param certificate  one that exists, for this model
+  /// @throws std::invalid_argument for a certificate that does not exist, for a model of more than
+  ///         `most_states` states or `most_inputs` inputs, and for a period beyond `longest_period`
+  ViewFilter(const Model& model, const ViewCertificate& certificate);
+
+  static constexpr int most_states = 32, most_inputs = 4;
+  static constexpr double longest_period = 0.05;  ///< [s]
+
+  const ViewCertificate& certificate() const noexcept { return certificate_; }
+
+  /// Reserves of S at a state (nx).
+  ViewReserves reserves(std::span<const double> x, const ViewTarget& target) const noexcept;
+
+  /// Replaces u by the nearest command that keeps the state in S. From a state outside S it takes
+  /// the command that comes nearest to S. Allocates nothing.
+  /// @param x  state of the robot (nx)
+  /// @param u_min, u_max  present limits (nu)
+  /// @param u  the command (nu); afterwards always finite and within the limits
+  ViewFilterResult filter(std::span<const double> x, const ViewTarget& target, std::span<const double> u_min,
+                          std::span<const double> u_max, std::span<double> u) const noexcept;
+
+  /// The same result for a command that stays as it is.
+  ViewFilterResult judge(std::span<const double> x, const ViewTarget& target,
+                         std::span<const double> u) const noexcept;
+
+ private:
+  struct Place;
+  struct Interval;
+  struct Period;
+
+  Period period(std::span<const double> x, const ViewTarget& target,
+                std::span<const double> u) const noexcept;
+  Place place(std::span<const double> x, std::span<const double> u, const ViewTarget& target) const noexcept;
+  const Place& next(Period& now, std::span<const double> u) const noexcept;
+  ViewReserves reserves(const Place& at, double moved, double sped, double climbed) const noexcept;
+  double least_gap(const std::vector<double>& heights, double r, double beside, double sign) const noexcept;
+  double largest_push(double gap, double v, double u0, double r_per_u, double need) const noexcept;
+  void turn(Period& now, std::span<double> u) const noexcept;
+  void push_across(Period& now, std::span<double> u) const noexcept;
+  void push_along(Period& now, std::span<double> u) const noexcept;
+  void climb(Period& now, std::span<double> u) const noexcept;
+  ViewFilterResult judge(Period& now, std::span<const double> u) const noexcept;
+
+  Model model_;
+  ViewCertificate certificate_;
+  double keep_;            // part of a reserve that remains after a period
+  double moves_, speeds_;  // of the target in a period, beyond its known motion [m], [m/s]
+  double climbs_;          // of the target in a period [m]
+  double E_, F_;           // velocity and displacement per acceleration, along [s], [s^2]
+  double E_across_;        // [s]
+};
+
+}  // namespace sightline

@@ -1,0 +1,70 @@
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "sightline/safety/view_filter.hpp"
+#include "tests/support/campaign.hpp"
+#include "tests/support/view_flight.hpp"
+
+namespace sightline {
+namespace {
+
+using test::cone_limits;
+using test::ViewCampaign;
+using test::ViewFlightOptions;
+
+ViewFilter filter_of(const ViewBounds& bounds, const std::vector<Potential>& limits) {
+  const ViewTask task = test::view_task(Multirotor{}, bounds);
+  return {Multirotor{}, certify_view(task, ViewSection(view_region(limits, task.motion.lean)))};
+}
+
+ViewCampaign fly(const char* what, const ViewBounds& bounds, const std::vector<Potential>& limits,
+                 int flights, const ViewFlightOptions& options = {}) {
+  const ViewCampaign all = test::view_campaign(filter_of(bounds, limits), limits, flights, options);
+  std::printf("%-34s flights %d, lost %d, uncertified %d, least reserve %.2e m, acts in %.3f, change %.4f\n",
+              what, all.flights, all.lost, all.uncertified, all.least, all.active, all.changed);
+  return all;
+}
+
+void expect_kept(const ViewCampaign& all, bool exact = true) {
+  EXPECT_EQ(all.lost, 0);
+  EXPECT_EQ(all.uncertified, 0);
+  EXPECT_TRUE(!exact || all.least >= -2e-6) << all.least;
+}
+
+TEST(ViewFilterCampaign, NoTargetWithinItsBoundsIsLost) {
+  expect_kept(fly("0.5 m/s", {}, cone_limits(), runs(20000, 100)));
+  expect_kept(fly("0.9 m/s", {.speed = 0.9}, cone_limits(), runs(3000, 30)));
+  expect_kept(fly("0.96 m/s", {.speed = 0.96}, cone_limits(), runs(3000, 60)));
+  expect_kept(fly("pyramid, 0.5 m/s", {}, test::pyramid_limits(), runs(3000, 60)));
+  expect_kept(fly("leaning camera, 0.5 m/s", {}, cone_limits(0.5, MountFrame::body), runs(3000, 60)));
+  expect_kept(
+      fly("velocity measured, 1.5 m/s", {.speed = 1.5, .acceleration = 0.3}, cone_limits(), runs(3000, 60)));
+  expect_kept(fly("errors of 2 cm, 0.5 m/s", {.error = 0.02}, cone_limits(), runs(3000, 60)), false);
+  expect_kept(fly("0.1 s old, 0.5 m/s", {.age = 0.1}, cone_limits(), runs(3000, 60)), false);
+}
+
+TEST(ViewFilterCampaign, WithoutTheFilterOrTheBoundTargetsAreLost) {
+  const int flights = runs(3000, 50);
+  EXPECT_GT(fly("without the filter", {}, cone_limits(), flights, {.filtered = false}).lost, flights / 3);
+  const ViewCampaign faster = fly("at 0.8 m/s instead of 0.5", {}, cone_limits(), flights, {.faster = 1.6});
+  EXPECT_GT(faster.lost, flights / 10);
+  EXPECT_EQ(faster.unannounced, 0);
+}
+
+TEST(ViewFilterCampaign, NoPeriodFromTheBoundaryLeavesTheSet) {
+  for (const ViewBounds& bounds :
+       {ViewBounds{}, ViewBounds{.speed = 0.97}, ViewBounds{.speed = 1.5, .acceleration = 0.3}}) {
+    const ViewFilter filter = filter_of(bounds, cone_limits());
+    const test::OneStep all = test::one_step(Multirotor{}, filter.certificate(), runs(1'000'000, 200), 11);
+    std::printf("one period, %.2f m/s: %d states, outside %d, least %.2e m\n", bounds.speed, all.states,
+                all.outside, all.least);
+    EXPECT_EQ(all.outside, 0);
+    EXPECT_EQ(all.uncertified, 0);
+  }
+}
+
+}  // namespace
+}  // namespace sightline
