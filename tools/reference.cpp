@@ -89,7 +89,8 @@ std::string reference() {
              {keys("[safety]", Safety{}), keys("[safety]", Safety{}.barrier_options),
               keys("[[safety.zone]]", Zone{}), keys("[safety.supervisor]", LadderTimes{}),
               keys("[safety.supervisor]", LadderSigmas{}), keys("[safety.supervisor]", SupervisorOptions{}),
-              keys("[safety.supervisor]", TrackLimits{}), keys("[safety.search]", SearchOptions{})}) +
+              keys("[safety.supervisor]", TrackLimits{}), keys("[safety.search]", SearchOptions{}),
+              keys("[[certify_view]]", CertifiedView{}), keys("[[certify_view]]", ViewBounds{})}) +
          section("Estimates", {keys("[estimate], [agent.NAME.estimate]", FilterOptions{}),
                                keys("[estimate.broadcast] simulated", Radio{}),
                                keys("[estimate.broadcast] received", BroadcastOptions{})}) +

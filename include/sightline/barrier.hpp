@@ -215,4 +215,57 @@ class Barrier {
   std::shared_ptr<const BarrierLaw> law_;
 };
 
+// Certified views: a filter that keeps a target in a sensor's region, docs/certified_view.md.
+
+/// What is assumed of the target, of the measurements and of the air.
+struct ViewBounds {
+  double speed = 0.5;              ///< W, greatest horizontal speed of the target [m/s]
+  double climb = 0.3;              ///< W_z, greatest vertical speed of the target [m/s]
+  double acceleration = infinity;  ///< A, horizontal; finite: the target's velocity is measured [m/s^2]
+  double age = 0.0;                ///< greatest age of the target's position [s]
+  double error = 0.0;              ///< greatest error of a measured position of the target [m]
+  double spread = 0.0;             ///< distance from the known point to the farthest of several targets [m]
+  double wind = 0.0;               ///< greatest horizontal acceleration by wind [m/s^2]
+
+  static constexpr auto parameters() {
+    using B = ViewBounds;
+    constexpr Bounds age_range = {0.0, 2.0, "0 to 2"};
+    return std::tuple{
+        parameter("speed_max", &B::speed, "m/s", from_zero, "greatest horizontal speed of the target"),
+        parameter("climb_max", &B::climb, "m/s", from_zero, "greatest vertical speed of the target"),
+        parameter("acceleration_max", &B::acceleration, "m/s^2", above_zero,
+                  "greatest horizontal acceleration of a target whose velocity is measured"),
+        parameter("age", &B::age, "s", age_range, "greatest age of the target's measured position"),
+        parameter("error", &B::error, "m", from_zero, "greatest error of a measured position of the target"),
+        parameter("spread", &B::spread, "m", from_zero, "greatest distance of further targets from this one"),
+        parameter("wind", &B::wind, "m/s^2", from_zero, "greatest horizontal acceleration by wind")};
+  }
+
+  bool is_velocity_measured() const { return acceleration < infinity; }
+  /// The point that the filter follows: how fast it moves, and how far the target is from it.
+  struct Known {
+    double speed, climb, radius, height;
+  };
+  /// An estimate that follows measurements no faster than 1.2 W stays within `radius` of the target.
+  Known known(double dt) const;
+};
+
+/// A reserve of the set in which a view is certified, or another condition.
+enum class ViewReserve {
+  near,      ///< distance, with the distance to brake
+  far,       ///< the same of the greatest distance
+  left,      ///< bearing of the target
+  right,     ///< the same on the other side
+  high,      ///< height above the target
+  low,       ///< the same of the least height
+  sideward,  ///< sideward speed
+  command,   ///< no command within the present limits, or none that other limits leave, keeps the set
+  age,       ///< a measurement is older than ViewBounds::age, or missing
+  error,     ///< three standard deviations of the estimated positions exceed ViewBounds::error
+  speed,     ///< the target was faster than ViewBounds::speed or climb
+};
+std::string_view to_string(ViewReserve reserve) noexcept;
+
+class ViewFilter;  // keeps the set of one certificate
+
 }  // namespace sightline

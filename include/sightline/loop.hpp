@@ -324,20 +324,22 @@ enum class EventKind : std::uint8_t {
   measurement_time,
   barrier_conflict,  ///< no command keeps all hard distances; value: the body
   // An event of the script; value: its index.
-  event_occurred,  ///< its trigger fired
-  event_in_force,  ///< its changes to the team are in force, or its stage has begun
-  event_ignored,   ///< rejected, the team is unchanged; reported once
-  team_late,       ///< the next team was not ready in time; value: periods
-  pairs_left_out,  ///< more pairs of a swarm are near than there is room for; value: how many more
-  added_too_near,  ///< a body joined closer to another than its minimum distance; value: the body
-  search,          ///< a robot localized by vision searches for its target; value: the body
-  found,           ///< the target is in view again; value: the body
-  stale,           ///< a part of the team receives no predictions of this body any more; value: the body
-  received,        ///< all parts receive them again; value: the body
-  robot_ready,     ///< a robot that an event adds has taken off and holds; value: the body
-  robot_refused,   ///< a robot that an event adds cannot join, the event is ignored; value: the body
+  event_occurred,    ///< its trigger fired
+  event_in_force,    ///< its changes to the team are in force, or its stage has begun
+  event_ignored,     ///< rejected, the team is unchanged; reported once
+  team_late,         ///< the next team was not ready in time; value: periods
+  pairs_left_out,    ///< more pairs of a swarm are near than there is room for; value: how many more
+  added_too_near,    ///< a body joined closer to another than its minimum distance; value: the body
+  search,            ///< a robot localized by vision searches for its target; value: the body
+  found,             ///< the target is in view again; value: the body
+  stale,             ///< a part of the team receives no predictions of this body any more; value: the body
+  received,          ///< all parts receive them again; value: the body
+  robot_ready,       ///< a robot that an event adds has taken off and holds; value: the body
+  robot_refused,     ///< a robot that an event adds cannot join, the event is ignored; value: the body
+  view_certified,    ///< from now on its view of the target is certified; value: the body
+  view_uncertified,  ///< it is not certified any more; value: the body
 };
-inline constexpr int event_kinds = static_cast<int>(EventKind::robot_refused) + 1;
+inline constexpr int event_kinds = static_cast<int>(EventKind::view_uncertified) + 1;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -366,6 +368,14 @@ struct BarrierRecord {
   double reserve = std::numeric_limits<double>::infinity();  ///< smallest of all neighbours [m]
 };
 
+/// The certified view of one robot in one update.
+struct ViewRecord {
+  bool certified = false;  ///< the target stays in view, whatever it does within its bounds
+  bool active = false;     ///< the filter of the view changed the command
+  double reserve = std::numeric_limits<double>::infinity();  ///< of the set, least; < 0 outside [m]
+  ViewReserve least = ViewReserve::near;                     ///< which one, or the condition that is missed
+};
+
 /// Record of one control period. All vectors are sized before the loop starts and never grow.
 struct Sample {
   /// Content of the sample. `states`: no update; only time, x, truth_known, u in force, presence,
@@ -391,6 +401,7 @@ struct Sample {
   std::vector<double> raw_u;              ///< the solvers' inputs before their clamp (nu)
   std::vector<SolverRecord> solvers;      ///< one for each controller
   std::vector<BarrierRecord> barriers{};  ///< one for each robot
+  std::vector<ViewRecord> views{};        ///< one for each robot
   std::vector<Presence> presence{};       ///< of each body
   std::vector<FallbackLevel> levels{};    ///< of each body; all valid without a supervisor
   bool team_answered = false;             ///< a requested team took over, or was refused
@@ -409,10 +420,11 @@ Vec2<double> true_lean(const Vec2<double>& of_model, BodyId body, const Sample& 
 /// The true Sight of a body at the sample: its model at x and u, with its true tilt.
 Sight<double> true_sight(const Team& team, BodyId body, const Sample& sample) noexcept;
 
-// Safety checks around the controllers: supervisor, search and barrier of one team, with one state
-// estimate.
+// Safety checks around the controllers: supervisor, search, certified views and barrier of one team,
+// with one state estimate.
 //
-//   measurement -> supervisor -> state estimate -> solver -> supervisor -> search -> barrier -> input
+//   measurement -> supervisor -> state estimate -> solver -> supervisor -> search -> certified view
+//   -> barrier -> input
 //
 // A robot that lands is not kept above the floor, and a grounded robot stays where it is. If a
 // body was not measured for longer than hold_after, the barrier uses its position bound at
@@ -441,6 +453,32 @@ struct LimitsToCome {
   InputLimits limits;
 };
 
+/// What a robot does where its view is not certified.
+enum class OutsideView {
+  solver,  ///< the controllers' command, until the state is in the set
+  back,    ///< the command that comes nearest to the set
+};
+inline constexpr std::array<std::string_view, 2> outside_views = {"solver", "return"};
+
+/// A view that is to be certified; of an observer at most one.
+struct CertifiedView {
+  BodyId observer{}, target{};
+  ViewBounds bounds{};
+  OutsideView outside = OutsideView::solver;
+  /// Keeps the set of the certificate; constant, shared by all flights.
+  std::shared_ptr<const ViewFilter> filter{};
+  double speed_most = 0.0;        ///< largest speed of a target that can be certified [m/s]
+  std::string_view limited_by{};  ///< the condition that limits it
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        KeyText{"observer", "a robot", "whose sensor sees the target; each has at most one", "must be given"},
+        KeyText{"target", "a body", "which a coupling of the observer observes", "must be given"},
+        parameter("outside", &CertifiedView::outside, outside_views,
+                  "outside the set: the solver's command, or the one nearest to the set")};
+  }
+};
+
 struct GuardOptions {
   std::optional<SupervisorOptions> supervisor{};
   BarrierMode barrier = BarrierMode::off;
@@ -452,6 +490,7 @@ struct GuardOptions {
   std::vector<BodyId> searchers{};       ///< robots that search
   std::vector<double> command_delays{};  ///< of each body, from a command to its effect [s]; empty: none
   std::vector<LimitsToCome> limits_to_come{};  ///< the barrier uses the tightest of all limits
+  std::vector<CertifiedView> views{};          ///< with their filters
   /// Whether absent robots stay in the world. The barrier then keeps the distance from them and
   /// from robots that land, as from bodies that do not give way.
   bool absent_robots_stay = false;
@@ -466,6 +505,7 @@ struct GuardOptions {
 void validate(const Team& team, const GuardOptions& options);
 
 class TeamBarrier;
+class TeamView;
 
 class Guard {
  public:
@@ -503,7 +543,8 @@ class Guard {
   ///               sum
   void fall_back(double t, const ValidStates& x, std::span<const double> plan_ages,
                  std::span<const double> added, std::span<double> u) noexcept;
-  /// Changes u to the nearest inputs that keep the hard distances; `added` as above.
+  /// Changes u to inputs that keep the certified views, and then to the nearest that keep the hard
+  /// distances; `added` as above.
   void keep_distances(double t, const ValidStates& x, std::span<const double> added,
                       std::span<double> u) noexcept;
   /// Records that the inputs u (nu) are applied from t [s] on.
@@ -524,6 +565,8 @@ class Guard {
   std::span<const Event> events() const noexcept { return events_; }
   /// One record for each robot; empty without a barrier.
   std::span<const BarrierRecord> barriers() const noexcept;
+  /// One record for each robot; empty without a certified view.
+  std::span<const ViewRecord> views() const noexcept;
   /// One level for each body; `valid` for all without a supervisor, and for bodies that are no
   /// robots.
   std::span<const FallbackLevel> levels() const noexcept { return levels_; }
@@ -552,6 +595,7 @@ class Guard {
   std::vector<Presence> presence_;
   std::vector<FallbackLevel> levels_;
   std::unique_ptr<TeamBarrier> barrier_;  // null: none
+  std::unique_ptr<TeamView> view_;        // null: none
   std::vector<Event> events_;
 };
 

@@ -468,6 +468,7 @@ struct ScenarioSpec {
   Radio radio{};                    ///< broadcast that sends them poses of others, in simulation
   Simulation simulation{};
   std::optional<Safety> safety{};
+  std::vector<CertifiedView> certified_views{};  ///< with their certificates
   LogOptions log{};
   std::shared_ptr<const Links> links{};      ///< to its robots, if they are not simulated; null: none
   std::vector<GoalOptions> goal_options{};   ///< of the robots that accept goals in flight

@@ -21,6 +21,7 @@ TEST(EventWords, WhatHappensToABodyNamesIt) {
   EXPECT_EQ(describe(EventKind::hold, 0), "uav0: hold");
   EXPECT_EQ(describe(EventKind::measurement_not_finite, 1), "uav1: measurement refused, not_finite");
   EXPECT_EQ(describe(EventKind::input_refused, 3), "input_refused uav3");
+  EXPECT_EQ(describe(EventKind::view_uncertified, 0), "uav0: view not certified");
 }
 
 TEST(EventWords, WhatTheScriptDoesNamesTheEvent) {

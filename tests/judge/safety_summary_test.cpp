@@ -471,6 +471,44 @@ TEST(SafetySummary, TellsHowOftenTheBarrierActed) {
   }
 }
 
+TEST(SafetySummary, TellsHowLongAViewWasCertifiedAndItsLeastReserve) {
+  Judged summary(scenario(R"(
+[agent.b.sensor]
+pitch = 0.5
+offset = 0.17
+[[couple]]
+potential = { sensor_cone = { alpha = 0.5 } }
+between = ["b", "o"]
+[[couple]]
+potential = { keep_out = { d_min = 1.0 } }
+between = ["b", "o"]
+[[couple]]
+potential = { cohesion = { d_max = 2.0 } }
+between = ["b", "o"]
+[[certify_view]]
+observer = "b"
+target = "o"
+speed_max = 0.3
+)"));
+  for (const double reserve : {0.2, 0.1, -0.3, 0.4}) {
+    summary.sample().views.assign(2, {});
+    summary.sample().views[1] = {.certified = reserve > 0, .active = reserve == 0.1, .reserve = reserve};
+    summary.add(0.0, places(0, 3, 9), there);
+  }
+  const auto json = nlohmann::json::parse(summary->json());
+  ASSERT_EQ(json.at("views").size(), 1U);
+  const auto& view = json.at("views")[0];
+  EXPECT_EQ(view.at("observer"), "b");
+  EXPECT_EQ(view.at("target"), "o");
+  EXPECT_EQ(view.at("speed_max"), 0.3);
+  EXPECT_EQ(view.at("certified"), 0.75);
+  EXPECT_EQ(view.at("active"), 0.25);
+  EXPECT_EQ(view.at("reserve"), 0.1);
+  const auto lines = safety_lines(summary->json());
+  EXPECT_EQ(lines.back().first, "view of o");
+  EXPECT_EQ(lines.back().second, "by b: certified 75.0 % of the time for 0.3 m/s, its filter acted 25.0 %");
+}
+
 TEST(SafetySummary, SaysNothingWhereNobodyAsks) {
   const Scenario free =
       parse_scenario("[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0.0, 0.0, 1.0] }\n", "a");

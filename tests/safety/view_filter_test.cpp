@@ -235,9 +235,9 @@ TEST(ViewFilter, RefusesWhatItCannotKeep) {
   ViewCertificate none = good, slow = good;
   none.volume = 0.0, slow.task.dt = 0.2;
   EXPECT_EQ(refusal_of([&] { ViewFilter(Multirotor{}, none); }),
-            "certify_view: no certificate exists, expected one");
+            "no certificate of the view exists, expected one");
   EXPECT_EQ(refusal_of([&] { ViewFilter(Multirotor{}, slow); }),
-            "certify_view: period = 0.2, expected in (0, 0.05] s");
+            "period = 0.2, expected in (0, 0.05] s for a certified view");
 }
 
 }  // namespace

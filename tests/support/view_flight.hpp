@@ -23,7 +23,7 @@ struct ViewFlightOptions {
 
 struct ViewOutcome {
   int samples = 0, out_of_view = 0, uncertified = 0, active = 0;
-  bool announced = true;    ///< each sample out of view came after an uncertified one
+  bool announced = true;    ///< each sample out of view came no later than one uncertified
   double changed = 0.0;     ///< mean change of an input
   double least = infinity;  ///< of the checker's reserves [m], for measurements without age and error
 };
@@ -54,6 +54,7 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
 
   ViewOutcome outcome;
   std::array<double, 4> u{};
+  bool is_out = false;
   double until = 0, next_nominal = 0, side = 1, climb = 0;
   Vec2<double> direction = {1, 0};
   for (int k = 0; k * dt < o.duration; ++k) {
@@ -95,6 +96,8 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
       outcome.active += result.active;
       for (std::size_t i = 0; i < u.size(); ++i) outcome.changed += std::abs(u[i] - wanted[i]) / 4;
     }
+    // A target beyond its bound may leave set and view in one period, which the next one reports.
+    outcome.announced = outcome.announced && (!is_out || outcome.uncertified > 0);
     model.step(x.data(), u.data(), dt);
     // The target's move.
     const Sight<double> now = model.sight(x.data(), u.data());
@@ -129,7 +132,7 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
     const bool out = std::any_of(limits.begin(), limits.end(),
                                  [&](const Potential& limit) { return limit.violation(now, seen) > 0; });
     outcome.out_of_view += out;
-    outcome.announced = outcome.announced && (!out || outcome.uncertified > 0);
+    is_out = out;
     if (exact) outcome.least = std::min(outcome.least, checker.least(now, s.target, s.w));
   }
   outcome.changed /= outcome.samples;

@@ -10,6 +10,7 @@
 #include "sightline/analysis/view_band.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/guarantee.hpp"
+#include "sightline/scenario/read_view.hpp"
 
 namespace sightline {
 namespace {
@@ -172,6 +173,7 @@ std::string explain_text(const Scenario& scenario) {
     text += fmt::format("{} sees the tags of {}: as {} those of {}\n", team.name(view.observer),
                         team.name(view.target), team.name(other.observer), team.name(other.target));
   }
+  for (const CertifiedView& view : scenario.certified_views) text += describe(view, team);
   for (const std::string& sentence : unobservable_robots(scenario)) text += sentence + "\n";
   return text + describe(distance_guarantees(scenario), team, std::numeric_limits<std::size_t>::max());
 }

@@ -25,7 +25,8 @@ bool is_of_a_body(std::string_view kind) {
          kind == to_string(EventKind::added_too_near) || kind == to_string(EventKind::search) ||
          kind == to_string(EventKind::found) || kind == to_string(EventKind::stale) ||
          kind == to_string(EventKind::received) || kind == to_string(EventKind::robot_ready) ||
-         kind == to_string(EventKind::robot_refused);
+         kind == to_string(EventKind::robot_refused) || kind == to_string(EventKind::view_certified) ||
+         kind == to_string(EventKind::view_uncertified);
 }
 
 bool is_of_the_script(std::string_view kind) {
@@ -60,6 +61,8 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
     return fmt::format("{}: messages of its part arrive again", body);
   if (kind == to_string(EventKind::robot_ready)) return fmt::format("{}: has taken off and can join", body);
   if (kind == to_string(EventKind::robot_refused)) return fmt::format("{}: cannot join", body);
+  if (kind == to_string(EventKind::view_certified)) return fmt::format("{}: view certified", body);
+  if (kind == to_string(EventKind::view_uncertified)) return fmt::format("{}: view not certified", body);
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);
 }

@@ -140,6 +140,8 @@ SafetySummary::SafetySummary(const Scenario& scenario, double d_hard_otherwise, 
     }
   }
   if (mode_ != BarrierMode::off) robots_.resize(team.agents().size());
+  for (const CertifiedView& view : scenario.certified_views)
+    views_.push_back({view.observer, view.target, team.agent_index(view.observer), view.bounds.speed});
 }
 
 void SafetySummary::look_at_brakes(std::span<const Sight<double>> sights, std::span<const Presence> presence,
@@ -171,6 +173,13 @@ void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sig
   for (std::size_t i = 0; i < std::min(robots_.size(), sample.barriers.size()); ++i) {
     robots_[i].active += sample.barriers[i].active ? 1 : 0;
     robots_[i].conflicts += sample.barriers[i].conflict ? 1 : 0;
+  }
+  for (View& view : views_) {
+    if (view.robot >= sample.views.size()) continue;
+    const ViewRecord& record = sample.views[view.robot];
+    view.active += record.active ? 1 : 0;
+    view.certified += record.certified ? 1 : 0;
+    if (record.certified) view.least = std::min(view.least, record.reserve);
   }
 }
 
@@ -323,7 +332,7 @@ double SafetySummary::conflict_share() const {
 std::string SafetySummary::json() const {
   const std::vector<Pair> pairs = by_margin();
   const std::vector<Bound> bounds = by_excess();
-  if (pairs.empty() && bounds_.empty() && mode_ == BarrierMode::off) return "";
+  if (pairs.empty() && bounds_.empty() && mode_ == BarrierMode::off && views_.empty()) return "";
   Json json;
   json["barrier"_key] = modes[static_cast<std::size_t>(mode_)];
   if (unseen_ > 0) json["unseen_periods"_key] = unseen_;
@@ -374,6 +383,14 @@ std::string SafetySummary::json() const {
     json["agents"_key].push_back({{"name"_key, names_[i]},
                                   {"barrier_active"_key, share(robots_[i].active)},
                                   {"barrier_conflict"_key, share(robots_[i].conflicts)}});
+  }
+  for (const View& view : views_) {
+    json["views"_key].push_back({{"observer"_key, names_[at(view.observer)]},
+                                 {"target"_key, names_[at(view.target)]},
+                                 {"speed_max"_key, view.speed},
+                                 {"certified"_key, share(view.certified)},
+                                 {"active"_key, share(view.active)},
+                                 {"reserve"_key, std::isfinite(view.least) ? Json(view.least) : Json()}});
   }
   return json_text(json);
 }
@@ -434,6 +451,13 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
         "barrier of " + agent.at("name").get<std::string>(),
         fmt::format("{} {:.1f} % of the time{}", json.at("barrier") == "on" ? "acted" : "would have acted",
                     100 * active, conflict > 0 ? fmt::format(", in conflict {:.1f} %", 100 * conflict) : ""));
+  }
+  for (const Json& view : json.value("views", Json::array())) {
+    lines.emplace_back(
+        "view of " + view.at("target").get<std::string>(),
+        fmt::format("by {}: certified {:.1f} % of the time for {} m/s, its filter acted {:.1f} %",
+                    view.at("observer").get<std::string>(), 100 * view.at("certified").get<double>(),
+                    view.at("speed_max").get<double>(), 100 * view.at("active").get<double>()));
   }
   return lines;
 }

@@ -1,4 +1,5 @@
-/// Checks hard distances, walls and zones, also between samples; counts the actions of the barrier.
+/// Checks hard distances, walls and zones, also between samples; counts the actions of the barrier and of
+/// certified views.
 #pragma once
 
 #include <cmath>
@@ -126,6 +127,13 @@ class SafetySummary {
   struct Robot {
     std::int64_t active = 0, conflicts = 0;  // updates
   };
+  struct View {
+    BodyId observer, target;
+    std::size_t robot;                                       // index
+    double speed;                                            // that is certified [m/s]
+    std::int64_t certified = 0, active = 0;                  // updates
+    double least = std::numeric_limits<double>::infinity();  // reserve while certified [m]
+  };
   std::vector<Pair> by_margin() const;
   std::vector<Bound> by_excess() const;
   std::string broken_zone(const Bound& bound) const;
@@ -140,6 +148,7 @@ class SafetySummary {
   std::vector<Bound> bounds_;
   std::vector<Zone> zones_, zones_to_land_;  // the latter without the floors of rooms
   std::vector<Robot> robots_;
+  std::vector<View> views_;
   std::int64_t samples_ = 0, unseen_ = 0;  // updates; periods without known truth
   bool too_close_now_ = false, too_close_ = false;
   double period_;  // [s]

@@ -41,7 +41,7 @@ inline constexpr std::string_view summary_keys = R"(| key | meaning [unit] |
 | `drift[].agent` | a controlled robot that moved steadily away in the last 5 to 10 s: from its reference if Q weighs its position; else from the bodies along its couplings that do not move freely; else from its place. `drift` is null if less than 5 s passed since settle or the last change of the team |
 | `drift[].speed`, `.velocity`, `.from_reference` | mean velocity in G; whether away from a reference [m/s] |
 | `events[].time`, `.name` | the first 1000 events (the log has all); [texts](notation.md#events) [s] |
-| `safety.barrier` | `off`, `on`, `report`; `safety` is present with a hard distance, a judged wall or a barrier |
+| `safety.barrier` | `off`, `on`, `report`; `safety` is present with a hard distance, a judged wall, a barrier or a certified view |
 | `safety.hard_distances[].a`, `.b`, `.d_hard` | two bodies and their hard distance; the eight worst [m] |
 | `safety.hard_distances[].least`, `.time`, `.kept` | least distance [m] while both were present (else null), also between samples; its time [s]; whether `d_hard` was kept (to 1e-9 m) |
 | `safety.walls[].name`, `.wall`, `.limit` | a robot and a `floor`, `ceiling` or `world`; the eight worst of each [m] |
@@ -53,6 +53,8 @@ inline constexpr std::string_view summary_keys = R"(| key | meaning [unit] |
 | `localization[].agent`, `.known_from`, `.rmse`, `.heading_rmse`, `.anees`, `.sigma_max` | a vision-localized robot; first estimate [s]; errors after settle [m, rad], null if the truth is unknown; 4 is consistent; largest standard deviation of the position [m] |
 | `localization[].detections`, `.rejected`, `.restarts`, `.longest_without_sight` | of the filter: detections, those beyond its gate, its restarts; longest time between two accepted [s] |
 | `safety.agents[].barrier_active`, `.barrier_conflict` | share of the updates in which the barrier changed the command; in which no command satisfied all conditions |
+| `safety.views[].observer`, `.target`, `.speed_max` | a certified view, and the speed of the target for which it is [m/s] |
+| `safety.views[].certified`, `.active`, `.reserve` | share of the updates in which it was certified; in which its filter changed the command; least reserve of its set while certified, null if never [m] |
 | `real_time.periods`, `.missed`, `.wake_us`, `.arrival_us`, `.cpu` | of a flight over links, [flying.md](flying.md) [µs, cores] |
 )";
 

@@ -30,7 +30,7 @@ struct LogTopic {
   }
 };
 
-inline constexpr std::array<LogTopic, 22> log_topics = {
+inline constexpr std::array<LogTopic, 23> log_topics = {
     {{"/BODY/state", "sightline.State", "x[]", "true state"},
      {"/BODY/pose", "geometry_msgs/msg/PoseStamped", "", "true pose in G"},
      {"/BODY/twist", "geometry_msgs/msg/TwistStamped", "", "true velocity in G, yaw rate"},
@@ -47,6 +47,9 @@ inline constexpr std::array<LogTopic, 22> log_topics = {
       "position [m] and heading of the reference that Q weighs, each 0.1 s"},
      {"/ROBOT/barrier", "sightline.Barrier", "active: boolean, conflict: boolean, reserve",
       "whether the command was changed, whether none satisfied all conditions, reserve [m]"},
+     {"/ROBOT/view", "sightline.View", "certified: boolean, active: boolean, reserve, least: string",
+      "whether its view of the target is certified, whether the command was changed for it, least reserve "
+      "[m], and its name or the condition that is missed"},
      {"/ROBOT/goal", "sightline.Goal", "after[], p[], heading[]",
       "goal that a user sent, as successive waypoints"},
      {"/ROBOT/motion", "sightline.Motion", "t, dt, v[], yaw_rate, roll, pitch, gyro[], force[], compass",

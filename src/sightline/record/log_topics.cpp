@@ -45,6 +45,7 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
   schemas_.solver = solver.add_schema(to_);
   schemas_.event = log_topic("/events").add_schema(to_);
 
+  if (!scenario.certified_views.empty()) schemas_.view = log_topic("/ROBOT/view").add_schema(to_);
   const bool has_barrier = scenario.safety && scenario.safety->barrier != BarrierMode::off;
   if (has_barrier) schemas_.barrier = log_topic("/ROBOT/barrier").add_schema(to_);
   const bool is_measured = scenario.simulation.disturbances.spoil_measurements() ||
@@ -52,6 +53,10 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
                            std::any_of(scenario.vehicles.begin(), scenario.vehicles.end(), has_imu);
   for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
   open_attitudes(scenario);
+  for (const CertifiedView& view : scenario.certified_views) {
+    bodies_[size(view.observer.index)].view =
+        log_topic("/ROBOT/view").open(to_, *schemas_.view, team_.name(view.observer));
+  }
   for (std::size_t c = 0; c < controllers; ++c)
     solvers_.push_back(
         solver.open(to_, schemas_.solver, controllers > 1 ? fmt::format("controller{}", c) : ""));
@@ -171,6 +176,7 @@ void LogTopics::add_agent(BodyChannels& channels, const Sample& sample) {
   message_.send(*channels.input, sample.time);
   if (sample.has_path) add_path(channels, sample);
   if (channels.barrier && channels.robot < sample.barriers.size()) add_barrier(channels, sample);
+  if (channels.view && channels.robot < sample.views.size()) add_view(channels, sample);
 }
 
 void LogTopics::add_barrier(BodyChannels& channels, const Sample& sample) {
@@ -180,6 +186,16 @@ void LogTopics::add_barrier(BodyChannels& channels, const Sample& sample) {
   message_.put("conflict", record.conflict);
   message_.put("reserve", record.reserve);
   message_.send(*channels.barrier, sample.time);
+}
+
+void LogTopics::add_view(BodyChannels& channels, const Sample& sample) {
+  const ViewRecord& record = sample.views[channels.robot];
+  message_.begin(sample.time);
+  message_.put("certified", record.certified);
+  message_.put("active", record.active);
+  message_.put("reserve", record.reserve);
+  message_.put("least", to_string(record.least));
+  message_.send(*channels.view, sample.time);
 }
 
 void LogTopics::add_path(BodyChannels& channels, const Sample& sample) {

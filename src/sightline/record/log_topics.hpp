@@ -41,7 +41,7 @@ class LogTopics {
     BodyId body;
     StateRoles roles;
     McapChannel state, pose, twist;
-    std::optional<McapChannel> measured{}, input{}, path{}, reference{}, barrier{}, attitude{};
+    std::optional<McapChannel> measured{}, input{}, path{}, reference{}, barrier{}, view{}, attitude{};
     std::size_t robot = 0;  // index among the robots
   };
 
@@ -59,6 +59,7 @@ class LogTopics {
   void add_path(BodyChannels& channels, const Sample& sample);
   void add_reference(BodyChannels& channels, const PresentTeam& present, double time);
   void add_barrier(BodyChannels& channels, const Sample& sample);
+  void add_view(BodyChannels& channels, const Sample& sample);
   void add_records(const Sample& sample, double cost);
   void add_events(const Sample& sample);
 
@@ -66,7 +67,7 @@ class LogTopics {
   MessageSink& to_;
   struct Schemas {
     SchemaId pose, twist, path, state, input, reference, solver, event, barrier;
-    std::optional<SchemaId> attitude;
+    std::optional<SchemaId> view, attitude;
   } schemas_{};
   std::vector<BodyChannels> bodies_;
   std::size_t robots_ = 0;

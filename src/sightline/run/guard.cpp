@@ -5,6 +5,7 @@
 #include "sightline/base.hpp"
 #include "sightline/loop.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/run/team_view.hpp"
 
 namespace sightline {
 namespace {
@@ -70,6 +71,7 @@ void validate(const Team& team, const GuardOptions& options) {
   if (options.supervisor) validate(team, *options.supervisor);
   validate(team, options.searchers, options.search);
   if (options.barrier != BarrierMode::off) validate_barriers(team, options);
+  validate_views(team, options);
 }
 
 Guard::Guard(const Team& team, const GuardOptions& options)
@@ -88,6 +90,7 @@ Guard::Guard(const Team& team, const GuardOptions& options)
       levels_(options_.bodies.size(), FallbackLevel::valid) {
   events_.reserve(4 * options_.bodies.size());
   if (options_.barrier != BarrierMode::off) barrier_ = std::make_unique<TeamBarrier>(team_, options_);
+  if (!options_.views.empty()) view_ = std::make_unique<TeamView>(team_, options_);
 }
 
 Guard::~Guard() = default;
@@ -131,6 +134,7 @@ void Guard::see_absent(double t, std::span<const double> measured, std::span<con
 void Guard::follow(const Membership& now, double t, std::span<const double> x) noexcept {
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
   if (barrier_) barrier_->set_limits(now.limits);
+  if (view_) view_->set_limits(now.limits);
   if (supervisor_) supervisor_->follow(now, t, x);
   search_.follow(now);
 }
@@ -174,17 +178,29 @@ void Guard::fall_back(double t, const ValidStates& x, std::span<const double> pl
 
 void Guard::keep_distances(double t, const ValidStates& x, std::span<const double> added,
                            std::span<double> u) noexcept {
-  if (!barrier_) return;
   std::span<const double> absent;
   if (options_.absent_robots_stay) absent = seen_;
-  barrier_->keep_distances(t, {x, estimated_, absent, ages_, sigmas_, presence_, levels_, connectivity_},
-                           added, u);
-  for (const BodyId robot : barrier_->conflicts())
-    emit({t, EventKind::barrier_conflict, 0, static_cast<double>(robot.index)});
+  const TeamSituation now = {x, estimated_, absent, ages_, sigmas_, presence_, levels_, added, connectivity_};
+  if (view_) view_->keep_views(t, now, u);
+  if (barrier_) {
+    barrier_->keep_distances(t, now, u);
+    for (const BodyId robot : barrier_->conflicts())
+      emit({t, EventKind::barrier_conflict, 0, static_cast<double>(robot.index)});
+  }
+  if (!view_) return;
+  view_->judge(now, u);
+  for (const TeamView::Change& change : view_->changes()) {
+    emit({t, change.certified ? EventKind::view_certified : EventKind::view_uncertified, 0,
+          static_cast<double>(change.robot.index)});
+  }
 }
 
 std::span<const BarrierRecord> Guard::barriers() const noexcept {
   return barrier_ ? barrier_->records() : std::span<const BarrierRecord>{};
+}
+
+std::span<const ViewRecord> Guard::views() const noexcept {
+  return view_ ? view_->records() : std::span<const ViewRecord>{};
 }
 
 void Guard::record(double t, std::span<const double> u) noexcept {

@@ -68,6 +68,7 @@ Sample sized_sample(const Team& team, const Controllers& controllers, const Team
   sample.raw_u.resize(nu);
   sample.solvers.resize(controllers.size());
   sample.barriers.resize(team.agents().size());
+  sample.views.resize(team.agents().size());
   sample.presence = everybody(team);
   sample.levels.resize(sample.presence.size());
   sample.path.resize(size(horizon.N + 1) * nx);

@@ -32,7 +32,9 @@ std::string_view to_string(EventKind kind) {
                                                                "unheard",
                                                                "heard",
                                                                "robot_ready",
-                                                               "robot_refused"};
+                                                               "robot_refused",
+                                                               "view_certified",
+                                                               "view_uncertified"};
   return names[static_cast<std::size_t>(kind)];
 }
 

@@ -19,9 +19,10 @@ BarrierOptions without_floor(BarrierOptions options) {
   return options;
 }
 
-/// The tightest limits of a robot over the run.
-std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, BodyId robot,
-                                                             const std::vector<LimitsToCome>& to_come) {
+}  // namespace
+
+std::pair<std::vector<double>, std::vector<double>> tightest_limits(
+    const Team& team, BodyId robot, const std::vector<LimitsToCome>& to_come) {
   const Agent& agent = team.agent(robot);
   std::vector<double> u_min = agent.limits.u_min().front(), u_max = agent.limits.u_max().front();
   const auto tighten = [&](const InputLimits& limits) {
@@ -46,8 +47,6 @@ std::pair<std::vector<double>, std::vector<double>> tightest(const Team& team, B
   return {u_min, u_max};
 }
 
-}  // namespace
-
 std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come) {
   std::vector<Ability> all;
   std::vector<std::string_view> models;
@@ -55,7 +54,7 @@ std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCo
     const BodyId body{i};
     if (!team.is_agent(body)) continue;
     const Model& model = team.model(body);
-    auto [u_min, u_max] = tightest(team, body, to_come);
+    auto [u_min, u_max] = tightest_limits(team, body, to_come);
     const Authority can = authority_of(model, u_min, u_max);
     int kind = static_cast<int>(all.size());
     for (std::size_t r = all.size(); r-- > 0;)
@@ -135,13 +134,13 @@ void TeamBarrier::set_limits(std::span<const InputLimits> limits) noexcept {
   for (std::size_t i = 0; i < robots_.size(); ++i) robots_[i].limits = &limits[i];
 }
 
-void TeamBarrier::keep_distances(double t, const Situation& now, std::span<const double> added,
-                                 std::span<double> u) noexcept {
+void TeamBarrier::keep_distances(double t, const TeamSituation& now, std::span<double> u) noexcept {
   conflicts_.clear();
   if (robots_.empty()) return;
   for (Robot& of : robots_) {
     of.limits->at(t, of.u_min, of.u_max);
-    for (std::size_t k = 0; k < of.nu; ++k) of.u_min[k] -= added[of.u + k], of.u_max[k] -= added[of.u + k];
+    for (std::size_t k = 0; k < of.nu; ++k)
+      of.u_min[k] -= now.added[of.u + k], of.u_max[k] -= now.added[of.u + k];
     of.part = of.barrier.part(of.u_min, of.u_max);
   }
   see_all(now);
@@ -156,7 +155,7 @@ void TeamBarrier::keep_distances(double t, const Situation& now, std::span<const
 /// Collects all bodies that are in the world and were measured once. A robot of the team is at the
 /// state where its command takes effect, an absent robot is where it was measured. Any other body
 /// is at its last estimate, with a greater age.
-void TeamBarrier::see_all(const Situation& now) noexcept {
+void TeamBarrier::see_all(const TeamSituation& now) noexcept {
   threats_.clear();
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
@@ -173,7 +172,7 @@ void TeamBarrier::see_all(const Situation& now) noexcept {
 }
 
 /// Whether a body keeps its distance to the robot as well, by its own barrier.
-bool TeamBarrier::gives_way(const Situation& now, const Robot& robot, BodyId other) const noexcept {
+bool TeamBarrier::gives_way(const TeamSituation& now, const Robot& robot, BodyId other) const noexcept {
   // A robot behind a link lands by its autopilot.
   const Presence presence = now.presence[at(other)];
   if (presence == Presence::absent || (presence == Presence::land && !now.absent.empty())) return false;
@@ -183,13 +182,14 @@ bool TeamBarrier::gives_way(const Situation& now, const Robot& robot, BodyId oth
 }
 
 /// Standard deviation of a body's position, each axis [m].
-double TeamBarrier::sigma_of(const Situation& now, BodyId body) const noexcept {
+double TeamBarrier::sigma_of(const TeamSituation& now, BodyId body) const noexcept {
   return now.sigmas[at(body)] > 0 ? std::min(now.sigmas[at(body)], Guard::sigma_most)
                                   : options_.position_sigma;
 }
 
 /// The data of another body for the barrier of a robot.
-Neighbour TeamBarrier::neighbour_of(const Situation& now, const Robot& robot, BodyId other) const noexcept {
+Neighbour TeamBarrier::neighbour_of(const TeamSituation& now, const Robot& robot,
+                                    BodyId other) const noexcept {
   const Sight<double>& sight = sights_[at(other)];
   const BodySafety& safety = options_.bodies[at(other)];
   Neighbour neighbour{
@@ -207,7 +207,7 @@ Neighbour TeamBarrier::neighbour_of(const Situation& now, const Robot& robot, Bo
 }
 
 /// The other bodies that a robot's barrier considers.
-std::span<const Neighbour> TeamBarrier::neighbours_of(const Situation& now, const Robot& robot,
+std::span<const Neighbour> TeamBarrier::neighbours_of(const TeamSituation& now, const Robot& robot,
                                                       Requester& requester) const noexcept {
   std::vector<Neighbour>& neighbours = requester.neighbours;
   std::size_t count = 0;
@@ -227,7 +227,7 @@ std::span<const Neighbour> TeamBarrier::neighbours_of(const Situation& now, cons
   return std::span(neighbours).first(count);
 }
 
-void TeamBarrier::keep_distance(const Situation& now, std::size_t robot, std::span<double> u,
+void TeamBarrier::keep_distance(const TeamSituation& now, std::size_t robot, std::span<double> u,
                                 Requester& requester) noexcept {
   Robot& of = robots_[robot];
   const FallbackLevel level = now.levels[at(of.body)];

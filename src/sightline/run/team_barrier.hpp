@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sightline/loop.hpp"
@@ -24,21 +25,22 @@ struct Ability {
 /// @throws std::invalid_argument for a robot whose model the barrier does not support
 std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCome>& to_come);
 
+/// Knowledge of all bodies in one period.
+struct TeamSituation {
+  bool is_there(BodyId body) const noexcept { return presence[at(body)] != Presence::absent; }
+  bool is_grounded(BodyId body) const noexcept { return levels[at(body)] == FallbackLevel::grounded; }
+
+  std::span<const double> x, estimated;  // states where the commands take effect; last estimates (nx)
+  std::span<const double> absent;        // measured, of absent robots (nx); empty: none is in the world
+  std::span<const double> ages, sigmas;  // of the estimates [s], of their positions [m]
+  std::span<const Presence> presence;
+  std::span<const FallbackLevel> levels;
+  std::span<const double> added;  // offset to the inputs (nu); the limits hold for the sum
+  const Connectivity* connectivity;
+};
+
 class TeamBarrier {
  public:
-  /// Knowledge of all bodies in one period.
-  struct Situation {
-    bool is_there(BodyId body) const noexcept { return presence[at(body)] != Presence::absent; }
-    bool is_grounded(BodyId body) const noexcept { return levels[at(body)] == FallbackLevel::grounded; }
-
-    std::span<const double> x, estimated;  // states where the commands take effect; last estimates (nx)
-    std::span<const double> absent;        // measured, of absent robots (nx); empty: none is in the world
-    std::span<const double> ages, sigmas;  // of the estimates [s], of their positions [m]
-    std::span<const Presence> presence;
-    std::span<const FallbackLevel> levels;
-    const Connectivity* connectivity;
-  };
-
   /// Both arguments must outlive the object.
   /// @throws std::invalid_argument as validate_barriers() does
   TeamBarrier(const Team& team, const GuardOptions& options);
@@ -46,9 +48,7 @@ class TeamBarrier {
   /// Takes the limits of each robot, which must outlive the next call.
   void set_limits(std::span<const InputLimits> limits) noexcept;
   /// Changes u (nu) to the nearest inputs that keep the hard distances.
-  /// @param added  offset to the inputs (nu); the limits hold for the sum
-  void keep_distances(double t, const Situation& now, std::span<const double> added,
-                      std::span<double> u) noexcept;
+  void keep_distances(double t, const TeamSituation& now, std::span<double> u) noexcept;
 
   /// One record for each robot.
   std::span<const BarrierRecord> records() const noexcept { return records_; }
@@ -76,13 +76,13 @@ class TeamBarrier {
     return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
   }
   const Robot& robot_of(BodyId robot) const noexcept { return robots_[team_.agent_index(robot)]; }
-  void see_all(const Situation& now) noexcept;
-  double sigma_of(const Situation& now, BodyId body) const noexcept;
-  bool gives_way(const Situation& now, const Robot& robot, BodyId other) const noexcept;
-  Neighbour neighbour_of(const Situation& now, const Robot& robot, BodyId other) const noexcept;
-  std::span<const Neighbour> neighbours_of(const Situation& now, const Robot& robot,
+  void see_all(const TeamSituation& now) noexcept;
+  double sigma_of(const TeamSituation& now, BodyId body) const noexcept;
+  bool gives_way(const TeamSituation& now, const Robot& robot, BodyId other) const noexcept;
+  Neighbour neighbour_of(const TeamSituation& now, const Robot& robot, BodyId other) const noexcept;
+  std::span<const Neighbour> neighbours_of(const TeamSituation& now, const Robot& robot,
                                            Requester& requester) const noexcept;
-  void keep_distance(const Situation& now, std::size_t robot, std::span<double> u,
+  void keep_distance(const TeamSituation& now, std::size_t robot, std::span<double> u,
                      Requester& requester) noexcept;
 
   const Team& team_;
@@ -98,6 +98,11 @@ class TeamBarrier {
   std::vector<BarrierRecord> records_;
   std::vector<BodyId> conflicts_;
 };
+
+/// The tightest limits of a robot over the run, u_min and u_max (nu).
+/// @throws std::invalid_argument if they leave no common value of an input
+std::pair<std::vector<double>, std::vector<double>> tightest_limits(const Team& team, BodyId robot,
+                                                                    const std::vector<LimitsToCome>& to_come);
 
 /// Checks what the constructor of a TeamBarrier checks.
 /// @throws std::invalid_argument for options out of their range, and for a robot whose model the

@@ -16,7 +16,7 @@ constexpr double estimate_rate = 1.2;  // speed of an estimate, relative to the 
 constexpr std::size_t most_nodes = ViewSection::distances;
 
 constexpr std::array sideward_speeds = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7};  // [m/s]
-constexpr std::array turn_shares = {0.02, 0.03, 0.045, 0.06, 0.1, 0.2, 0.35, 0.6, 1.0};     // of the yaw rate
+constexpr std::array turn_shares = {0.015, 0.02, 0.03, 0.045, 0.07, 0.12, 0.25, 0.5, 1.0};  // of the yaw rate
 
 /// Greatest distance of a target from its estimate. The estimate moves by `step` in a period
 /// towards a measurement with an error of at most `error`, the target by `move`. At a distance d
@@ -99,10 +99,9 @@ bool Sets::prepare(double theta, double sideward, double turn) {
     if (k - begin > last_ - first_) first_ = begin, last_ = k;
   }
 
-  // (C1): a thrust for one border uses up at most `lost` of the other's reserve.
-  const double change = (most + c * W_e) * dt;
-  const double lost =
-      (2 * W_e + change) * dt * std::max(least + most, 1.5 * (most + c * W_e)) / (least + c * W_e);
+  // (C1): a thrust for one border uses up at most `lost` of the other's reserve, q.
+  const double change = (most + c * W_e) * dt * std::exp(c * dt);
+  const double lost = 2 * change * (2 * W_e + change) / (least + c * W_e);
   const double length = brake_.distance(W_e) + 2 * (lost + spare);
   corridor_ =
       ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
@@ -132,7 +131,7 @@ bool Sets::follows(int i, int j) const {
 double Sets::volume(int i, int j) {
   if (!follows(i, j)) return 0.0;
   const double climb = task_.motion.climb.most - known_.climb, d = section_.step();
-  if (climb < 0) return 0.0;
+  if (climb < 0 && ignored_ != ViewLimit::height) return 0.0;
   for (int k = i; k <= j; ++k)
     low_[size(k - i)] = heights_[size(k)].low, high_[size(k - i)] = heights_[size(k)].high;
   const int n = j - i;
@@ -283,7 +282,7 @@ ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean) 
     }
     if (!same)
       throw_invalid(
-          "certify_view: the limit \"{}\" depends on more than the relative position, expected one "
+          "the limit \"{}\" depends on more than the relative position, expected one "
           "of the position alone",
           limit.name());
   }
@@ -313,11 +312,10 @@ ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * b
     if (!holds_at(r, std::max(3.0, r))) continue;
     first = std::min(first, r), last = r;
   }
-  if (last == 0.0)
-    throw_invalid("certify_view: no place within {} m is in the region, expected some", farthest);
+  if (last == 0.0) throw_invalid("no place within {} m is in the region, expected some", farthest);
   if (last > farthest)
     throw_invalid(
-        "certify_view: the region reaches beyond {} m, expected a limit of the distance such as "
+        "the region reaches beyond {} m, expected a limit of the distance such as "
         "d_max",
         farthest);
   first_ = std::max(0.5 * coarse, first - coarse);
@@ -416,7 +414,7 @@ ViewCertificate certify_view(const ViewTask& task, const ViewSection& section) {
   std::optional<Candidate> best;
   double volume = 0.0;
   // A coarse grid first; a thin set that it misses is found by the whole one.
-  constexpr int stride = 4, coarse = 8;
+  constexpr int stride = 3, coarse = 8;
   search.any(stride, [&](Sets& sets, Candidate of) {
     for (of.near = sets.first(); of.near + sets.corridor() <= sets.last(); of.near += coarse) {
       for (of.far = of.near + sets.corridor(); of.far <= sets.last(); of.far += coarse) {

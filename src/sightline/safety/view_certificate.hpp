@@ -29,6 +29,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "sightline/model.hpp"
 #include "sightline/potential.hpp"
@@ -51,39 +52,6 @@ struct ViewMotion {
 /// @param u_min, u_max  limits of the inputs (nu), finite
 /// @throws std::invalid_argument for a robot that moves otherwise: with a sentence that names it
 ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
-
-/// What is assumed of the target, of the measurements and of the air.
-struct ViewBounds {
-  double speed = 0.5;              ///< W, greatest horizontal speed of the target [m/s]
-  double climb = 0.3;              ///< W_z, greatest vertical speed of the target [m/s]
-  double acceleration = infinity;  ///< A, horizontal; finite: the target's velocity is measured [m/s^2]
-  double age = 0.0;                ///< greatest age of the target's position [s]
-  double error = 0.0;              ///< greatest error of the target's relative position [m]
-  double spread = 0.0;             ///< distance from the known point to the farthest of several targets [m]
-  double wind = 0.0;               ///< greatest horizontal acceleration by wind [m/s^2]
-
-  static constexpr auto parameters() {
-    using B = ViewBounds;
-    constexpr Bounds age_range = {0.0, 2.0, "0 to 2"};
-    return std::tuple{
-        parameter("speed_max", &B::speed, "m/s", from_zero, "greatest horizontal speed of the target"),
-        parameter("climb_max", &B::climb, "m/s", from_zero, "greatest vertical speed of the target"),
-        parameter("acceleration_max", &B::acceleration, "m/s^2", above_zero,
-                  "greatest horizontal acceleration of a target whose velocity is measured"),
-        parameter("age", &B::age, "s", age_range, "greatest age of the target's measured position"),
-        parameter("error", &B::error, "m", from_zero, "greatest error of the target's relative position"),
-        parameter("spread", &B::spread, "m", from_zero, "greatest distance of further targets from this one"),
-        parameter("wind", &B::wind, "m/s^2", from_zero, "greatest horizontal acceleration by wind")};
-  }
-
-  bool is_velocity_measured() const { return acceleration < infinity; }
-  /// The point that the filter follows: how fast it moves, and how far the target is from it.
-  struct Known {
-    double speed, climb, radius, height;
-  };
-  /// An estimate that follows measurements no faster than 1.2 W stays within `radius` of the target.
-  Known known(double dt) const;
-};
 
 /// Whether the target, `ahead` and `left` of a robot `above` it [m], is where it must be.
 using ViewRegion = std::function<bool(double ahead, double left, double above)>;

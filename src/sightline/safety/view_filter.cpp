@@ -34,6 +34,12 @@ Need need_of(double reserve, double keep) {
 
 }  // namespace
 
+std::string_view to_string(ViewReserve reserve) noexcept {
+  constexpr std::array<std::string_view, 11> names = {"near",     "far",     "left", "right", "high", "low",
+                                                      "sideward", "command", "age",  "error", "speed"};
+  return names[static_cast<std::size_t>(reserve)];
+}
+
 SlowEstimate::SlowEstimate(const ViewBounds& bounds, double dt) noexcept
     : step_(bounds.error > 0 ? bounds.known(dt).speed * dt : infinity),
       climb_(bounds.error > 0 ? bounds.known(dt).climb * dt : infinity) {}
@@ -95,12 +101,12 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
     : model_(model), certificate_(certificate) {
   const ViewTask& task = certificate.task;
   const double dt = task.dt;
-  if (!certificate.exists()) throw_invalid("certify_view: no certificate exists, expected one");
+  if (!certificate.exists()) throw_invalid("no certificate of the view exists, expected one");
   if (model.nx() > most_states || model.nu() > most_inputs)
-    throw_invalid("certify_view: \"{}\" has {} states and {} inputs, expected at most {} and {}",
-                  model.name(), model.nx(), model.nu(), most_states, most_inputs);
+    throw_invalid("\"{}\" has {} states and {} inputs, expected at most {} and {}", model.name(), model.nx(),
+                  model.nu(), most_states, most_inputs);
   if (!(dt > 0 && dt <= longest_period))
-    throw_invalid("certify_view: period = {}, expected in (0, {}] s", dt, longest_period);
+    throw_invalid("period = {}, expected in (0, {}] s for a certified view", dt, longest_period);
   const auto [E, F] = responses(task.motion.along.drag, dt);
   const double wind = task.bounds.wind;
   const ViewBounds::Known known = task.bounds.known(dt);

@@ -11,8 +11,8 @@
 
 #include <array>
 #include <span>
-#include <string_view>
 
+#include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
 #include "sightline/model.hpp"
 #include "sightline/safety/view_certificate.hpp"
@@ -40,12 +40,9 @@ class SlowEstimate {
   Vec3<double> p_{};
 };
 
-/// A reserve of S; in this order in arrays.
-enum class ViewReserve { near, far, left, right, high, low, sideward };
-inline constexpr std::array<std::string_view, 7> view_reserves = {"near", "far", "left",    "right",
-                                                                  "high", "low", "sideward"};
-/// All >= 0 in S. Bearings are multiplied by r, so all but the last are in m; the last is in m/s.
-using ViewReserves = std::array<double, view_reserves.size()>;
+/// Reserves of S in the order of ViewReserve, all >= 0 in S. Bearings are multiplied by r, so all but
+/// the last are in m; the last is in m/s.
+using ViewReserves = std::array<double, 7>;
 
 struct ViewFilterResult {
   bool active = false;                    ///< the command was changed

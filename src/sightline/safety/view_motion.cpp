@@ -53,7 +53,7 @@ MotionInV motion_in_V(const Model& model, const std::vector<double>& x, const st
 }
 
 [[noreturn]] void refuse(const Model& model, std::string_view why, std::string_view expected) {
-  throw_invalid("certify_view: \"{}\" {}, expected {}", model.name(), why, expected);
+  throw_invalid("\"{}\" {}, expected {}", model.name(), why, expected);
 }
 
 /// Whether the motion follows the axes that were fitted, and what differs.

@@ -12,6 +12,7 @@
 #include "sightline/scenario/keys_without_effect.hpp"
 #include "sightline/scenario/reach.hpp"
 #include "sightline/scenario/read_safety.hpp"
+#include "sightline/scenario/read_view.hpp"
 #include "sightline/scenario/starts.hpp"
 #include "sightline/scenario/tag_size.hpp"
 
@@ -189,6 +190,7 @@ Preflight check_scenario(const Scenario& scenario) {
   if (!p.refusals.empty()) return p;
   p.warn(warnings_of_starts(scenario));
   p.warn(warnings_of_zones(scenario));
+  p.warn(warnings_of_views(scenario));
   p.warn(keys_without_effect(scenario));
   p.warn(limits_beyond_influence(scenario));
   p.warn(robots_beyond_noise(scenario));

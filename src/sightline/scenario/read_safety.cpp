@@ -286,10 +286,23 @@ std::vector<RobotSpeed> uncooperative_robots(const ScenarioSpec& scenario) {
   return robots;
 }
 
+std::vector<LimitsToCome> limits_to_come(const ScenarioSpec& scenario) {
+  std::vector<LimitsToCome> limits;
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      const auto* retune = std::get_if<RetuneAgent>(&action);
+      if (retune != nullptr && retune->limits) limits.push_back({retune->agent, *retune->limits});
+    }
+  }
+  return limits;
+}
+
 std::optional<GuardOptions> guard_options(const ScenarioSpec& scenario) {
   const Safety safety = scenario.safety.value_or(Safety{});
   const bool searches = !scenario.localization.robots.empty();
-  if (safety.barrier == BarrierMode::off && !safety.supervisor && !searches) return std::nullopt;
+  if (safety.barrier == BarrierMode::off && !safety.supervisor && !searches &&
+      scenario.certified_views.empty())
+    return std::nullopt;
   GuardOptions options{.supervisor = safety.supervisor,
                        .barrier = safety.barrier,
                        .barrier_options = safety.barrier_options,
@@ -307,14 +320,8 @@ std::optional<GuardOptions> guard_options(const ScenarioSpec& scenario) {
     options.command_delays.resize(options.bodies.size());
     options.command_delays[static_cast<std::size_t>(of.robot.index)] = of.command_delay;
   }
-  for (const TeamEvent& event : scenario.script.events) {
-    for (const Action& action : event.actions) {
-      const auto* retune = std::get_if<RetuneAgent>(&action);
-      if (retune != nullptr && retune->limits) {
-        options.limits_to_come.push_back({retune->agent, *retune->limits});
-      }
-    }
-  }
+  options.limits_to_come = limits_to_come(scenario);
+  options.views = scenario.certified_views;
   // A robot that is not cooperative, since another moves differently, is as fast as its model
   // allows.
   for (const RobotSpeed& of : uncooperative_robots(scenario)) {

@@ -30,8 +30,11 @@ struct RobotSpeed {
 /// climb late. If all climb late with the same motion, the speeds do not count.
 std::vector<RobotSpeed> uncooperative_robots(const ScenarioSpec& scenario);
 
-/// Options of the guard of the scenario's loop; none without a barrier, a supervisor or a
-/// vision-localized robot.
+/// Limits that the events of a scenario set.
+std::vector<LimitsToCome> limits_to_come(const ScenarioSpec& scenario);
+
+/// Options of the guard of the scenario's loop; none without a barrier, a supervisor, a certified view
+/// or a vision-localized robot.
 std::optional<GuardOptions> guard_options(const ScenarioSpec& scenario);
 
 /// Hard minimum distance between two bodies [m]; none if neither the bodies nor [safety] state one.

@@ -29,6 +29,7 @@
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/scenario/read_shape.hpp"
 #include "sightline/scenario/read_vehicle.hpp"
+#include "sightline/scenario/read_view.hpp"
 #include "sightline/scenario/templates.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
@@ -50,7 +51,7 @@ class Reader {
   void read() {
     root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
                        "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign",
-                       "estimate", "partition"});
+                       "estimate", "partition", "certify_view"});
     read_keys(root_.table_or_empty("horizon"), {}, scenario_.horizon);
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
@@ -74,9 +75,10 @@ class Reader {
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     if (root_.has("fleet")) scenario_.links = link_reader(root_).read_links(root_, scenario_);
     scenario_.script = read_events(root_, scenario_, observers_);
+    scenario_.certified_views = read_certified_views(root_, scenario_);
     // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
-      root_.table("safety").checked([&] { validate(scenario_.team, *options); });
+      root_.table_or_empty("safety").checked([&] { validate(scenario_.team, *options); });
     }
     read_estimates(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
@@ -553,6 +555,7 @@ std::string summary(const ScenarioSpec& scenario) {
          term.barrier.mu, term.barrier.delta);
   for (const TeamEvent& event : scenario.script.events) line("event       {}", describe(event, team));
   if (scenario.safety) text += describe(*scenario.safety);
+  for (const CertifiedView& view : scenario.certified_views) text += describe(view, team);
   return text + describe(simulation, team);
 }
 

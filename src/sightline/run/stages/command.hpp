@@ -10,7 +10,8 @@
 
 namespace sightline::stages {
 
-/// Changes the inputs so that they keep limits, rates and, by the guard, the hard distances.
+/// Changes the inputs so that they keep limits, rates and, by the guard, the certified views and
+/// the hard distances.
 class Filter {
  public:
   Filter(Guard* guard, const Period& p) : guard_(guard), plan_ages_(p.planned_at.size()) {}
@@ -26,6 +27,7 @@ class Filter {
     guard_->keep_distances(p.t, *p.met, p.added, p.u);
     for (const Event& event : guard_->events()) p.emit(event);
     std::ranges::copy(guard_->barriers(), p.sample->barriers.begin());
+    std::ranges::copy(guard_->views(), p.sample->views.begin());
     std::ranges::copy(guard_->levels(), p.sample->levels.begin());
   }
 

@@ -16,10 +16,10 @@ namespace {
 constexpr std::int64_t no_paths = std::numeric_limits<std::int64_t>::max();
 constexpr double end_after_stop = 1.0;  // longest wait of the last sample after a stop request [s]
 
-std::array<std::size_t, 11> sizes_of(const Sample& s) {
-  return {s.x.size(),          s.attitudes.size(), s.path.size(),       s.solvers.size(),
-          s.barriers.size(),   s.levels.size(),    s.detections.size(), s.motions.size(),
-          s.broadcasts.size(), s.fits.size(),      s.estimates.size()};
+std::array<std::size_t, 12> sizes_of(const Sample& s) {
+  return {s.x.size(),        s.attitudes.size(),  s.path.size(),   s.solvers.size(),
+          s.barriers.size(), s.views.size(),      s.levels.size(), s.detections.size(),
+          s.motions.size(),  s.broadcasts.size(), s.fits.size(),   s.estimates.size()};
 }
 
 /// Moves events into a sample; those that do not fit wait for the next one. Events that change the

@@ -1,0 +1,65 @@
+/// The certified views of a team: what each observer knows of its target, and its command.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sightline/loop.hpp"
+#include "sightline/run/team_barrier.hpp"
+#include "sightline/safety/view_filter.hpp"
+
+namespace sightline {
+
+class TeamView {
+ public:
+  /// A view that became certified, or ceased to be.
+  struct Change {
+    BodyId robot;
+    bool certified;
+  };
+
+  /// Both arguments must outlive the object.
+  TeamView(const Team& team, const GuardOptions& options);
+
+  /// Takes the limits of each robot, which must outlive the next call.
+  void set_limits(std::span<const InputLimits> limits) noexcept;
+  /// Changes u (nu) to inputs that keep the states in their sets.
+  void keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept;
+  /// Judges the inputs u (nu) that the robots receive, after keep_views().
+  void judge(const TeamSituation& now, std::span<const double> u) noexcept;
+
+  /// One record for each robot.
+  std::span<const ViewRecord> records() const noexcept { return records_; }
+  /// The views that changed in this period; of the first period all.
+  std::span<const Change> changes() const noexcept { return changes_; }
+
+ private:
+  struct Observer {
+    const CertifiedView* view;
+    std::size_t robot, x, u, nx, nu;         // index among the robots; offsets and lengths
+    std::vector<double> u_min, u_max, next;  // limits now; a command
+    const InputLimits* limits;               // in force
+    SlowEstimate estimate;
+    ViewBounds::Known known;  // greatest motion of the estimate
+    bool is_known = false;    // the target has a position in this period
+    double seen_at = 0.0;     // time of `target` [s]
+    ViewTarget target{};
+    ViewReserve missed = ViewReserve::age;  // what is not as assumed; `command`: all is
+    bool is_judged = false, was_certified = false;
+  };
+
+  void see(double t, const TeamSituation& now, Observer& of) const noexcept;
+
+  const Team& team_;
+  const GuardOptions& options_;
+  std::vector<Observer> observers_;
+  std::vector<double> no_inputs_;  // as many zeros as a model has inputs, or more
+  std::vector<ViewRecord> records_;
+  std::vector<Change> changes_;
+};
+
+/// @throws std::invalid_argument for a view without a filter, or a second one of an observer
+void validate_views(const Team& team, const GuardOptions& options);
+
+}  // namespace sightline

@@ -1,0 +1,153 @@
+#include "sightline/scenario/read_view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "sightline/potential/protection.hpp"
+#include "sightline/run/team_barrier.hpp"
+#include "sightline/safety/view_filter.hpp"
+#include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/read_safety.hpp"
+
+namespace sightline {
+namespace {
+
+/// The limits of a pair that say where the target must be: sensors and distances.
+std::vector<Potential> limits_of(const Team& team, BodyId observer, BodyId target) {
+  std::vector<Potential> limits;
+  for (const Coupling& coupling : team.couplings()) {
+    const Potential& potential = coupling.term.potential;
+    const auto is_between = [&](BodyId first, BodyId second) {
+      return coupling.between.first == first && coupling.between.second == second;
+    };
+    const bool is_symmetric = potential.mount() == nullptr;
+    if (!is_between(observer, target) && !(is_symmetric && is_between(target, observer))) continue;
+    if (observes(potential) || keeps_apart(potential) || potential.d_min() || potential.d_max())
+      limits.push_back(potential);
+  }
+  return limits;
+}
+
+/// The certificate of a view, its filter and the largest speed.
+void certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
+  const Team& team = scenario.team;
+  const Model& model = team.model(view.observer);
+  std::vector<Potential> limits = limits_of(team, view.observer, view.target);
+  if (std::none_of(limits.begin(), limits.end(), [](const Potential& limit) { return observes(limit); }))
+    at.throw_invalid("target",
+                     fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
+  at.checked([&] {
+    const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
+    const ViewTask task = {view_motion(model, u_min, u_max), view.bounds, scenario.horizon.dt};
+    const ViewSection section(view_region(std::move(limits), task.motion.lean));
+    const CertifiedSpeed most = certified_speed(task, section);
+    view.speed_most = most.speed, view.limited_by = to_string(most.limit);
+    const ViewCertificate certificate = certify_view(task, section);
+    if (certificate.exists()) view.filter = std::make_shared<const ViewFilter>(model, certificate);
+  });
+  if (view.filter) return;
+  const double rounded = std::floor(100 * view.speed_most) / 100;
+  if (rounded == 0)
+    at.throw_invalid(fmt::format("another view: not even a target at rest can be certified, {} limits it",
+                                 view.limited_by));
+  at.throw_invalid("speed_max", fmt::format("at most {:.2f} m/s: {} limits what can be certified", rounded,
+                                            view.limited_by));
+}
+
+CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
+  const Team& team = scenario.team;
+  CertifiedView view;
+  read_keys(at, {}, view.bounds, view);
+  view.observer = team.find(read_name(at, "observer", team, Among::robots, "a robot"));
+  view.target = team.find(read_name(at, "target", team, Among::bodies, "a robot, target or obstacle"));
+  for (const RobotCompensation& of : scenario.compensations) {
+    if (of.robot != view.observer) continue;
+    if (of.disturbance_time > 0)
+      at.throw_invalid("observer",
+                       "a robot without disturbance_time, whose commands are not part of the bounds");
+    view.bounds.age += of.command_delay;
+  }
+  for (const UncooperativeBody& of : scenario.uncooperative) {
+    if (of.body == view.target && of.velocity == SeenVelocity::unknown && view.bounds.is_velocity_measured())
+      at.throw_invalid("acceleration_max", "no such key for a target with velocity = \"unknown\"");
+  }
+  certify(at, scenario, view);
+  return view;
+}
+
+}  // namespace
+
+std::vector<CertifiedView> read_certified_views(const TomlTable& root, const ScenarioSpec& scenario) {
+  std::vector<CertifiedView> views;
+  for (const TomlTable& at : root.tables("certify_view")) {
+    views.push_back(read_view(at, scenario));
+    const auto same = [&](const CertifiedView& other) { return other.observer == views.back().observer; };
+    if (std::count_if(views.begin(), views.end(), same) > 1)
+      at.throw_invalid("observer", "a robot without another certified view");
+  }
+  return views;
+}
+
+std::string describe(const CertifiedView& view, const Team& team) {
+  const ViewCertificate& z = view.filter->certificate();
+  const double middle = 0.5 * (z.near + z.far);
+  return fmt::format(
+      "certify     view of {} by {} is certified up to {:.2f} m/s; {} limits it\n"
+      "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of the heading, {:.2f} to "
+      "{:.2f} m "
+      "above it at {:.2f} m, {:.2f} m/s sideward, {:.2f} rad/s\n",
+      team.name(view.target), team.name(view.observer), std::floor(100 * view.speed_most) / 100,
+      view.limited_by, view.bounds.speed, z.near, z.far, z.theta * 180 / std::numbers::pi,
+      z.at(z.low, middle), z.at(z.high, middle), middle, z.sideward, z.turn);
+}
+
+std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
+  std::vector<std::string> sentences;
+  const Team& team = scenario.team;
+  for (const CertifiedView& view : scenario.certified_views) {
+    const std::string who =
+        fmt::format("the certified view of {} by {}", team.name(view.target), team.name(view.observer));
+    const ViewFilter& filter = *view.filter;
+    if (vehicle_of(scenario, view.observer) != nullptr)
+      sentences.push_back(who + " holds for the model of the robot, which its vehicle follows with lags");
+    for (const UncooperativeBody& of : scenario.uncooperative) {
+      const double speed = of.motion ? top_speed(*of.motion) : 0.0;
+      if (of.body == view.target && speed > view.bounds.speed)
+        sentences.push_back(fmt::format("{} assumes speed_max = {} m/s, the target moves at up to {:.3g} m/s",
+                                        who, view.bounds.speed, speed));
+    }
+    const auto d_hard = hard_distance(scenario, view.observer, view.target);
+    const ViewCertificate& z = filter.certificate();
+    double nearest = infinity;
+    for (std::size_t k = 0; k < z.low.size(); ++k) {
+      const double h = std::clamp(0.0, z.low[k], z.high[k]);
+      nearest = std::min(nearest, norm(z.near + static_cast<double>(k) * z.step(), h));
+    }
+    constexpr double apart = 0.2;  // [m] within which the barrier acts on states of the set
+    if (scenario.safety && scenario.safety->barrier == BarrierMode::on && d_hard && *d_hard > nearest - apart)
+      sentences.push_back(
+          fmt::format("{} allows {:.2f} m, and the barrier may break it with d_hard = {} m, "
+                      "expected at most {:.2f} m",
+                      who, nearest, *d_hard, nearest - apart));
+    const std::vector<double> u(static_cast<std::size_t>(team.model(view.target).nu()) + 1);
+    const std::span<const double> x0 = scenario.x0;
+    const Sight<double> target =
+        team.model(view.target).sight(&x0[size(team.state_offset(view.target))], u.data());
+    const ViewReserves reserves = filter.reserves(
+        x0.subspan(size(team.state_offset(view.observer)), size(team.model(view.observer).nx())),
+        {target.p, {target.v.x, target.v.y}});
+    const auto least = std::min_element(reserves.begin(), reserves.end());
+    if (*least < 0)
+      sentences.push_back(
+          fmt::format("{} does not hold at the start: {:.3g} m outside its set, by the reserve "
+                      "\"{}\"",
+                      who, -*least, to_string(static_cast<ViewReserve>(least - reserves.begin()))));
+  }
+  return sentences;
+}
+
+}  // namespace sightline

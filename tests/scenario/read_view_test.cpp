@@ -1,0 +1,200 @@
+// Scenarios with [[certify_view]]: the certificate that is read, and flights by the whole loop.
+#include "sightline/scenario/read_view.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "sightline/run/controller.hpp"
+#include "sightline/safety/view_filter.hpp"
+#include "tests/support/sample_sink.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+/// A robot that is to be at `place`, which no view allows, and a ball that circles.
+std::string leaving_robot(double rate, const std::string& place, const std::string& rest) {
+  return fmt::format(R"(
+[simulation]
+duration = 8.0
+[agent.uav0]
+robot = "multirotor"
+start = {{ p = [-0.8, 0.0, 1.55], heading = 0.0 }}
+sensor = {{ pitch = 0.5, offset = 0.17 }}
+Q = [4.0, 4.0, 4.0, 0.2, 0.2, 0.0, 0.0]
+reference = {{ constant = {{ p = {} }} }}
+[target.ball]
+motion = {{ circle = {{ centre = [0.0, 0.0, 1.0], radius = 0.5, rate = {} }} }}
+[[couple]]
+potential = {{ sensor_cone = {{ alpha = 0.5 }} }}
+between = ["uav0", "ball"]
+weight = 0.4
+[[couple]]
+potential = {{ keep_out = {{ d_min = 1.0 }} }}
+between = ["ball", "uav0"]
+felt_by = ["uav0"]
+weight = 0.4
+[[couple]]
+potential = {{ cohesion = {{ d_max = 2.0 }} }}
+between = ["uav0", "ball"]
+weight = 0.4
+{})",
+                     place, rate, rest);
+}
+
+constexpr const char* certified = R"([[certify_view]]
+observer = "uav0"
+target = "ball"
+speed_max = 0.5
+)";
+
+struct Flown {
+  int updates = 0, certified = 0, active = 0, lost = 0;
+  bool announced = true;      // no sample out of view before one that is not certified
+  double nearest = infinity;  // to the third body [m]
+  std::vector<std::string> changes{};
+  ViewReserve least{};  // of the last sample that is not certified
+};
+
+/// Flies a scenario; the view is judged by the limits themselves at the true states.
+Flown fly(const std::string& text) {
+  const Scenario scenario = test::scenario_of(text);
+  const Team& team = scenario.team;
+  Controls controls(scenario);
+  SimulatedClock clock;
+  const std::unique_ptr<World> world = make_world(scenario);
+  const Controllers controllers = controls.controllers();
+  test::AllSamples sink(sized_sample(*world, controllers, controls.team_switcher()));
+  ClosedLoop(scenario, *world, controllers, clock, sink, nullptr, controls.team_switcher()).fly();
+  Flown flown;
+  const auto sight_of = [&](int body, const Sample& sample) {
+    return true_sight(team, BodyId{body}, sample);
+  };
+  bool uncertified = scenario.certified_views.empty();
+  for (const Sample& sample : sink.all) {
+    const Sight<double> robot = sight_of(0, sample), ball = sight_of(1, sample);
+    const auto& couplings = team.couplings();
+    const bool out = std::any_of(couplings.begin(), couplings.begin() + 3, [&](const Coupling& coupling) {
+      return coupling.term.potential.violation(robot, ball) > 0;
+    });
+    flown.lost += out;
+    flown.announced = flown.announced && (!out || uncertified);
+    if (team.bodies() > 2) flown.nearest = std::min(flown.nearest, norm(robot.p - sight_of(2, sample).p));
+    if (sample.of != Sample::Of::update) continue;
+    const ViewRecord& record = sample.views[0];
+    ++flown.updates;
+    flown.certified += record.certified;
+    flown.active += record.active;
+    if (!record.certified) uncertified = true, flown.least = record.least;
+    for (int i = 0; i < sample.event_count; ++i) {
+      const EventKind kind = sample.events[static_cast<std::size_t>(i)].kind;
+      if (kind == EventKind::view_certified || kind == EventKind::view_uncertified)
+        flown.changes.emplace_back(to_string(kind));
+    }
+  }
+  return flown;
+}
+
+using Changes = std::vector<std::string>;
+
+TEST(CertifiedViews, KeepTheTargetThatTheSolverWouldLeave) {
+  for (const char* place : {"[-4.0, 0.0, 1.5]", "[0.0, 0.0, 1.6]", "[0.0, 3.0, 0.2]"}) {
+    const Flown flown = fly(leaving_robot(0.9, place, certified));
+    EXPECT_EQ(flown.lost, 0) << place;
+    EXPECT_EQ(flown.certified, flown.updates) << place;
+    EXPECT_EQ(flown.changes, Changes{"view_certified"}) << place;
+    EXPECT_GT(flown.active, 0) << place;
+    EXPECT_GT(fly(leaving_robot(0.9, place, "")).lost, 100) << place;
+  }
+}
+
+TEST(CertifiedViews, KeepAnotherRobotOfTheTeamInView) {
+  std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified);
+  const std::string ball = "[target.ball]\nmotion = { circle";
+  text.replace(text.find(ball), ball.size(),
+               "[agent.ball]\nrobot = \"multirotor\"\nstart = { p = [0.5, 0.0, 1.0] }\n"
+               "Q = [2.0, 2.0, 2.0, 0.2, 0.2, 0.0, 0.0]\nreference = { circle");
+  text.replace(text.find("rate = 0.9"), 10, "rate = 0.3");
+  const Flown flown = fly(text);
+  EXPECT_EQ(flown.lost, 0);
+  EXPECT_EQ(flown.certified, flown.updates);
+}
+
+TEST(CertifiedViews, AreNotCertifiedForATargetBeyondItsBound) {
+  const Flown flown = fly(leaving_robot(2.0, "[-4.0, 0.0, 1.5]", certified));
+  EXPECT_LT(flown.certified, flown.updates / 2);
+  EXPECT_EQ(flown.changes.front(), "view_certified");  // the first period knows no speed
+  EXPECT_EQ(flown.changes[1], "view_uncertified");
+  EXPECT_TRUE(flown.announced);
+}
+
+TEST(CertifiedViews, AreNotCertifiedFromMeasurementsOlderThanStated) {
+  const std::string late =
+      "[[simulation.fault]]\nkind = \"delay\"\nbody = \"ball\"\ndelay = 0.1\nfrom = 0.5\n";
+  const Flown unstated = fly(leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified + late));
+  EXPECT_LT(unstated.certified, unstated.updates / 2);
+  EXPECT_EQ(unstated.least, ViewReserve::age);
+  EXPECT_TRUE(unstated.announced);
+  const Flown stated =
+      fly(leaving_robot(0.9, "[-4.0, 0.0, 1.5]", std::string(certified) + "age = 0.1\n" + late));
+  EXPECT_GE(stated.certified, stated.updates - 20);  // the measurement jumps when the delay begins
+  EXPECT_EQ(stated.lost, 0);
+}
+
+// A body that comes as near as it can: the hard distance has priority.
+TEST(CertifiedViews, GiveWayToTheHardDistanceAndReportItFirst) {
+  const std::string ram =
+      "[obstacle.ram]\nmotion = { path = { points = [[-0.9, 5.0, 1.5], [-0.9, -5.0, 1.5]], speed = 1.5 } }\n"
+      "[safety]\nbarrier = \"on\"\nd_hard = 0.6\nfloor = 0.1\n";
+  const Flown flown = fly(leaving_robot(0.9, "[-0.8, 0.0, 1.5]", certified + ram));
+  EXPECT_GE(flown.nearest, 0.6);
+  EXPECT_LT(flown.certified, flown.updates);
+  EXPECT_TRUE(flown.announced);
+}
+
+TEST(CertifiedViews, BeginOutsideTheSetByTheSolverOrByTheNearestCommand) {
+  for (const bool returns : {false, true}) {
+    std::string text = leaving_robot(0.0, "[-3.2, 0.0, 2.0]",
+                                     std::string(certified) + (returns ? "outside = \"return\"\n" : ""));
+    text.replace(text.find("-0.8, 0.0, 1.55"), 15, "-3.0, 0.0, 2.00");
+    const Flown flown = fly(text);
+    EXPECT_EQ(flown.changes.front(), "view_uncertified");
+    EXPECT_EQ(flown.certified > 0, returns);
+    EXPECT_EQ(flown.active > 0, returns);
+  }
+}
+
+TEST(CertifiedViews, ReadTheLimitsOfThePairAndStateWhatTheyCertify) {
+  const Scenario scenario = test::scenario_of(leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified));
+  ASSERT_EQ(scenario.certified_views.size(), 1U);
+  const CertifiedView& view = scenario.certified_views[0];
+  EXPECT_GE(view.speed_most, 0.96);
+  EXPECT_EQ(view.limited_by, "the range corridor");
+  const ViewCertificate& z = view.filter->certificate();
+  EXPECT_GT(z.near, 0.6);
+  EXPECT_LT(z.far, 2.0);
+  EXPECT_TRUE(describe(view, scenario.team)
+                  .starts_with("certify     view of ball by uav0 is certified up to 0.98 m/s; the range "
+                               "corridor limits it\n"));
+  EXPECT_TRUE(warnings_of_views(scenario).empty());
+}
+
+TEST(CertifiedViews, WarnWhereAnotherPartOfTheScenarioEndangersThem) {
+  const auto warnings = [](double rate, const std::string& rest) {
+    return warnings_of_views(test::scenario_of(leaving_robot(rate, "[-4.0, 0.0, 1.5]", certified + rest)));
+  };
+  EXPECT_EQ(
+      warnings(1.6, ""),
+      std::vector<std::string>{"the certified view of ball by uav0 assumes speed_max = 0.5 m/s, the target "
+                               "moves at up to 0.8 m/s"});
+  const std::vector<std::string> near = warnings(0.9, "[safety]\nbarrier = \"on\"\nd_hard = 0.95\n");
+  ASSERT_EQ(near.size(), 1U);
+  EXPECT_NE(near[0].find("the barrier may break it with d_hard = 0.95 m"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sightline
