@@ -258,7 +258,7 @@ enum class ViewReserve {
   right,     ///< the same on the other side
   high,      ///< height above the target
   low,       ///< the same of the least height
-  sideward,  ///< sideward speed
+  sideward,  ///< sideward speed; of robots with lags, also vertical speed and yaw rate
   command,   ///< no command within the present limits, or none that other limits leave, keeps the set
   age,       ///< a measurement is older than ViewBounds::age, or missing
   error,     ///< three standard deviations of the estimated positions exceed ViewBounds::error

@@ -185,18 +185,26 @@ TEST(ViewCertificate, FindsHowTheCommandsMoveARobot) {
   EXPECT_EQ(drives.turn.input, 1);
 }
 
+TEST(ViewCertificate, FindsLagsAndTheFrameOfTheVelocity) {
+  const ViewMotion px4 = view_task(VelocityMultirotor{}).motion, hover = view_task(HoverMultirotor{}).motion;
+  EXPECT_NEAR(px4.climb.lag, 0.35, 1e-4);
+  EXPECT_NEAR(px4.turn.lag, 0.2, 1e-4);
+  EXPECT_NEAR(px4.climb.most, 1.0, 1e-3);
+  EXPECT_NEAR(px4.turn.most, 0.78, 1e-3);
+  EXPECT_EQ(px4.rate_state, 8);
+  EXPECT_FALSE(px4.is_level);
+  EXPECT_TRUE(hover.is_level);
+  EXPECT_EQ(hover.turn.lag, 0.0);
+  EXPECT_NEAR(hover.along.drag, -HoverMultirotor{}.a_f, 1e-4);
+}
+
 TEST(ViewCertificate, RefusesARobotThatMovesOtherwiseByName) {
   const auto refusal = [](const auto& robot) { return refusal_of([&] { (void)view_task(robot); }); };
-  EXPECT_EQ(refusal(HoverMultirotor{}),
-            "\"hover_multirotor\" keeps its velocity in G while it turns, expected a velocity that "
-            "turns with the heading, as in (24)");
-  EXPECT_EQ(refusal(LaggedMultirotor<Lags::climb>{}),
-            "\"velocity_multirotor\" climbs late, by a lag of its vertical velocity, expected a "
-            "vertical velocity that is commanded");
-  EXPECT_EQ(refusal(LaggedMultirotor<Lags::yaw>{}),
-            "\"velocity_multirotor\" turns late, by a lag of its yaw rate, expected a yaw rate that "
-            "is commanded");
-  EXPECT_NE(refusal(PointMass{}), "");
+  EXPECT_EQ(
+      refusal(LaggingHoverMultirotor{}),
+      "\"hover_multirotor\" does not accelerate along its heading at once, by one input, expected one that "
+      "does");
+  EXPECT_EQ(refusal(PointMass{}), "\"point_mass\" does not turn by one input, expected one that turns it");
 }
 
 TEST(ViewCertificate, RefusesARegionThatIsNotOneOfThePlaceAlone) {

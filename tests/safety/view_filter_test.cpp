@@ -63,6 +63,17 @@ TEST(ViewFilter, NorOfAGroundRobotOrOneThatFollowsVelocities) {
   expect_invariant(follows, {}, cone_limits());
 }
 
+TEST(ViewFilter, NorOfARobotWithLagsOrWithAVelocityThatStaysInG) {
+  expect_invariant(HoverMultirotor{}, {}, cone_limits());
+  expect_invariant(HoverMultirotor{}, {.speed = 3.0, .acceleration = 0.3}, cone_limits());
+  expect_invariant(VelocityMultirotor{}, {}, cone_limits());
+  expect_invariant(VelocityMultirotor{}, {.speed = 1.0, .acceleration = 0.3}, cone_limits());
+  VelocityMultirotor level;
+  level.frame = VelocityFrame::level;
+  expect_invariant(level, {.speed = 0.9}, cone_limits());
+  expect_invariant(VelocityMultirotor::ar_drone(), {.wind = 0.05}, cone_limits());
+}
+
 // The same states and commands, with the filter left out.
 TEST(ViewFilter, IsNeededAtTheBoundary) {
   const ViewCertificate z = paper_certificate();
@@ -72,7 +83,7 @@ TEST(ViewFilter, IsNeededAtTheBoundary) {
   int outside = 0;
   for (int k = 0; k < 1000; ++k) {
     const ViewState s = test::state_in(z, random, true);
-    std::vector<double> x = test::state_of(Multirotor{}, s);
+    std::vector<double> x = test::state_of(Model(Multirotor{}), s);
     const auto u = uniform_array<4>(random, -1, 1);
     model.step(x.data(), u.data(), 0.01);
     double least = infinity;
@@ -91,7 +102,7 @@ TEST(ViewFilter, LeavesACommandUnchangedInTheMiddleOfTheSet) {
   const ViewFilter filter(Multirotor{}, z);
   const double r = 0.5 * (z.near + z.far);
   const ViewState s = {.z = 4, .target = {r, 0, 4 - 0.5 * (z.at(z.low, r) + z.at(z.high, r))}};
-  const std::vector<double> x = test::state_of(Multirotor{}, s);
+  const std::vector<double> x = test::state_of(Model(Multirotor{}), s);
   std::array<double, 4> u = {0.1, -0.05, 0.02, 0.1};
   const std::array<double, 4> wanted = u;
   const ViewFilterResult result = filter.filter(x, {s.target}, lowest, highest, u);
@@ -110,7 +121,7 @@ TEST(ViewFilter, ReportsTheReserveThatIsMissedOutsideTheSet) {
                          .target = {distance * std::cos(theta), distance * std::sin(theta), 4 - above}};
     std::array<double, 4> u = {};
     const ViewFilterResult result =
-        filter.filter(test::state_of(Multirotor{}, s), {s.target}, lowest, highest, u);
+        filter.filter(test::state_of(Model(Multirotor{}), s), {s.target}, lowest, highest, u);
     EXPECT_FALSE(result.certified);
     EXPECT_LT(result.reserve, 0);
     return result.least;
@@ -133,7 +144,7 @@ TEST(ViewFilter, ReturnsToTheSetFromOutside) {
     const double r = uniform(random, 0.5, 3.0), theta = uniform(random, -1.2, 1.2);
     const ViewState s = {
         .z = 4, .target = {r * std::cos(theta), r * std::sin(theta), 4 - uniform(random, -0.5, 1.5)}};
-    std::vector<double> x = test::state_of(Multirotor{}, s);
+    std::vector<double> x = test::state_of(Model(Multirotor{}), s);
     bool certified = false;
     for (int k = 0; k < 1000; ++k) {
       std::array<double, 4> u = {};
@@ -170,7 +181,7 @@ TEST(ViewFilter, AllocatesNothing) {
   Random random(6);
   for (int k = 0; k < 200; ++k) {
     const ViewState s = test::state_in(z, random, k % 2 == 0);
-    const std::vector<double> x = test::state_of(Multirotor{}, s);
+    const std::vector<double> x = test::state_of(Model(Multirotor{}), s);
     std::array<double, 4> u = uniform_array<4>(random, -1, 1);
     const std::int64_t before = cli::allocations();
     (void)filter.filter(x, {s.target}, lowest, highest, u);
@@ -219,7 +230,7 @@ TEST(ViewFilter, JudgesAForeignCommandAsItsOwn) {
   int lost = 0;
   for (int k = 0; k < 500; ++k) {
     const ViewState s = test::state_in(z, random, true);
-    const std::vector<double> x = test::state_of(Multirotor{}, s);
+    const std::vector<double> x = test::state_of(Model(Multirotor{}), s);
     const std::array<double, 4> foreign = uniform_array<4>(random, -1, 1);
     std::array<double, 4> u = foreign;
     const ViewFilterResult own = filter.filter(x, {s.target}, lowest, highest, u);

@@ -46,7 +46,7 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
     const double r = 0.5 * (z.near + z.far), h = 0.5 * (z.at(z.low, r) + z.at(z.high, r));
     s = {.z = 4, .target = {r, 0, 4 - h}};
   }
-  std::vector<double> x = state_of(robot, s);
+  std::vector<double> x = state_of(model, s);
   std::deque<ViewState> past(late + 1, s);
   SlowEstimate estimate(bounds, dt);
   ViewBounds true_bounds = bounds;

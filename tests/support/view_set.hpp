@@ -43,15 +43,22 @@ struct ViewState {
   Vec2<double> v{};       // velocity in V [m/s]
   Vec3<double> target{};  // in G [m]
   Vec2<double> w{};       // velocity of the target in G [m/s]
+  double climb = 0;       // vertical speed [m/s], where it is a state
+  double turn = 0;        // yaw rate [rad/s], where it is a state
 };
 
-/// The model's state with this pose and velocity; of robots whose velocities in V follow the heading.
-template <RobotModel M>
-std::vector<double> state_of(const M& robot, const ViewState& s) {
-  const auto rest = robot.at_rest({{0, 0, s.z}, {std::cos(s.psi), std::sin(s.psi)}});
-  std::vector<double> x(rest.begin(), rest.end());
-  x[M::nx == 6 ? 5 : M::nx - 2] = s.v.x;
-  if (M::nx > 6) x[M::nx - 1] = s.v.y;
+/// Index of a state by its name, or -1.
+inline int state_named(const Model& model, std::string_view name) {
+  const auto found = std::find(model.states().begin(), model.states().end(), name);
+  return found == model.states().end() ? -1 : static_cast<int>(found - model.states().begin());
+}
+
+/// The model's state with this pose and motion, by the names of its states.
+inline std::vector<double> state_of(const Model& model, const ViewState& s) {
+  std::vector<double> x(static_cast<std::size_t>(model.nx()));
+  model.at_rest({{0, 0, s.z}, {std::cos(s.psi), std::sin(s.psi)}}, x.data());
+  for (const auto& [name, value] : {std::pair{"v_f", s.v.x}, {"v_s", s.v.y}, {"v_z", s.climb}, {"r", s.turn}})
+    if (const int k = state_named(model, name); k >= 0) x[static_cast<std::size_t>(k)] = value;
   return x;
 }
 
@@ -78,11 +85,14 @@ class ViewChecker {
     return distances_[k - 1] + part * (distances_[k] - distances_[k - 1]);
   }
   /// The least of the reserves of S; velocities count in m.
-  double least(const Sight<double>& robot, const Vec3<double>& target, const Vec2<double>& w) const {
+  /// @param turn  yaw rate of the robot, if it lags [rad/s]
+  double least(const Sight<double>& robot, const Vec3<double>& target, const Vec2<double>& w,
+               double turn = 0.0) const {
     const double ahead = std::atan2(robot.d.y, robot.d.x);
+    const double climb_lag = z_.task.motion.climb.lag, turn_lag = z_.task.motion.turn.lag;
     const double x = target.x - robot.p.x, y = target.y - robot.p.y, r = std::hypot(x, y),
-                 h = robot.p.z - target.z;
-    const double theta = std::remainder(std::atan2(y, x) - ahead, 2 * std::numbers::pi);
+                 h = robot.p.z + climb_lag * robot.v.z - target.z;
+    const double theta = std::remainder(std::atan2(y, x) - ahead - turn_lag * turn, 2 * std::numbers::pi);
     const bool measured = std::isfinite(z_.task.bounds.acceleration);
     const double v_x = robot.v.x - (measured ? w.x : 0), v_y = robot.v.y - (measured ? w.y : 0);
     const double v_f = v_x * std::cos(ahead) + v_y * std::sin(ahead),
@@ -94,7 +104,9 @@ class ViewChecker {
     const double low = (1 - part) * z_.low[k] + part * z_.low[k + 1],
                  high = (1 - part) * z_.high[k] + part * z_.high[k + 1];
     return std::min({r - z_.near - braking(v_f), z_.far - r - braking(-v_f), (z_.theta - std::abs(theta)) * r,
-                     h - low, high - h, z_.task.motion.across.input < 0 ? 1.0 : z_.sideward - std::abs(v_s)});
+                     h - low, high - h, z_.task.motion.across.input < 0 ? 1.0 : z_.sideward - std::abs(v_s),
+                     climb_lag > 0 ? z_.climb - std::abs(robot.v.z) : 1.0,
+                     turn_lag > 0 ? z_.turn - std::abs(turn) : 1.0});
   }
 
  private:
@@ -126,8 +138,11 @@ inline ViewState state_in(const ViewCertificate& z, Random& random, bool edge) {
   const bool across = z.task.motion.across.input >= 0;
   s.v = {w_V.x + edgy(random, edge, slow, fast),
          w_V.y + (across ? edgy(random, edge, -z.sideward, z.sideward) : 0.0)};
-  const double theta = edgy(random, edge, -z.theta, z.theta),
-               h = edgy(random, edge, z.at(z.low, r), z.at(z.high, r));
+  const ViewMotion& motion = z.task.motion;
+  if (motion.climb.lag > 0) s.climb = edgy(random, edge, -z.climb, z.climb);
+  if (motion.turn.lag > 0) s.turn = edgy(random, edge, -z.turn, z.turn);
+  const double theta = edgy(random, edge, -z.theta, z.theta) + motion.turn.lag * s.turn,
+               h = edgy(random, edge, z.at(z.low, r), z.at(z.high, r)) - motion.climb.lag * s.climb;
   s.target = {r * std::cos(s.psi + theta), r * std::sin(s.psi + theta), s.z - h};
   return s;
 }
@@ -167,23 +182,25 @@ OneStep one_step(const M& robot, const ViewCertificate& z, int states, std::uint
   const Model model(robot);
   const ViewFilter filter(model, z);
   const ViewChecker checker(z);
+  const int rate_state = state_named(model, "r");
   Random random(seed);
   OneStep all;
   std::vector<double> u(static_cast<std::size_t>(model.nu()));
   for (; all.states < states; ++all.states) {
     const ViewState s = state_in(z, random, all.states % 8 != 0);
-    std::vector<double> x = state_of(robot, s);
+    std::vector<double> x = state_of(model, s);
     for (std::size_t k = 0; k < u.size(); ++k)
       u[k] = random() & 1 ? uniform(random, -1.2, 1.2) * model.u_max()[k]
                           : (random() & 1 ? 1 : -1) * model.u_max()[k];
     all.uncertified += !filter.filter(x, {s.target, s.w}, model.u_min(), model.u_max(), u).certified;
     model.step(x.data(), u.data(), z.task.dt);
     const Sight<double> then = model.sight(x.data(), u.data());
+    const double turn = rate_state < 0 ? 0.0 : x[static_cast<std::size_t>(rate_state)];
     double least = infinity;
     for (int k = 0; k < moves; ++k) {
       ViewState moved = s;
       move(moved, z.task.bounds, k, z.task.dt);
-      least = std::min(least, checker.least(then, moved.target, moved.w));
+      least = std::min(least, checker.least(then, moved.target, moved.w, turn));
     }
     all.least = std::min(all.least, least);
     all.outside += least < -2e-6;

@@ -16,7 +16,8 @@ constexpr double estimate_rate = 1.2;  // speed of an estimate, relative to the 
 constexpr std::size_t most_nodes = ViewSection::distances;
 
 constexpr std::array sideward_speeds = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7};  // [m/s]
-constexpr std::array turn_shares = {0.015, 0.02, 0.03, 0.045, 0.07, 0.12, 0.25, 0.5, 1.0};  // of the yaw rate
+constexpr std::array turn_shares = {0.015, 0.02, 0.03, 0.045, 0.07, 0.12, 0.25, 0.45, 0.7, 1.0};
+constexpr std::array climb_shares = {0.5, 0.7, 1.0};  // of the vertical speed; above: of the yaw rate
 
 /// Greatest distance of a target from its estimate. The estimate moves by `step` in a period
 /// towards a measurement with an error of at most `error`, the target by `move`. At a distance d
@@ -31,14 +32,20 @@ double estimate_radius(double error, double move, double step) {
   return infinity;
 }
 
-/// Tables of one bearing limit, sideward speed and yaw rate, and the sets between two distances.
+/// The parameters of a set beside its distances.
+struct Limits {
+  double theta, sideward, turn, climb;
+};
+
+/// Tables of one bearing limit, sideward speed, yaw rate and vertical speed, and the sets between two
+/// distances.
 class Sets {
  public:
   Sets(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
       : task_(task), section_(section), known_(task.bounds.known(task.dt)), ignored_(ignored) {}
 
   /// @return false if no set exists for any distances
-  bool prepare(double theta, double sideward, double turn);
+  bool prepare(const Limits& limits);
   /// Volume of the set from r_i to r_j; 0 if a condition fails.
   double volume(int i, int j);
   ViewCertificate certificate(int i, int j);
@@ -48,13 +55,15 @@ class Sets {
   int corridor() const { return corridor_; }  ///< least j - i, (C1)
 
  private:
-  bool follows(int i, int j) const;  ///< (C2)
+  bool follows(int i, int j) const;         ///< (C2)
+  bool holds_sideward(int i, int j) const;  ///< (C6)
 
   ViewTask task_;
   const ViewSection& section_;
   ViewBounds::Known known_;
   ViewLimit ignored_;
-  double theta_ = 0, sideward_ = 0, turn_ = 0, across_ = 0, sine_ = 0, sine_between_ = 0;
+  Limits limits_{};
+  double across_ = 0, held_ = 0, sine_ahead_ = 0, sine_back_ = 0, sine_between_ = 0;
   ViewBrake brake_{};
   int first_ = 0, last_ = 0, corridor_ = 0;
   // [k]: greatest v_f within a period from a state whose braking distance is at most (k + 1) steps.
@@ -63,35 +72,48 @@ class Sets {
   std::array<double, most_nodes> low_{}, high_{};
 };
 
-bool Sets::prepare(double theta, double sideward, double turn) {
+bool Sets::prepare(const Limits& limits) {
+  const auto& [theta, sideward, turn, climb] = limits;
   const ViewMotion& robot = task_.motion;
   const ViewBounds& bounds = task_.bounds;
   const double dt = task_.dt, c = robot.along.drag, b = robot.along.most;
-  const double between = theta + 1.5 * turn * dt;  // T
+  const double late = robot.turn.lag * turn;              // of the heading behind where it will stop
+  const double between = theta + late + 1.5 * turn * dt;  // T
   if (between >= 1.5) return false;
   const bool measured = bounds.is_velocity_measured();
   // Between samples a velocity may exceed its values at both by what the target and wind change it.
-  const double varied = (bounds.wind + (measured ? bounds.acceleration : 0.0)) * dt;
+  const double turned = robot.is_level ? 2 * turn * b * dt : 0.0;
+  const double varied = (bounds.wind + turned + (measured ? bounds.acceleration : 0.0)) * dt;
   const double w = measured ? 0.0 : known_.speed, tangent = (sideward + varied) * std::tan(between);
   const double W_e = w / std::cos(between) + tangent;
-  // Thrust that wind, and the target's drag, acceleration and turn in V, may use up.
-  const double used = bounds.wind + (measured ? bounds.acceleration + (c + turn) * known_.speed : 0.0);
-  const double least = b - used, most = b + used;
+  // Thrust that wind, the target's drag and acceleration, and a turn in V may use up.
+  const auto used = [&](double drag) {
+    const double moves =
+        measured ? bounds.acceleration + (drag + (robot.is_level ? 0.0 : turn)) * known_.speed : 0.0;
+    return bounds.wind + moves;
+  };
+  const double along = used(c) + (robot.is_level ? turn * (sideward + varied) : 0.0);
+  const double least = b - along, most = b + along;
   if (least - c * W_e < 0.02 * b) return false;
-  if (robot.across.input >= 0) {
-    const double held =
-        bounds.wind + (measured ? bounds.acceleration + (robot.across.drag + turn) * known_.speed : 0.0);
-    if (held > 0.95 * robot.across.most || sideward <= 2 * held * dt) return false;
-  }
-  theta_ = theta, sideward_ = sideward, turn_ = turn;
-  across_ = w + sideward + varied, sine_ = std::sin(theta), sine_between_ = std::sin(between);
+  limits_ = limits, held_ = used(robot.across.drag);
+  across_ = w + sideward + varied;
+  sine_ahead_ = std::sin(std::max(0.0, theta - late)), sine_back_ = std::sin(std::max(0.0, late - theta));
+  sine_between_ = std::sin(between);
   brake_ = {c, least - c * W_e, W_e};
 
+  // (C1): a thrust for one border uses up at most `lost` of the other's reserve, 2 q_0.
+  const double change = (most + c * W_e) * dt * std::exp(c * dt);
+  const double lost = 2 * change * (2 * W_e + change) / (least + c * W_e);
+  const double length = brake_.distance(W_e) + 2 * (lost + spare);
+  corridor_ =
+      ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
+  if (corridor_ >= ViewSection::distances) return false;
+
   // The longest interval of distances with heights.
+  const double above = inset + known_.height + robot.climb.lag * climb;
   for (int k = 0; k < ViewSection::distances; ++k) {
-    ViewSection::Heights& at_k = heights_[size(k)];
-    at_k = section_.heights(k, theta, known_.radius);
-    at_k = {at_k.low + inset + known_.height, at_k.high - inset - known_.height};
+    const ViewSection::Heights all = section_.heights(k, theta + late, known_.radius);
+    heights_[size(k)] = {all.low + above, all.high - above};
   }
   first_ = last_ = 0;
   for (int k = 0, begin = 0; k < ViewSection::distances; ++k) {
@@ -99,18 +121,19 @@ bool Sets::prepare(double theta, double sideward, double turn) {
     if (k - begin > last_ - first_) first_ = begin, last_ = k;
   }
 
-  // (C1): a thrust for one border uses up at most `lost` of the other's reserve, q.
-  const double change = (most + c * W_e) * dt * std::exp(c * dt);
-  const double lost = 2 * change * (2 * W_e + change) / (least + c * W_e);
-  const double length = brake_.distance(W_e) + 2 * (lost + spare);
-  corridor_ =
-      ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
   if (corridor_ > last_ - first_) return false;
 
   const double moved = dt * (W_e + brake_.fastest((last_ - first_) * section_.step()));
   for (int k = 0; k <= last_ - first_; ++k)
     fastest_[size(k)] = brake_.fastest((k + 1) * section_.step() + moved) + varied;
   return true;
+}
+
+bool Sets::holds_sideward(int i, int j) const {
+  const ViewMotion& robot = task_.motion;
+  if (robot.across.input < 0) return true;
+  const double held = held_ + (robot.is_level ? limits_.turn * fastest_[size(j - i - 1)] : 0.0);
+  return held < 0.95 * robot.across.most && limits_.sideward > 2 * held * task_.dt;
 }
 
 bool Sets::follows(int i, int j) const {
@@ -120,17 +143,20 @@ bool Sets::follows(int i, int j) const {
   for (int k = i; k < j; ++k) {
     const double r = section_.distance(k) - below, ahead = fastest_[size(k - i)],
                  back = fastest_[size(j - k - 1)];
-    const double left = across_ + ahead * (ahead > 0 ? sine_between_ : sine_),
-                 right = across_ + back * (back > 0 ? sine_between_ : sine_);
-    if (left > turn_ * r || right > 2 * turn_ * r) return false;
+    // At theta = Theta behind the lag: the heading itself may be on the other side of the target.
+    const double drawn = ahead > 0        ? std::max(ahead * sine_between_, back * sine_back_)
+                         : sine_back_ > 0 ? std::max(0.0, back * sine_back_)
+                                          : ahead * sine_ahead_;
+    const double left = across_ + drawn, right = across_ + std::max({0.0, ahead, back}) * sine_between_;
+    if (left > limits_.turn * r || right > 2 * limits_.turn * r) return false;
     most = std::max({most, left / r, right / r});
   }
-  return theta_ >= (turn_ + most) * task_.dt + spare;
+  return limits_.theta >= (limits_.turn + most) * task_.dt + spare;
 }
 
 double Sets::volume(int i, int j) {
-  if (!follows(i, j)) return 0.0;
-  const double climb = task_.motion.climb.most - known_.climb, d = section_.step();
+  if (!follows(i, j) || !holds_sideward(i, j)) return 0.0;
+  const double climb = limits_.climb - known_.climb, d = section_.step();
   if (climb < 0 && ignored_ != ViewLimit::height) return 0.0;
   for (int k = i; k <= j; ++k)
     low_[size(k - i)] = heights_[size(k)].low, high_[size(k - i)] = heights_[size(k)].high;
@@ -145,23 +171,24 @@ double Sets::volume(int i, int j) {
     for (int k = n - 1; k >= 0; --k) narrow(k, k + 1, fastest_[size(n - 1 - k)]);
   }
   const double least =
-      ignored_ == ViewLimit::height ? 0.0 : 4 * task_.motion.climb.most * task_.dt + 2 * spare;  // (C3)
+      ignored_ == ViewLimit::height ? 0.0 : 4 * limits_.climb * task_.dt + 2 * spare;  // (C3)
   double sum = 0.0;
   for (int k = 0; k <= n; ++k) {
     const double height = high_[size(k)] - low_[size(k)], r = section_.distance(i + k);
     if (height < least) return 0.0;
     sum += height * (brake_.fastest(k * d) + brake_.fastest((n - k) * d)) * r * d;
   }
-  return std::max(4 * theta_ * std::max(sideward_, 1e-3) * sum, 1e-12);
+  return std::max(4 * limits_.theta * std::max(limits_.sideward, 1e-3) * sum, 1e-12);
 }
 
 ViewCertificate Sets::certificate(int i, int j) {
   ViewCertificate z{.task = task_,
-                    .theta = theta_,
-                    .sideward = sideward_,
+                    .theta = limits_.theta,
+                    .sideward = limits_.sideward,
                     .near = section_.distance(i),
                     .far = section_.distance(j),
-                    .turn = turn_,
+                    .turn = limits_.turn,
+                    .climb = limits_.climb,
                     .brake = brake_,
                     .volume = volume(i, j)};
   z.low.assign(low_.begin(), low_.begin() + (j - i + 1));
@@ -171,54 +198,65 @@ ViewCertificate Sets::certificate(int i, int j) {
 
 /// A set by its places in the tables.
 struct Candidate {
-  int turn, bearing, sideward, near, far;
+  int climb, turn, bearing, sideward, near, far;
 };
 
 /// The sets of a task; those that `ignored` forbids count too.
 class Search {
  public:
   Search(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
-      : yaw_(task.motion.turn.most),
-        slowest_turn_(task.bounds.is_velocity_measured() ? 0 : turns - 1),
+      : motion_(task.motion),
+        lags_(motion_.is_level || motion_.turn.lag > 0 || motion_.climb.lag > 0),
+        slowest_turn_(task.bounds.is_velocity_measured() ? 0
+                      : lags_                            ? turns / 2
+                                                         : turns - 1),
+        slowest_climb_(motion_.climb.lag > 0 ? 0 : climbs - 1),
         sideward_count_(task.motion.across.input >= 0 ? size(sideward_speeds.size()) : 1),
         sets_(task, section, ignored) {}
 
   /// Calls visit(sets, candidate) for the tables of every `stride`-th bearing limit and sideward speed,
-  /// until it returns true.
+  /// until it returns true; of robots with further limits to choose for half of them.
   template <class Visit>
   bool any(int stride, Visit&& visit) {
-    for (int turn = slowest_turn_; turn < turns; ++turn)
-      for (int i = stride - 1; i < ViewSection::bearings; i += stride)
-        for (int k = 0; k < sideward_count_; k += stride)
-          if (prepare(turn, i, k) && visit(sets_, Candidate{turn, i, k, 0, 0})) return true;
+    if (lags_) stride *= 2;
+    for (int climb = slowest_climb_; climb < climbs; ++climb)
+      for (int turn = slowest_turn_; turn < turns; ++turn)
+        for (int i = stride - 1; i < ViewSection::bearings; i += stride)
+          for (int k = 0; k < sideward_count_; k += stride) {
+            const Candidate of = {climb, turn, i, k, 0, 0};
+            if (prepare(of) && visit(sets_, of)) return true;
+          }
     return false;
   }
-  /// The certificate of a candidate; of volume 0 if a condition fails.
+  /// The volume of a candidate's set; 0 if a condition fails.
   double volume(const Candidate& of) {
-    if (of.turn < slowest_turn_ || of.turn >= turns || of.bearing < 0 ||
-        of.bearing >= ViewSection::bearings || of.sideward < 0 || of.sideward >= sideward_count_ ||
-        !prepare(of.turn, of.bearing, of.sideward))
-      return 0.0;
+    const bool is_one = of.climb >= slowest_climb_ && of.climb < climbs && of.turn >= slowest_turn_ &&
+                        of.turn < turns && of.bearing >= 0 && of.bearing < ViewSection::bearings &&
+                        of.sideward >= 0 && of.sideward < sideward_count_;
+    if (!is_one || !prepare(of)) return 0.0;
     const bool fits =
         of.near >= sets_.first() && of.far <= sets_.last() && of.far - of.near >= sets_.corridor();
     return fits ? sets_.volume(of.near, of.far) : 0.0;
   }
   ViewCertificate certificate(const Candidate& of) {
-    prepare(of.turn, of.bearing, of.sideward);
+    prepare(of);
     return sets_.certificate(of.near, of.far);
   }
 
  private:
-  static constexpr int turns = static_cast<int>(turn_shares.size());
+  static constexpr int turns = static_cast<int>(turn_shares.size()),
+                       climbs = static_cast<int>(climb_shares.size());
   static int size(std::size_t n) { return static_cast<int>(n); }
 
-  bool prepare(int turn, int bearing, int sideward) {
-    const double speed = sideward_count_ > 1 ? sideward_speeds[at(sideward)] : 0.0;
-    return sets_.prepare(ViewSection::bearing(bearing), speed, turn_shares[at(turn)] * yaw_);
+  bool prepare(const Candidate& of) {
+    return sets_.prepare(
+        {ViewSection::bearing(of.bearing), sideward_count_ > 1 ? sideward_speeds[at(of.sideward)] : 0.0,
+         turn_shares[at(of.turn)] * motion_.turn.most, climb_shares[at(of.climb)] * motion_.climb.most});
   }
 
-  double yaw_;
-  int slowest_turn_, sideward_count_;
+  ViewMotion motion_;
+  bool lags_;
+  int slowest_turn_, slowest_climb_, sideward_count_;
   Sets sets_;
 };
 
@@ -427,8 +465,8 @@ ViewCertificate certify_view(const ViewTask& task, const ViewSection& section) {
   if (!best) best = any_certificate(task, section, ViewLimit::none);
   if (!best) return {.task = task};
   // Then from neighbour to neighbour, in ever smaller steps.
-  constexpr std::array members = {&Candidate::turn, &Candidate::bearing, &Candidate::sideward,
-                                  &Candidate::near, &Candidate::far};
+  constexpr std::array members = {&Candidate::climb,    &Candidate::turn, &Candidate::bearing,
+                                  &Candidate::sideward, &Candidate::near, &Candidate::far};
   for (int step = coarse / 2; step > 0; step /= 2) {
     for (bool better = true; better;) {
       better = false;

@@ -44,9 +44,12 @@ struct ViewMotion {
     double gain = 0.0;  ///< per unit of the input
     double most = 0.0;  ///< greatest |gain u| in both directions; [m/s^2], [m/s] or [rad/s]
     double drag = 0.0;  ///< of its velocity [1/s]; along and across
+    double lag = 0.0;   ///< of its rate behind the command [s]; of climb and turn
   };
   Axis along{}, across{}, climb{}, turn{};
-  Vec2<double> lean{};  ///< greatest |xi_f|, |xi_s| that commands produce [-]
+  bool is_level = false;  ///< whether its velocity keeps its direction in G while it turns
+  int rate_state = -1;    ///< index of the yaw rate in the state, if it lags
+  Vec2<double> lean{};    ///< greatest |xi_f|, |xi_s| that commands produce [-]
 };
 
 /// @param u_min, u_max  limits of the inputs (nu), finite
@@ -114,6 +117,7 @@ struct ViewCertificate {
   double near = 0.0;                  ///< r1 [m]
   double far = 0.0;                   ///< r2 [m]
   double turn = 0.0;                  ///< Omega, the yaw rate that the filter uses [rad/s]
+  double climb = 0.0;                 ///< greatest vertical speed that the filter uses [m/s]
   ViewBrake brake{};                  ///< n
   std::vector<double> low{}, high{};  ///< lo and hi at equal distances from r1 to r2 [m]
   double volume = 0.0;                ///< of S in (r, theta, h, v_f, v_s); 0: there is no certificate

@@ -56,6 +56,7 @@ const Vec3<double>& SlowEstimate::follow(const Vec3<double>& measured) noexcept 
 struct ViewFilter::Place {
   double r, theta, h;
   double v_f, v_s;  // relative to the target's known velocity, in V [m/s]
+  double spare;     // of the vertical speed and yaw rate, where they lag [m/s], [rad/s]
 };
 
 /// Values from low to high that a command may have.
@@ -129,7 +130,19 @@ ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const d
   const bool measured = certificate_.task.bounds.is_velocity_measured();
   const Vec2<double> w = measured ? target.v : Vec2<double>{};
   const Vec2<double> v = rotate(back, {robot.v.x - w.x, robot.v.y - w.y});
-  return {norm(q.x, q.y), std::atan2(q.y, q.x), robot.p.z - target.p.z, v.x, v.y};
+  Place at = {norm(q.x, q.y), std::atan2(q.y, q.x), robot.p.z - target.p.z, v.x, v.y, infinity};
+  // A rate that lags leads to this height and heading, which follow the command at once.
+  const ViewMotion& motion = certificate_.task.motion;
+  if (motion.climb.lag > 0) {
+    at.h += motion.climb.lag * robot.v.z;
+    at.spare = certificate_.climb - std::abs(robot.v.z);
+  }
+  if (motion.turn.lag > 0) {
+    const double turn = x[size(motion.rate_state)];
+    at.theta = wrap_angle(at.theta - motion.turn.lag * turn);
+    at.spare = std::min(at.spare, certificate_.turn - std::abs(turn));
+  }
+  return at;
 }
 
 const ViewFilter::Place& ViewFilter::next(Period& now, std::span<const double> u) const noexcept {
@@ -163,7 +176,7 @@ ViewReserves ViewFilter::reserves(const Place& at, double moved, double sped, do
           (z.theta + at.theta - off) * at.r,
           least_gap(z.high, at.r, moved, 1.0) - climbed - at.h,
           least_gap(z.low, at.r, moved, -1.0) - climbed + at.h,
-          z.task.motion.across.input < 0 ? z.far : z.sideward - sped - std::abs(at.v_s)};
+          std::min(at.spare, z.task.motion.across.input < 0 ? z.far : z.sideward - sped - std::abs(at.v_s))};
 }
 
 ViewReserves ViewFilter::reserves(std::span<const double> x, const ViewTarget& target) const noexcept {
@@ -228,7 +241,7 @@ void ViewFilter::climb(Period& now, std::span<double> u) const noexcept {
               .high = value + (then[4] - high.soft) / dt,
               .hard_low = value + (low.hard - then[5]) / dt,
               .hard_high = value + (then[4] - high.hard) / dt},
-             axis.most, u);
+             z.climb, u);
 }
 
 void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
@@ -254,13 +267,15 @@ void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
 ViewFilterResult ViewFilter::judge(Period& now, std::span<const double> u) const noexcept {
   const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_);
   const auto least = std::min_element(now.reserves.begin(), now.reserves.end());
-  const double turned = certificate_.turn * (1 + 1e-9);
-  const ViewMotion::Axis& yaw = certificate_.task.motion.turn;
+  const auto keeps = [&](const ViewMotion::Axis& axis, double most) {
+    return axis.input < 0 || std::abs(axis.gain * u[size(axis.input)]) <= most * (1 + 1e-9);
+  };
   ViewFilterResult result;
   result.reserve = *least;
   result.least = static_cast<ViewReserve>(least - now.reserves.begin());
   result.certified = *least >= -rounding && *std::min_element(then.begin(), then.end()) >= -rounding &&
-                     std::abs(yaw.gain * u[size(yaw.input)]) <= turned;
+                     keeps(certificate_.task.motion.turn, certificate_.turn) &&
+                     keeps(certificate_.task.motion.climb, certificate_.climb);
   return result;
 }
 

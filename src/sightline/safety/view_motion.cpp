@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/model/state_roles.hpp"
 #include "sightline/safety/view_certificate.hpp"
 
 namespace sightline {
@@ -56,39 +57,53 @@ MotionInV motion_in_V(const Model& model, const std::vector<double>& x, const st
   throw_invalid("\"{}\" {}, expected {}", model.name(), why, expected);
 }
 
-/// Whether the motion follows the axes that were fitted, and what differs.
-enum class Difference { none, turned, other };
-Difference difference(const ViewMotion& law, const MotionInV& m, const std::vector<double>& u) {
-  const auto of = [&](const ViewMotion::Axis& axis, double v) {
-    return -axis.drag * v + (axis.input >= 0 ? axis.gain * u[size(axis.input)] : 0.0);
+/// Whether the motion follows the law that was fitted.
+bool follows(const ViewMotion& law, const MotionInV& m, const std::vector<double>& u) {
+  const auto commanded = [&](const ViewMotion::Axis& axis) {
+    return axis.input >= 0 ? axis.gain * u[size(axis.input)] : 0.0;
   };
-  const auto differs = [](double a, double b) { return std::abs(a - b) > fitted * (1 + std::abs(b)); };
-  if (differs(m.climb, of(law.climb, 0)) || differs(m.turn, of(law.turn, 0))) return Difference::other;
-  const Vec2<double> a = {of(law.along, m.v.x), of(law.across, m.v.y)};
-  if (!differs(m.a.x, a.x) && !differs(m.a.y, a.y)) return Difference::none;
-  const bool turned = !differs(m.a.x, a.x + m.turn * m.v.y) && !differs(m.a.y, a.y - m.turn * m.v.x);
-  return turned ? Difference::turned : Difference::other;
+  const auto agree = [](double a, double b) { return std::abs(a - b) <= fitted * (1 + std::abs(b)); };
+  const auto rate_follows = [&](const ViewMotion::Axis& axis, double rate, double change) {
+    return axis.lag > 0 ? agree(axis.lag * change, commanded(axis) - rate) : agree(rate, commanded(axis));
+  };
+  const double turned = law.is_level ? m.turn : 0.0;
+  return rate_follows(law.climb, m.climb, m.lift) && rate_follows(law.turn, m.turn, m.turn_rate) &&
+         agree(m.a.x, commanded(law.along) - law.along.drag * m.v.x + turned * m.v.y) &&
+         agree(m.a.y, commanded(law.across) - law.across.drag * m.v.y - turned * m.v.x);
 }
 
-}  // namespace
+/// Drives a state by constant inputs for a time [s].
+void drive(const Model& model, std::vector<double>& x, const std::vector<double>& u, double time) {
+  constexpr double pace = 0.05;  // [s]
+  for (double t = 0; t < time; t += pace) {
+    model.step(x.data(), u.data(), pace);
+    if (!model.normalise(x.data())) refuse(model, "has states that are not finite", "finite ones");
+  }
+}
 
-ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
-  const std::size_t nu = u_min.size();
-  std::vector<double> rest(size(model.nx())), u(nu);
-  model.at_rest({{0, 0, 1}, {1, 0}}, rest.data());
+/// The axes with their inputs and gains, from the effect of each input at rest.
+ViewMotion axes_of(const Model& model, const std::vector<double>& rest, std::span<const double> u_min,
+                   std::span<const double> u_max) {
+  constexpr double effect = 1e-6, late = 1e-2;  // of an input; of one on a rate's rate
   ViewMotion law;
-  // One input for each coordinate, from its effect at rest.
-  const MotionInV still = motion_in_V(model, rest, u);
-  constexpr double effect = 1e-6;
-  for (std::size_t k = 0; k < nu; ++k) {
-    std::vector<double> one(nu);
+  const std::vector<double> none(u_min.size());
+  // The effects of an input that lasts: rates that follow late, from the lag of a state in motion.
+  std::vector<double> moving = rest, half(u_min.size());
+  for (std::size_t k = 0; k < half.size(); ++k) half[k] = 0.5 * u_max[k];
+  drive(model, moving, half, 0.5);
+  const MotionInV free = motion_in_V(model, moving, none);
+  for (std::size_t k = 0; k < u_min.size(); ++k) {
+    std::vector<double> one(u_min.size());
     one[k] = 1.0;
-    const MotionInV m = motion_in_V(model, rest, one);
-    if (std::abs(m.lift - still.lift) > effect && std::abs(m.climb) < effect)
-      refuse(model, "climbs late, by a lag of its vertical velocity",
-             "a vertical velocity that is commanded");
-    if (std::abs(m.turn_rate - still.turn_rate) > 1e-2 && std::abs(m.turn) < effect)
-      refuse(model, "turns late, by a lag of its yaw rate", "a yaw rate that is commanded");
+    MotionInV m = motion_in_V(model, rest, one);
+    if (std::abs(m.climb) < effect && std::abs(m.lift) > late) {
+      law.climb.lag = -free.climb / free.lift;
+      m.climb = law.climb.lag * m.lift;
+    }
+    if (std::abs(m.turn) < effect && std::abs(m.turn_rate) > late) {
+      law.turn.lag = -free.turn / free.turn_rate;
+      m.turn = law.turn.lag * m.turn_rate;
+    }
     const std::array<std::pair<ViewMotion::Axis*, double>, 4> effects = {
         {{&law.along, m.a.x}, {&law.across, m.a.y}, {&law.climb, m.climb}, {&law.turn, m.turn}}};
     int moved = 0;
@@ -97,19 +112,35 @@ ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::s
       if (axis->input >= 0 || ++moved > 1)
         refuse(model, "has no separate input for each motion",
                "one each along, across, up and about its heading");
-      *axis = {static_cast<int>(k), gain, std::abs(gain) * std::min(u_max[k], -u_min[k]), 0.0};
+      axis->input = static_cast<int>(k), axis->gain = gain;
+      axis->most = std::abs(gain) * std::min(u_max[k], -u_min[k]);
     }
   }
-  if (law.along.input < 0 || law.turn.input < 0) {
-    refuse(model,
-           law.turn.input < 0 ? "does not turn by one input"
-                              : "does not accelerate along its heading by one input at once",
-           "one input that accelerates it along its heading, and one that turns it at once");
-  }
-  // Drag, from a state in motion; then the whole law at many states.
+  if (law.turn.input < 0) refuse(model, "does not turn by one input", "one that turns it");
+  if (law.along.input < 0)
+    refuse(model, "does not accelerate along its heading at once, by one input", "one that does");
+  if (law.turn.lag > 0) law.rate_state = roles_of(model).rate;
+  return law;
+}
+
+}  // namespace
+
+ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
+  const std::size_t nu = u_min.size();
+  std::vector<double> rest(size(model.nx()));
+  model.at_rest({{0, 0, 1}, {1, 0}}, rest.data());
+  ViewMotion law = axes_of(model, rest, u_min, u_max);
+  // Drag, without a turn.
+  std::vector<double> moving = rest, straight(nu);
+  for (std::size_t k = 0; k < nu; ++k)
+    straight[k] = static_cast<int>(k) == law.turn.input ? 0.0 : 0.5 * u_max[k];
+  drive(model, moving, straight, 0.5);
+  const MotionInV free = motion_in_V(model, moving, std::vector<double>(nu));
+  law.along.drag = std::max(0.0, -free.a.x / free.v.x);
+  if (law.across.input >= 0) law.across.drag = std::max(0.0, -free.a.y / free.v.y);
+  // The whole law, in either frame, at many states.
   constexpr int headings = 6, stops = 6;
-  constexpr double pace = 0.05, longest = 0.6;  // [s]
-  Difference worst = Difference::none;
+  bool in_V = true, in_G = law.across.input >= 0;
   for (int i = 0; i < headings; ++i) {
     std::vector<double> x(rest.size()), driven(nu);
     const double psi = 0.2 + 2 * std::numbers::pi * i / headings;
@@ -117,26 +148,21 @@ ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::s
     for (std::size_t k = 0; k < nu; ++k)
       driven[k] = ((i + 1) >> (k % 3)) % 2 == (k < 3 ? 0 : 1) ? u_min[k] : 0.8 * u_max[k];
     for (int stop = 0; stop < stops; ++stop) {
-      for (double t = 0; t < longest; t += pace) {
-        model.step(x.data(), driven.data(), pace);
-        if (!model.normalise(x.data())) refuse(model, "has states that are not finite", "finite ones");
-      }
-      if (i == 0 && stop == 0) {
-        const MotionInV free = motion_in_V(model, x, u);
-        law.along.drag = std::max(0.0, -free.a.x / free.v.x);
-        if (law.across.input >= 0) law.across.drag = std::max(0.0, -free.a.y / free.v.y);
-      }
+      drive(model, x, driven, 0.6);
       const MotionInV m = motion_in_V(model, x, driven);
       law.lean = {std::max(law.lean.x, std::abs(m.lean.x)), std::max(law.lean.y, std::abs(m.lean.y))};
-      worst = std::max(worst, difference(law, m, driven));
+      law.is_level = false;
+      in_V = in_V && follows(law, m, driven);
+      law.is_level = true;
+      in_G = in_G && follows(law, m, driven);
     }
   }
-  if (worst == Difference::turned)
-    refuse(model, "keeps its velocity in G while it turns",
-           "a velocity that turns with the heading, as in (24)");
-  if (worst == Difference::other)
+  law.is_level = !in_V;
+  if (!in_V && !in_G)
     refuse(model, "moves by another law than a drag and a thrust in each direction",
            "v' = -c v + b u along and across its heading, as in (24)");
+  if (law.turn.lag > 0 && law.rate_state < 0)
+    refuse(model, "turns late, by a lag that is no state", "its yaw rate as a state");
   // Tilts of both signs and of every input.
   for (std::size_t k = 0; k < nu; ++k) {
     for (const double bound : {u_min[k], u_max[k]}) {
