@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "sightline/safety/view_filter.hpp"
 #include "tests/support/sample_sink.hpp"
 #include "tests/support/scenario_text.hpp"
+#include "tests/support/view_set.hpp"
 
 namespace sightline {
 namespace {
@@ -54,10 +57,11 @@ speed_max = 0.5
 
 struct Flown {
   int updates = 0, certified = 0, active = 0, lost = 0;
+  double least = infinity;    // of the set's inequalities at certified samples, by the checker [m]
   bool announced = true;      // no sample out of view before one that is not certified
   double nearest = infinity;  // to the third body [m]
   std::vector<std::string> changes{};
-  ViewReserve least{};  // of the last sample that is not certified
+  ViewReserve missed{};  // of the last sample that is not certified
 };
 
 /// Flies a scenario; the view is judged by the limits themselves at the true states.
@@ -71,6 +75,8 @@ Flown fly(const std::string& text) {
   test::AllSamples sink(sized_sample(*world, controllers, controls.team_switcher()));
   ClosedLoop(scenario, *world, controllers, clock, sink, nullptr, controls.team_switcher()).fly();
   Flown flown;
+  std::optional<test::ViewChecker> checker;
+  if (!scenario.certified_views.empty()) checker.emplace(scenario.certified_views[0].filter->certificate());
   const auto sight_of = [&](int body, const Sample& sample) {
     return true_sight(team, BodyId{body}, sample);
   };
@@ -89,7 +95,9 @@ Flown fly(const std::string& text) {
     ++flown.updates;
     flown.certified += record.certified;
     flown.active += record.active;
-    if (!record.certified) uncertified = true, flown.least = record.least;
+    if (!record.certified) uncertified = true, flown.missed = record.least;
+    if (record.certified && checker)
+      flown.least = std::min(flown.least, checker->least(robot, ball.p, {ball.v.x, ball.v.y}));
     for (int i = 0; i < sample.event_count; ++i) {
       const EventKind kind = sample.events[static_cast<std::size_t>(i)].kind;
       if (kind == EventKind::view_certified || kind == EventKind::view_uncertified)
@@ -107,6 +115,7 @@ TEST(CertifiedViews, KeepTheTargetThatTheSolverWouldLeave) {
     EXPECT_EQ(flown.lost, 0) << place;
     EXPECT_EQ(flown.certified, flown.updates) << place;
     EXPECT_EQ(flown.changes, Changes{"view_certified"}) << place;
+    EXPECT_GE(flown.least, -2e-6) << place;
     EXPECT_GT(flown.active, 0) << place;
     EXPECT_GT(fly(leaving_robot(0.9, place, "")).lost, 100) << place;
   }
@@ -137,7 +146,7 @@ TEST(CertifiedViews, AreNotCertifiedFromMeasurementsOlderThanStated) {
       "[[simulation.fault]]\nkind = \"delay\"\nbody = \"ball\"\ndelay = 0.1\nfrom = 0.5\n";
   const Flown unstated = fly(leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified + late));
   EXPECT_LT(unstated.certified, unstated.updates / 2);
-  EXPECT_EQ(unstated.least, ViewReserve::age);
+  EXPECT_EQ(unstated.missed, ViewReserve::age);
   EXPECT_TRUE(unstated.announced);
   const Flown stated =
       fly(leaving_robot(0.9, "[-4.0, 0.0, 1.5]", std::string(certified) + "age = 0.1\n" + late));
@@ -181,6 +190,18 @@ TEST(CertifiedViews, ReadTheLimitsOfThePairAndStateWhatTheyCertify) {
                   .starts_with("certify     view of ball by uav0 is certified up to 0.98 m/s; the range "
                                "corridor limits it\n"));
   EXPECT_TRUE(warnings_of_views(scenario).empty());
+}
+
+TEST(CertifiedViews, BelongToThePartOfTheirObserver) {
+  std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified);
+  text.insert(text.find("[agent.uav0]"),
+              "[agent.other]\nrobot = \"multirotor\"\nstart = { p = [9.0, 0.0, 1.0] }\n");
+  const std::string parts = "[partition]\nfront = [\"other\"]\nrear = [\"uav0\"]\npart = ";
+  EXPECT_TRUE(test::scenario_of(text + parts + "\"front\"\n").certified_views.empty());
+  const Scenario rear = test::scenario_of(text + parts + "\"rear\"\n");
+  ASSERT_EQ(rear.certified_views.size(), 1U);
+  EXPECT_EQ(rear.team.name(rear.certified_views[0].observer), "uav0");
+  EXPECT_EQ(rear.team.name(rear.certified_views[0].target), "ball");
 }
 
 TEST(CertifiedViews, WarnWhereAnotherPartOfTheScenarioEndangersThem) {

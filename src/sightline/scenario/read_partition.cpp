@@ -185,6 +185,8 @@ ScenarioSpec part_of(const ScenarioSpec& whole) {
                                   .robot = std::string(robot.model.name())});
   }
   here.keep_own(part.compensations, &RobotCompensation::robot);
+  here.keep_own(part.certified_views, &CertifiedView::observer);
+  here.rename(part.certified_views, &CertifiedView::target);
   here.keep_own(part.vehicles, &RobotVehicle::robot);
   here.keep_own(part.vision.cameras, &RobotCamera::observer);
   here.rename(part.vision.tags, &BodyTags::body);
