@@ -1,0 +1,445 @@
+#include "sightline/estimate/team_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sightline/estimate/kalman.hpp"
+
+namespace sightline {
+namespace {
+
+// States of a robot, after RobotState, and of a pair.
+enum State { x, y, psi, s_v, s_r, c, b, delta, mu };
+enum PairState { rho, eta };
+static_assert(mu + 1 == robot_states && mu == static_cast<int>(RobotState::sensor_turn));
+
+constexpr double longest_step = 0.1;   // [s], of one linearisation
+constexpr double faded = 5.0;          // correlation times after which a pair's errors are new ones
+constexpr int pairs_per_robot = 16;    // with states at one time
+constexpr double unknown_place = 1e3;  // [m]
+
+}  // namespace
+
+void TeamNoise::check() const {
+  check_parameters(*this);
+  if (!(range_noise > 0 || range_share > 0))
+    throw std::invalid_argument("localize.range_noise = 0 m and range_share = 0, expected one of them > 0");
+}
+
+TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landmarks, const TeamNoise& noise,
+                       double t0)
+    : noise_(noise),
+      landmarks_(std::move(landmarks)),
+      heights_(std::move(heights)),
+      robots_(static_cast<int>(heights_.size())),
+      capacity_(robots_ * (robot_states + 2 * pairs_per_robot)),
+      n_(robots_ * robot_states),
+      x_(at(capacity_)),
+      P_(at(capacity_) * at(capacity_)),
+      decay_(at(capacity_), 1.0),
+      G_(3 * at(capacity_)),
+      candidate_G_(2 * at(frame_max * candidates_max) * at(capacity_)),
+      odometry_(heights_.size()),
+      now_(t0) {
+  noise_.check();
+  if (robots_ == 0) throw std::invalid_argument("robots = 0, expected at least 1");
+  pairs_.reserve(at(pairs_per_robot * robots_));
+  for (int i = 0; i < robots_; ++i) {
+    const int k = i * robot_states;
+    for (const auto& [state, sigma] : {std::pair{x, unknown_place},
+                                       {y, unknown_place},
+                                       {psi, 2.0},
+                                       {s_v, noise_.speed_scale},
+                                       {s_r, noise_.turn_scale},
+                                       {c, noise_.turn_loss},
+                                       {b, noise_.yaw_rate_bias},
+                                       {delta, noise_.clock_offset},
+                                       {mu, noise_.sensor_turn}})
+      P(k + state, k + state) = square(sigma);
+  }
+}
+
+void TeamFilter::start(int robot, const PoseGuess& guess) noexcept {
+  const int k = robot * robot_states;
+  for (int i = k; i < k + 3; ++i)
+    for (int j = 0; j < n_; ++j) P(i, j) = P(j, i) = 0.0;
+  x_[at(k + x)] = guess.pose.x, x_[at(k + y)] = guess.pose.y, x_[at(k + psi)] = guess.pose.psi;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) P(k + i, k + j) = guess.P(i, j);
+}
+
+void TeamFilter::take(int robot, const Odometry& sample) noexcept {
+  Robot& of = odometry_[at(robot)];
+  if (!(std::isfinite(sample.t) && std::isfinite(sample.v) && std::isfinite(sample.yaw_rate))) return;
+  if (of.count > 0 && sample.t <= of[of.count - 1].t) return;
+  if (of.count == of.ring.size()) {
+    of.first = (of.first + 1) % of.ring.size();
+    --of.count;
+  }
+  of.ring[(of.first + of.count++) % of.ring.size()] = sample;
+}
+
+void TeamFilter::advance(double t) noexcept {
+  if (!(t > now_) || !std::isfinite(t)) return;
+  const int steps = static_cast<int>(std::min(std::ceil((t - now_) / longest_step), 1e6));
+  const double dt = (t - now_) / steps;
+  for (int i = 0; i < steps; ++i) step(dt);
+  now_ = t;
+}
+
+void TeamFilter::step(double dt) noexcept {
+  for (int i = 0; i < robots_; ++i) move(i, dt);
+  now_ += dt;
+  const double kept = faded * std::max(noise_.range_error_time, noise_.bearing_error_time);
+  for (int k = static_cast<int>(pairs_.size()) - 1; k >= 0; --k)
+    if (now_ - pairs_[at(k)].seen > kept) drop_pair(k);
+  fade(dt);
+}
+
+/// Lasting errors of the pairs: e' = a e + w, a = exp(-dt / tau), E w^2 = sigma^2 (1 - a^2).
+void TeamFilter::fade(double dt) noexcept {
+  const std::array a = {exp(-dt / noise_.range_error_time), exp(-dt / noise_.bearing_error_time)};
+  const std::array sigma = {noise_.range_error, noise_.bearing_error};
+  const int first = robots_ * robot_states;
+  for (int i = first; i < n_; ++i) decay_[at(i)] = a[at((i - first) % 2)];
+  for (int i = first; i < n_; ++i) {
+    x_[at(i)] *= decay_[at(i)];
+    for (int j = 0; j < first; ++j) P(j, i) = P(i, j) *= decay_[at(i)];
+    for (int j = first; j < n_; ++j) P(i, j) *= decay_[at(i)] * decay_[at(j)];
+    P(i, i) += square(sigma[at((i - first) % 2)]) * (1 - square(decay_[at(i)]));
+  }
+}
+
+/// Propagates one robot by the odometry of [now - delta, now - delta + dt].
+///
+/// With the pose T(s) that the odometry alone gives at its time s, the robot moves by
+/// T(s_0)^-1 T(s_1). So a change of delta changes its displacement by the body velocities at both
+/// ends: d psi = r_0 - r_1, d p = v_0 + r_0 e_z x (p_1 - p_0) - v_1. Those at the start are those of
+/// the previous step's end, also if a sample falls between the two.
+void TeamFilter::move(int robot, double dt) noexcept {
+  const int k = robot * robot_states;
+  Robot& of = odometry_[at(robot)];
+  double* const s = &x_[at(k)];
+  const double from = now_ - s[delta], until = from + dt;
+  const double x0 = s[x], y0 = s[y];
+  const SinCos<double> e0 = sincos(s[psi]);
+  const Vec2<double> v_0{of.v * e0.cos, of.v * e0.sin};
+  const double r_0 = of.yaw_rate;
+  Vec2<double> per_v{}, per_r{}, per_c{}, per_b{};  // d p / d s_v, s_r, c, b
+  double turned_m = 0.0, driven = 0.0, turned = 0.0;
+  Mat<2, 2> Q{};
+  std::size_t i = of.count;
+  while (i > 0 && of[i - 1].t > from) --i;  // before the first sample the robot is at rest
+  for (double t = from; t < until; ++i) {
+    const Odometry u = i > 0 ? of[i - 1] : Odometry{};
+    const double end = i < of.count ? std::min(of[i].t, until) : until, h = end - t;
+    const double ideal = (1 + s[s_v]) * u.v, lost = s[c] * std::abs(u.yaw_rate);
+    const bool drives = u.v != 0 && std::abs(ideal) > lost;  // a turn on the spot loses nothing
+    const double per_c_v = drives ? -std::copysign(std::abs(u.yaw_rate), ideal) : 0.0;
+    const double v = drives ? ideal + s[c] * per_c_v : 0.0, r = (1 + s[s_r]) * u.yaw_rate + s[b];
+    const double middle = s[psi] + 0.5 * h * r;
+    const SinCos<double> e = sincos(middle);
+    const Vec2<double> left{-h * v * e.sin, h * v * e.cos};  // d (displacement) / d heading
+    if (drives) per_v = {per_v.x + h * u.v * e.cos, per_v.y + h * u.v * e.sin};
+    per_c = {per_c.x + h * per_c_v * e.cos, per_c.y + h * per_c_v * e.sin};
+    const double by_r = turned_m + 0.5 * h * u.yaw_rate, by_b = t - from + 0.5 * h;
+    per_r = {per_r.x + left.x * by_r, per_r.y + left.y * by_r};
+    per_b = {per_b.x + left.x * by_b, per_b.y + left.y * by_b};
+    s[x] += h * v * e.cos, s[y] += h * v * e.sin, s[psi] += h * r;
+    turned_m += h * u.yaw_rate;
+    const double along = square(noise_.distance_noise) * std::abs(h * v);
+    Q(0, 0) += along * e.cos * e.cos, Q(1, 1) += along * e.sin * e.sin;
+    Q(0, 1) += along * e.cos * e.sin;
+    driven += std::abs(h * v), turned += std::abs(h * u.yaw_rate);
+    if (end == until) of.v = v, of.yaw_rate = r;
+    t = end;
+  }
+  const SinCos<double> e1 = sincos(s[psi]);
+  const Vec2<double> v_1{of.v * e1.cos, of.v * e1.sin};
+  const double r_1 = of.yaw_rate;
+  const double dx = s[x] - x0, dy = s[y] - y0;
+  // Rows of F - 1: x, y, psi over psi, s_v, s_r, c, b, delta.
+  const std::array<std::array<double, 6>, 3> F = {
+      {{-dy, per_v.x, per_r.x, per_c.x, per_b.x, v_0.x - r_0 * dy - v_1.x},
+       {dx, per_v.y, per_r.y, per_c.y, per_b.y, v_0.y + r_0 * dx - v_1.y},
+       {0.0, 0.0, turned_m, 0.0, dt, r_0 - r_1}}};
+  for (int j = 0; j < n_; ++j)
+    for (std::size_t a = 0; a < 3; ++a) {
+      double sum = P(k + static_cast<int>(a), j);
+      for (int l = 0; l < 6; ++l) sum += F[a][at(l)] * P(k + psi + l, j);
+      P(k + static_cast<int>(a), j) = sum;
+    }
+  for (int j = 0; j < n_; ++j)
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (j >= k && j < k + robot_states) {
+        double sum = P(j, k + static_cast<int>(a));
+        for (int l = 0; l < 6; ++l) sum += F[a][at(l)] * P(j, k + psi + l);
+        P(j, k + static_cast<int>(a)) = sum;
+      } else {
+        P(j, k + static_cast<int>(a)) = P(k + static_cast<int>(a), j);
+      }
+    }
+  P(k + x, k + x) += Q(0, 0) + square(noise_.position_walk) * dt;
+  P(k + y, k + y) += Q(1, 1) + square(noise_.position_walk) * dt;
+  P(k + x, k + y) += Q(0, 1), P(k + y, k + x) = P(k + x, k + y);
+  P(k + psi, k + psi) += square(noise_.curve_noise) * driven + square(noise_.turn_noise) * turned +
+                         square(noise_.heading_walk) * dt;
+  P(k + b, k + b) += square(noise_.yaw_rate_walk) * dt;
+}
+
+/// Index of the pair of a sighting, or -1.
+int TeamFilter::pair_of(const TeamSighting& z) const noexcept {
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const Pair& one = pairs_[k];
+    if (one.observer == z.observer && one.subject == z.subject) return static_cast<int>(k);
+  }
+  return -1;
+}
+
+/// The pair of a sighting; a new one begins with stationary errors.
+int TeamFilter::pair_for(const TeamSighting& z) noexcept {
+  if (const int known = pair_of(z); known >= 0) {
+    pairs_[at(known)].seen = now_;
+    return known;
+  }
+  if (pairs_.size() == pairs_.capacity()) {
+    const auto oldest = std::min_element(pairs_.begin(), pairs_.end(),
+                                         [](const Pair& a, const Pair& c) { return a.seen < c.seen; });
+    drop_pair(static_cast<int>(oldest - pairs_.begin()));
+  }
+  pairs_.push_back({z.observer, z.subject, now_});
+  const std::array sigma = {noise_.range_error, noise_.bearing_error};
+  for (const double of : sigma) {
+    for (int j = 0; j < n_; ++j) P(n_, j) = P(j, n_) = 0.0;
+    x_[at(n_)] = 0.0;
+    P(n_, n_) = square(of);
+    ++n_;
+  }
+  return static_cast<int>(pairs_.size()) - 1;
+}
+
+/// Removes a pair; the last one takes its place.
+void TeamFilter::drop_pair(int pair) noexcept {
+  const int to = robots_ * robot_states + 2 * pair, from = n_ - 2;
+  if (to != from) {
+    for (int a = 0; a < 2; ++a) {
+      x_[at(to + a)] = x_[at(from + a)];
+      for (int j = 0; j < n_; ++j) P(to + a, j) = P(from + a, j);
+    }
+    for (int a = 0; a < 2; ++a)
+      for (int j = 0; j < n_; ++j) P(j, to + a) = P(j, from + a);
+    pairs_[at(pair)] = pairs_.back();
+  }
+  pairs_.pop_back();
+  n_ -= 2;
+}
+
+/// Linearises a sighting of a known subject. Without a pair its lasting errors are part of R.
+TeamFilter::Row TeamFilter::row_of(const TeamSighting& z, int pair) noexcept {
+  using In = RangeBearing::Input;
+  constexpr int width = RangeBearing::estimated;
+  std::array<int, width> state;
+  state.fill(-1);
+  std::array<double, RangeBearing::inputs> in{};
+  const int i = z.observer * robot_states;
+  state[In::x_i] = i + x, state[In::y_i] = i + y, state[In::psi_i] = i + psi, state[In::mu] = i + mu;
+  double height = heights_[at(z.observer)];
+  if (z.subject < robots_) {
+    const int j = z.subject * robot_states;
+    state[In::x_j] = j + x, state[In::y_j] = j + y, state[In::psi_j] = j + psi;
+    height = heights_[at(z.subject)] - height;
+  } else {
+    const Landmark& mark = landmarks_[at(z.subject - robots_)];
+    in[In::x_j] = mark.x, in[In::y_j] = mark.y;
+    height = mark.z - height;
+  }
+  if (pair >= 0) {
+    state[In::rho] = robots_ * robot_states + 2 * pair + rho;
+    state[In::eta] = robots_ * robot_states + 2 * pair + eta;
+  }
+  for (std::size_t l = 0; l < width; ++l)
+    if (state[l] >= 0) in[l] = x_[at(state[l])];
+  in[In::a_i_x] = z.sensor.x, in[In::a_i_y] = z.sensor.y;
+  in[In::a_j_x] = z.point.x, in[In::a_j_y] = z.point.y;
+  in[In::h] = height + z.point.z - z.sensor.z;
+  const SightingModel::Expected expected = model_(in);
+
+  Row row;
+  std::array<std::size_t, width> input_of;
+  for (std::size_t l = 0; l < width; ++l) {
+    if (state[l] < 0) continue;
+    input_of[at(row.used)] = l;
+    row.columns[at(row.used++)] = state[l];
+  }
+  const double range = expected.value[0];
+  for (int a = 0; a < 2; ++a) {
+    if (z.of == Sighted::range && a == 1) continue;
+    if (z.of == Sighted::bearing && a == 0) continue;
+    const int m = row.m++;
+    for (int l = 0; l < row.used; ++l) row.H(m, l) = expected.H(a, static_cast<int>(input_of[at(l)]));
+    row.y(m, 0) = a == 0 ? z.range - range : wrap(z.bearing - expected.value[1]);
+    row.R(m, m) = a == 0 ? square(noise_.range_noise) + square(noise_.range_share * range)
+                         : square(noise_.bearing_noise);
+    if (pair < 0) row.R(m, m) += a == 0 ? square(noise_.range_error * range) : square(noise_.bearing_error);
+  }
+  return row;
+}
+
+/// G = H P, a row for each component.
+void TeamFilter::times_P(const Row& row, double* G) const noexcept {
+  const std::size_t stride = at(capacity_);
+  for (int a = 0; a < row.m; ++a) {
+    double* const g = G + at(a) * stride;
+    std::fill_n(g, n_, 0.0);
+    for (int l = 0; l < row.used; ++l) {
+      const double h = row.H(a, l);
+      const double* const p = &P_[at(row.columns[at(l)]) * stride];
+      for (int j = 0; j < n_; ++j) g[j] += h * p[j];
+    }
+  }
+}
+
+/// Kalman update with a gate: G = H P, S = H P H^T + R = L L^T, W = L^-1 G, x <- x + W^T L^-1 y,
+/// P <- P - W^T W, which keeps P symmetric.
+TeamFit TeamFilter::apply(const Row& row) noexcept {
+  TeamFit fit{FitVerdict::rejected};
+  fit.dimension = row.m;
+  Mat<3, 3> S = row.R;
+  for (int a = row.m; a < 3; ++a) S(a, a) = 1.0;
+  double* const G = G_.data();
+  const std::size_t stride = at(capacity_);
+  times_P(row, G);
+  for (int a = 0; a < row.m; ++a)
+    for (int c = 0; c < row.m; ++c)
+      for (int l = 0; l < row.used; ++l) S(a, c) += G[at(a) * stride + at(row.columns[at(l)])] * row.H(c, l);
+  const Cholesky<3> factor(S);
+  if (!factor.positive) return fit;
+  const Column<3> white = factor.forward(row.y);
+  for (int a = 0; a < row.m; ++a) {
+    fit.squared += square(white(a, 0));
+    if (a < 2) fit.y[at(a)] = row.y(a, 0), fit.white[at(a)] = white(a, 0);
+  }
+  const double gate = row.m == 1   ? chi_squared_gate<1>
+                      : row.m == 2 ? chi_squared_gate<2>
+                                   : chi_squared_gate<3>;
+  if (!(fit.squared <= gate)) return fit;
+  for (int a = 0; a < row.m; ++a) {
+    double* const w = G + at(a) * stride;
+    for (int c = 0; c < a; ++c) {
+      const double* const above = G + at(c) * stride;
+      for (int j = 0; j < n_; ++j) w[j] -= factor.L(a, c) * above[j];
+    }
+    const double scale = 1.0 / factor.L(a, a);
+    for (int j = 0; j < n_; ++j) w[j] *= scale;
+    for (int j = 0; j < n_; ++j) x_[at(j)] += w[j] * white(a, 0);
+  }
+  for (int i = 0; i < n_; ++i) {
+    double* const p = &P_[at(i) * stride];
+    for (int a = 0; a < row.m; ++a) {
+      const double* const w = G + at(a) * stride;
+      const double wi = w[i];
+      for (int j = 0; j < n_; ++j) p[j] -= wi * w[j];
+    }
+  }
+  fit.verdict = FitVerdict::accepted;
+  return fit;
+}
+
+/// Wheels slip, so the heading jumps by more than the noise of the odometry. Where that is the
+/// likelier reason of a bearing than chance (99 %), the variance of the heading grows by the
+/// excess, up to a slip that is possible at all.
+void TeamFilter::admit_slip(const Row& row, int robot) noexcept {
+  constexpr double slip_max = 0.3, likely = 6.635;  // [rad], chi^2 of one degree of freedom
+  const int bearing = row.m - 1;
+  double S = row.R(bearing, bearing);
+  for (int k = 0; k < row.used; ++k)
+    for (int l = 0; l < row.used; ++l)
+      S += row.H(bearing, k) * P(row.columns[at(k)], row.columns[at(l)]) * row.H(bearing, l);
+  const double squared = square(row.y(bearing, 0));
+  const double excess = std::min(squared - S, square(slip_max));
+  if (squared > likely * S && squared < likely * (S + excess)) {
+    const int k = robot * robot_states + psi;
+    P(k, k) += excess;
+  }
+}
+
+/// y^T S^-1 y of a measurement; infinite where S is not positive definite.
+double TeamFilter::squared_distance(const Row& row) const noexcept {
+  Mat<3, 3> S = row.R;
+  Column<3> y = row.y;
+  for (int a = row.m; a < 3; ++a) S(a, a) = 1.0, y(a, 0) = 0.0;
+  for (int a = 0; a < row.m; ++a)
+    for (int c = 0; c < row.m; ++c)
+      for (int k = 0; k < row.used; ++k)
+        for (int l = 0; l < row.used; ++l)
+          S(a, c) += row.H(a, k) * P(row.columns[at(k)], row.columns[at(l)]) * row.H(c, l);
+  return mahalanobis(y, S);
+}
+
+void TeamFilter::count_refusal(int robot) noexcept {
+  if (++odometry_[at(robot)].refused >= noise_.restart_sightings) widen(robot);
+}
+
+/// After many refused sightings in a row: the pose may be wrong by more than it claims.
+void TeamFilter::widen(int robot) noexcept {
+  constexpr double position = 0.5, heading = 0.3;  // [m], [rad]
+  const int k = robot * robot_states;
+  P(k + x, k + x) += square(position);
+  P(k + y, k + y) += square(position);
+  P(k + psi, k + psi) += square(heading);
+  odometry_[at(robot)].refused = 0;
+}
+
+bool TeamFilter::is_usable(const TeamSighting& z) const noexcept {
+  return (z.of == Sighted::bearing || (std::isfinite(z.range) && z.range > 0)) &&
+         (z.of == Sighted::range || std::isfinite(z.bearing)) && is_finite(z.sensor) && is_finite(z.point) &&
+         z.observer >= 0 && z.observer < robots_ && z.subject < bodies() && z.subject != z.observer;
+}
+
+TeamFit TeamFilter::take(const TeamSighting& z) noexcept {
+  if (!is_usable(z) || z.subject < 0) return {FitVerdict::unusable, z.subject};
+  const int pair = pair_for(z);
+  if (z.of != Sighted::range) admit_slip(row_of(z, pair), z.observer);
+  TeamFit fit = apply(row_of(z, pair));
+  fit.subject = z.subject;
+  if (fit.verdict == FitVerdict::accepted) {
+    odometry_[at(z.observer)].refused = 0;
+  } else {
+    count_refusal(z.observer);
+  }
+  return fit;
+}
+
+TeamFit TeamFilter::take_pose(int robot, const PoseGuess& known) noexcept {
+  const int k = robot * robot_states;
+  Row row;
+  row.m = row.used = 3;
+  for (int a = 0; a < 3; ++a) row.columns[at(a)] = k + a, row.H(a, a) = 1.0;
+  row.y = {{{{known.pose.x - x_[at(k + x)]},
+             {known.pose.y - x_[at(k + y)]},
+             {wrap(known.pose.psi - x_[at(k + psi)])}}}};
+  row.R = known.P;
+  TeamFit fit = apply(row);
+  if (fit.verdict == FitVerdict::rejected) {  // the pose is known, so the estimate is wrong
+    widen(robot);
+    fit = apply(row);
+  }
+  return fit;
+}
+
+PoseGuess TeamFilter::pose(int robot) const noexcept {
+  const int k = robot * robot_states;
+  PoseGuess of{{x_[at(k + x)], x_[at(k + y)], wrap(x_[at(k + psi)])}, {}};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) of.P(i, j) = P(k + i, k + j);
+  return of;
+}
+
+double TeamFilter::sigma(int robot, RobotState k) const noexcept {
+  const int i = index(robot, k);
+  return sqrt(std::max(P(i, i), 0.0));
+}
+
+}  // namespace sightline

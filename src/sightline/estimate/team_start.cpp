@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sightline/base/bounded.hpp"
+#include "sightline/estimate/team_filter.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double clear = 10.0;                    // a worse pose has a likelihood below e^-5 of the best
+constexpr double apart_m = 0.3, apart_rad = 0.3;  // poses that differ by more are two
+constexpr double step_m = 0.5, step_rad = 0.5;    // largest Gauss-Newton step
+constexpr int directions = 16, headings = 16, refined = 12, iterations = 15;
+constexpr std::size_t pairs_max = 32;
+
+/// Sums over the measurements of one pair and one component. Their covariance is
+/// diag(w) + sigma^2 s s^T: white noise, and a lasting error that all of them share.
+struct Shared {
+  int observer, subject, component;
+  double sigma_squared;
+  double q = 0.0, v = 0.0;  // s^T w^-1 s, s^T w^-1 y
+  Column<3> u{};            // H^T w^-1 s
+};
+
+struct Fitted {
+  PlanarPose pose{};
+  Mat<3, 3> information{};
+  Column<3> slope{};
+  double cost = infinity;  // y^T R^-1 y
+};
+
+bool same(const PlanarPose& a, const PlanarPose& b) {
+  return norm(a.x - b.x, a.y - b.y) < apart_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
+}
+
+}  // namespace
+
+/// Maximum of the likelihood by Gauss-Newton from the best of many poses around another body. Lasting
+/// errors are integrated out: with k = sigma^2 / (1 + sigma^2 q), R^-1 = w^-1 - k w^-1 s s^T w^-1.
+std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSighting> frame) noexcept {
+  const auto known = [&](int body) {
+    constexpr double far = 0.5, turned = 0.3;  // [m], [rad]
+    return body >= robots_ || (sigma(body, RobotState::x) < far && sigma(body, RobotState::y) < far &&
+                               sigma(body, RobotState::psi) < turned);
+  };
+  const auto used = [&](const TeamSighting& z) {
+    return is_usable(z) && z.subject >= 0 &&
+           ((z.observer == robot && known(z.subject)) || (z.subject == robot && known(z.observer)));
+  };
+  const auto with_range = std::find_if(
+      frame.begin(), frame.end(), [&](const TeamSighting& z) { return used(z) && z.of != Sighted::bearing; });
+  if (with_range == frame.end()) return {};
+
+  const int k = index(robot, RobotState::x);
+  const std::array before = {x_[at(k)], x_[at(k + 1)], x_[at(k + 2)]};
+  const auto fit = [&](const PlanarPose& pose) {
+    x_[at(k)] = pose.x, x_[at(k + 1)] = pose.y, x_[at(k + 2)] = pose.psi;
+    Fitted of{pose, {}, {}, 0.0};
+    Bounded<Shared, pairs_max> shared;
+    for (const TeamSighting& z : frame) {
+      if (!used(z)) continue;
+      const Row row = row_of(z, -1);
+      for (int a = 0; a < row.m; ++a) {
+        const int component = z.of == Sighted::bearing ? 1 : a;
+        const double range = z.range - (component == 0 ? row.y(a, 0) : 0.0);
+        const double s = component == 0 ? range : 1.0;
+        const double lasting = square(component == 0 ? noise_.range_error : noise_.bearing_error);
+        const double w = row.R(a, a) - lasting * square(s), y = row.y(a, 0);
+        Column<3> H;
+        for (int l = 0; l < row.used; ++l)
+          if (const int i = row.columns[at(l)] - k; i >= 0 && i < 3) H(i, 0) = row.H(a, l);
+        of.information += (1 / w) * (H * transposed(H));
+        of.slope += (y / w) * H;
+        of.cost += square(y) / w;
+        Shared* one = std::find_if(shared.begin(), shared.end(), [&](const Shared& c) {
+          return c.observer == z.observer && c.subject == z.subject && c.component == component;
+        });
+        if (one == shared.end()) {
+          if (shared.is_full()) continue;
+          one = &shared.push_back({z.observer, z.subject, component, lasting});
+        }
+        one->q += square(s) / w, one->v += s * y / w, one->u += (s / w) * H;
+      }
+    }
+    for (const Shared& one : shared) {
+      const double gain = one.sigma_squared / (1 + one.sigma_squared * one.q);
+      of.information += -gain * (one.u * transposed(one.u));
+      of.slope += -gain * one.v * one.u;
+      of.cost -= gain * square(one.v);
+    }
+    return of;
+  };
+
+  // The best of a grid of poses at the measured range from another body.
+  const TeamSighting& z = *with_range;
+  const int other = z.observer == robot ? z.subject : z.observer;
+  PlanarPose there;
+  if (other < robots_) {
+    there = pose(other).pose;
+  } else {
+    there = {landmarks_[at(other - robots_)].x, landmarks_[at(other - robots_)].y, 0.0};
+  }
+  const bool toward = z.of == Sighted::range_and_bearing;
+  std::array<Fitted, refined> best{};
+  for (int i = 0; i < headings; ++i)
+    for (int j = 0; j < (toward ? 1 : directions); ++j) {
+      const double psi = i * 2 * std::numbers::pi / headings;
+      const double line = !toward               ? j * 2 * std::numbers::pi / directions
+                          : z.observer == robot ? psi + z.bearing + std::numbers::pi
+                                                : there.psi + z.bearing;
+      const SinCos<double> e = sincos(line);
+      const Fitted one = fit({there.x + z.range * e.cos, there.y + z.range * e.sin, psi});
+      Fitted* const worst = std::max_element(
+          best.begin(), best.end(), [](const Fitted& a, const Fitted& b) { return a.cost < b.cost; });
+      if (one.cost < worst->cost) *worst = one;
+    }
+  for (Fitted& one : best) {
+    for (int i = 0; i < iterations && std::isfinite(one.cost); ++i) {
+      const Cholesky<3> factor(one.information + identity<3>(1e-9));
+      if (!factor.positive) break;
+      const Column<3> d = factor.solve(one.slope);
+      const double longest = std::max({1.0, norm(d(0, 0), d(1, 0)) / step_m, std::abs(d(2, 0)) / step_rad});
+      one = fit({one.pose.x + d(0, 0) / longest, one.pose.y + d(1, 0) / longest,
+                 wrap(one.pose.psi + d(2, 0) / longest)});
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) x_[at(k) + i] = before[i];
+
+  const Fitted& found = *std::min_element(best.begin(), best.end(),
+                                          [](const Fitted& a, const Fitted& b) { return a.cost < b.cost; });
+  const Cholesky<3> factor(found.information);
+  if (!std::isfinite(found.cost) || !factor.positive) return {};
+  for (const Fitted& one : best)
+    if (!same(one.pose, found.pose) && one.cost < found.cost + clear) return {};
+  return PoseGuess{found.pose, factor.solve(identity<3>())};
+}
+
+}  // namespace sightline
