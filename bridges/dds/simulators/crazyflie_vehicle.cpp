@@ -16,12 +16,11 @@ namespace sightline::dds {
 namespace {
 
 constexpr std::int64_t level_out_after = 500'000'000,
-                       motors_off_after = 2'000'000'000;   // as in the firmware [ns]
-constexpr std::int64_t flying_lasts = 2'000'000'000;       // after the motors last lifted [ns]
-constexpr double position_gain = 2.0, heading_gain = 2.0;  // [1/s]
-constexpr double status_period = 0.1;                      // [s]
-constexpr double furthest = 2.0;                           // distance of a set-point from the vehicle [m]
-constexpr double up_to_ground = 0.1;                       // height below which a landing ends [m]
+                       motors_off_after = 2'000'000'000;  // as in the firmware [ns]
+constexpr std::int64_t flying_lasts = 2'000'000'000;      // after the motors last lifted [ns]
+constexpr double status_period = 0.1;                     // [s]
+constexpr double furthest = 2.0;                          // distance of a set-point from the vehicle [m]
+constexpr double up_to_ground = 0.1;                      // height below which a landing ends [m]
 
 double seconds_of(const builtin_interfaces_msg_dds__Duration_& d) { return d.sec + 1e-9 * d.nanosec; }
 double seconds_now() { return 1e-9 * static_cast<double>(monotonic_now()); }
@@ -177,18 +176,14 @@ void CrazyflieVehicle::move() {
       stop_motors(false);
       lifted_at_ = monotonic_now();
     }
-    body_.follow({position_gain * (plan_.p.x - m.p.x), position_gain * (plan_.p.y - m.p.y),
-                  v_z + position_gain * (z - m.p.z)},
-                 {}, 0.0);
+    body_.follow({{plan_.p.x, plan_.p.y, z}, {0, 0, v_z}, {}, {}, heading(rotation(m.q)), 0.0});
     return;
   }
   if (monotonic_now() - setpoint_at_ > level_out_after) {
-    body_.follow({m.v.x, m.v.y, 0}, {}, 0.0);  // level, with constant horizontal velocity
+    body_.level_out(setpoint_.p.z);
     return;
   }
-  const Vec2<double> d = heading(rotation(m.q)), to = rotate<double>({d.x, -d.y}, setpoint_.d);
-  body_.follow(setpoint_.v + position_gain * (setpoint_.p - m.p), setpoint_.a,
-               setpoint_.r + heading_gain * std::atan2(to.y, to.x));
+  body_.follow(setpoint_);
 }
 
 void CrazyflieVehicle::step(std::int64_t number) {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "bridges/dds/links/crazyswarm_link.hpp"
+#include "bridges/dds/simulators/crazyflie_body.hpp"
 #include "bridges/dds/simulators/faults.hpp"
-#include "bridges/dds/simulators/simulated_body.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
 #include "bridges/dds/topics/channel.hpp"
 
@@ -95,7 +95,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
   Faults& faults_;
   mutable std::mutex lock_;  // guards all members below: reader threads and the stepping thread
   CrazyflieCounts reported_;
-  SimulatedBody body_;
+  CrazyflieBody body_;
   std::uint16_t supervisor_ = 0;
   double voltage_ = 4.1;
   int latency_ = 4;              // of a unicast packet [ms]
