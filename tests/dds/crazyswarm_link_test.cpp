@@ -20,8 +20,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Crazyflies in a row, 2 m apart, whose world is turned.
-Scenario crazyflies(const Fields& robots, double duration) {
+/// Crazyflies in a row, 2 m apart, whose world is turned; or in G, with poses by motion capture.
+Scenario crazyflies(const Fields& robots, double duration, bool by_mocap = false) {
   std::string text = fmt::format(
       "[fleet]\ndomain = {}\n[simulation]\nduration = {}\n[safety]\nbarrier = \"off\"\nfloor = 0.1\n"
       "position_sigma = 0.01\nheading_sigma = 0.01\n[safety.supervisor]\nfresh = 0.05\n",
@@ -33,16 +33,17 @@ Scenario crazyflies(const Fields& robots, double duration) {
         "1.6, "
         "{3}]\nR = [{4}]\nreference = {{ circle = {{ centre = [{1}, 0.0, 0.5], radius = 0.3, rate = 0.5 }} "
         "}}\n"
-        "[agent.cf{0}.link]\nkind = \"crazyswarm2\"\ntakeoff_time = 1.0\norigin = {{ p = [0.5, 0.0, 0.0], "
-        "heading = 0.4 }}\n",
+        "[agent.cf{0}.link]\nkind = \"crazyswarm2\"\ntakeoff_time = 1.0\n{5}\n",
         i, 2 * i, robots[i], point ? "0.5, 0.5, 0.5" : "0, 0, 0, 0",
-        point ? "0.5, 0.5, 0.5" : "0.5, 0.5, 0.5, 0.5");
+        point ? "0.5, 0.5, 0.5" : "0.5, 0.5, 0.5, 0.5",
+        by_mocap ? fmt::format("poses = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"cf{}\"", i)
+                 : "origin = { p = [0.5, 0.0, 0.0], heading = 0.4 }");
   }
   return test::scenario_of(text);
 }
 
-Scenario crazyflies(std::size_t count, double duration) {
-  return crazyflies(Fields(count, "multirotor"), duration);
+Scenario crazyflies(std::size_t count, double duration, bool by_mocap = false) {
+  return crazyflies(Fields(count, "multirotor"), duration, by_mocap);
 }
 
 CrazyflieVehicle& crazyflie_of(Rig& rig, std::size_t i) { return rig.as<CrazyflieVehicle>(i); }
@@ -59,7 +60,8 @@ void expect_well_flown(Rig& rig, std::size_t i) {
   const CrazyflieCounts n = crazyflie_of(rig, i).reported();
   EXPECT_EQ(n.arm_requests, 1) << i;
   EXPECT_EQ(n.takeoff_requests, 1) << i;
-  EXPECT_EQ(n.land_requests, 1) << i;
+  EXPECT_EQ(n.land_requests, 2) << i;
+  EXPECT_LT(n.dropped, 0.05) << i << ": its motors ran until it was 2 cm high";
   EXPECT_EQ(n.setpoints_outside, 0) << i;
   EXPECT_EQ(n.bad_setpoints, 0) << i;
   EXPECT_EQ(n.locked_out, 0) << i;
@@ -87,50 +89,56 @@ TEST(CrazyswarmLink, CrazyfliesTakeOffFlyTheirTaskAndLandAndServicesAreBelievedB
   EXPECT_LT(crazyflie_of(rig, 2).motion().p.z, 0.02);
 }
 
-TEST(CrazyswarmLink, TheRateOfSetpointsIsTheGreatestThatTheRadioCarries) {
+TEST(CrazyswarmLink, SetpointsTakeNineTenthsOfTheRadioAtMost) {
   EXPECT_EQ(periods_of_setpoint(0, 0.0, 0.01), 1) << "unknown";
-  EXPECT_EQ(periods_of_setpoint(10, 20.0, 0.01), 1) << "no packet waits";
+  EXPECT_EQ(periods_of_setpoint(10, 0.0, 0.01), 1) << "no packet waits";
   EXPECT_EQ(periods_of_setpoint(25, 0.0, 0.01), 3);
-  EXPECT_EQ(periods_of_setpoint(25, 300.0, 0.01), 1) << "a single packet was late";
-  EXPECT_EQ(periods_of_setpoint(300, 40.0, 0.01), 3) << "packets queue up";
+  EXPECT_EQ(periods_of_setpoint(5000, 300.0, 0.01), 1) << "the rate decides where it is known";
+  EXPECT_EQ(periods_of_setpoint(2, 40.0, 0.01), 3) << "the latency is old while packets queue up";
+  EXPECT_EQ(periods_of_setpoint(2, 100.0, 0.01), 2);
   EXPECT_EQ(periods_of_setpoint(5000, 0.0, 0.01), 10);
   EXPECT_EQ(periods_of_setpoint(5000, 1.0, 0.04), 2);
   EXPECT_EQ(periods_of_setpoint(5000, 1.0, 0.2), 1);
-  for (int latency = 11; latency < 200; ++latency) {
-    for (double rate = 5.0; rate < 500.0; rate += 7.0) {
-      const double carried = std::max(rate, 1e3 / latency);
-      const int each = periods_of_setpoint(latency, rate, 0.01);
-      if (each < 10) {
-        EXPECT_LE(100.0 / each, 1.101 * carried) << latency << " ms, " << rate;
-      }
-      if (each > 1) {
-        EXPECT_GT(100.0 / (each - 1), carried) << latency << " ms, " << rate;
-      }
+  for (double rate = 5.0; rate < 500.0; rate += 7.0) {
+    const int each = periods_of_setpoint(0, rate, 0.01);
+    if (each < 10) {
+      EXPECT_LE(100.0 / each, 0.901 * rate) << rate;
+    }
+    if (each > 1) {
+      EXPECT_GT(100.0 / (each - 1), 0.899 * rate) << rate;
     }
   }
 }
 
-/// Waits until this is found red about the radio of a Crazyflie.
-bool finds_radio(Rig& rig, const std::string& robot, const std::string& part) {
+// Measured on the firmware: 100 packets a second for 110 logs hold 200 logs, which come 2 s late.
+TEST(CrazyswarmLink, PosesAreLateIfEachPacketIsAnsweredByOneOrTheLatencyIsLong) {
+  EXPECT_FALSE(poses_are_late(0, 0, 0)) << "unknown";
+  EXPECT_FALSE(poses_are_late(20, 19, 19)) << "too few to know";
+  EXPECT_TRUE(poses_are_late(0, 100, 100));
+  EXPECT_FALSE(poses_are_late(0, 1000, 440));
+  EXPECT_TRUE(poses_are_late(301, 1000, 440));
+}
+
+/// Waits until this is found red of a Crazyflie.
+bool finds(Rig& rig, Aspect aspect, const std::string& robot, const std::string& part) {
   return test::eventually([&] {
     const std::vector<Finding> all = rig.world->examine();
     return std::any_of(all.begin(), all.end(), [&](const Finding& f) {
-      return f.robot == robot && f.aspect == Aspect::radio && f.light == Light::red &&
+      return f.robot == robot && f.aspect == aspect && f.light == Light::red &&
              f.sentence.find(part) != std::string::npos;
     });
   });
 }
 
-// cf0 hears 40 packets a second, cf1 250.
+// cf0 receives 40 packets a second, cf1 250.
 TEST(CrazyswarmLink, ASlowRadioIsFoundAndReceivesNoMoreSetpointsThanItCarries) {
-  Rig rig(crazyflies(2, 2.5));
+  Rig rig(crazyflies(2, 2.5, true));
   crazyflie_of(rig, 0).set_radio(25, 1.0);
   crazyflie_of(rig, 1).set_radio(4, 0.8);
-  EXPECT_TRUE(
-      finds_radio(rig, "cf0",
-                  "latency 25 ms, expected 10 ms at most: it receives a set-point each 3 periods; set "
-                  "horizon.period = 0.03 s"));
-  EXPECT_TRUE(finds_radio(rig, "cf1", "of which 80 % arrive, latency 4 ms, expected 90 % at least"));
+  EXPECT_TRUE(finds(rig, Aspect::radio, "cf0",
+                    "expected 112 packets at least: it receives a set-point each 3 periods; set "
+                    "horizon.period = 0.03 s"));
+  EXPECT_TRUE(finds(rig, Aspect::radio, "cf1", "of which 80 % arrive, latency "));
   (void)rig.fly();
   EXPECT_THAT(rig.world->faults(), IsEmpty()) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   for (std::size_t i = 0; i < 2; ++i) expect_well_flown(rig, i);
@@ -143,7 +151,7 @@ TEST(CrazyswarmLink, ASlowRadioIsFoundAndReceivesNoMoreSetpointsThanItCarries) {
 }
 
 TEST(CrazyswarmLink, WhereTheRadioGetsSlowInFlightTheRateFallsAndDoesNotRiseAgain) {
-  Rig rig(crazyflies(1, 6.0));
+  Rig rig(crazyflies(1, 6.0, true));
   CrazyflieVehicle& crazyflie = crazyflie_of(rig, 0);
   const auto setpoints_of_a_second = [&] {
     const std::int64_t before = crazyflie.reported().setpoints;
@@ -164,9 +172,30 @@ TEST(CrazyswarmLink, WhereTheRadioGetsSlowInFlightTheRateFallsAndDoesNotRiseAgai
     EXPECT_GT(count, 15);
     EXPECT_LT(count, 45);
   }
-  EXPECT_LT(crazyflie.reported().radio_wait, 0.6);
+  EXPECT_LT(crazyflie.reported().radio_wait, 2.5) << "of one that others overtook";
   EXPECT_EQ(rig.counted("a set-point each 1 periods"), "");
   expect_well_flown(rig, 0);
+}
+
+// 100 packets a second answer with 100 logs, and the Crazyflie sends 110.
+TEST(CrazyswarmLink, WherePosesWaitForTheRadioNothingTakesOff) {
+  Rig rig(crazyflies(2, 1.0), {.ready = 3.0});
+  crazyflie_of(rig, 0).set_radio(10, 1.0);
+  EXPECT_TRUE(finds(rig, Aspect::topics, "cf0", "its logs are late: "));
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_THAT(rig.reported, Contains(HasSubstr("cf0: its logs are late: ")));
+  for (std::size_t i = 0; i < 2; ++i) expect_untouched(rig, i);
+}
+
+TEST(CrazyswarmLink, WherePosesBeginToWaitForTheRadioInFlightAllLand) {
+  Rig rig(crazyflies(2, 20.0));
+  const LoopOutcome outcome = rig.fly(0.5, [&] { crazyflie_of(rig, 0).set_radio(15, 1.0); });
+  EXPECT_LT(outcome.updates, 600);
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: its poses are late by its radio"));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_LT(crazyflie_of(rig, i).reported().dropped, 0.05) << i;
+    EXPECT_LT(crazyflie_of(rig, i).motion().p.z, 0.02) << i;
+  }
 }
 
 TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {
@@ -222,6 +251,21 @@ TEST(CrazyswarmLink, OneThatRefusesToTakeOffIsDisarmedAndTheOthersLand) {
   EXPECT_LT(crazyflie_of(rig, 1).motion().p.z, 0.02);
 }
 
+TEST(CrazyswarmLink, WhereOneLeavesThePlaceOfItsTakeOffAllLand) {
+  Rig rig(crazyflies(2, 5.0));
+  std::thread stray([&] {
+    EXPECT_TRUE(test::eventually([&] { return crazyflie_of(rig, 0).motion().p.z > 0.1; }));
+    rig.faults(0).begin(Kind::jump, 0.6);
+  });
+  EXPECT_FALSE(rig.take_off());
+  stray.join();
+  EXPECT_THAT(rig.world->faults(), Contains("cf0: it left the place of its take-off"));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(crazyflie_of(rig, i).reported().setpoints, 0) << i;
+    EXPECT_LT(crazyflie_of(rig, i).motion().p.z, 0.02) << i;
+  }
+}
+
 TEST(CrazyswarmLink, WhereTheBatteryOfOneRunsLowInFlightAllLand) {
   Rig rig(crazyflies(2, 20.0));
   const LoopOutcome outcome = rig.fly(0.5, [&] { rig.faults(0).begin(Kind::battery_low); });
@@ -265,6 +309,127 @@ TEST(CrazyswarmLink, WithoutItsFlyerItLevelsOutAndThenStopsItsMotors) {
   EXPECT_NEAR(n.levelled_after, 0.5, 0.05);
   EXPECT_NEAR(n.motors_off_after, 2.0, 0.05);
   EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), is_locked);
+}
+
+/// Calls services of a Crazyflie by hand, and sends set-points that keep it where it is.
+struct Hand {
+  explicit Hand(Rig& rig)
+      : crazyflie(crazyflie_of(rig, 0)),
+        at(rig.domain->another_participant()),
+        arm(at, arm_service, "/cf0/arm"),
+        takeoff(at, takeoff_service, "/cf0/takeoff"),
+        land(at, land_service, "/cf0/land"),
+        setpoints_stop(at, setpoints_stop_service, "/cf0/notify_setpoints_stop"),
+        full_state(at, crazyflie_interfaces_msg_dds__FullState__desc, "/cf0/cmd_full_state",
+                   of_ros_commands) {
+    WriterList writers(at);
+    EXPECT_TRUE(test::eventually([&] {
+      const std::vector<SeenWriter> all = writers.look();
+      bool there = full_state.matched() > 0;
+      for (ServiceCaller* caller : {&arm, &takeoff, &land, &setpoints_stop})
+        caller->watch(all), there = there && caller->there();
+      return there;
+    }));
+  }
+
+  void take_off(double height, double time) {
+    const crazyflie_interfaces_srv_dds__Takeoff_Request_ up{
+        0, static_cast<float>(height), {static_cast<std::int32_t>(time), 0}};
+    EXPECT_TRUE(takeoff.call(&up));
+  }
+  void arm_it() {
+    const crazyflie_interfaces_srv_dds__Arm_Request_ on{true};
+    EXPECT_TRUE(arm.call(&on));
+  }
+  void stop_setpoints() {
+    const crazyflie_interfaces_srv_dds__NotifySetpointsStop_Request_ end{0, 100};
+    EXPECT_TRUE(setpoints_stop.call(&end));
+  }
+  void land_it() {
+    const crazyflie_interfaces_srv_dds__Land_Request_ down{0, 0.02F, {2, 0}};
+    EXPECT_TRUE(land.call(&down));
+  }
+  void set_point(const Motion& motion, const LinkOrigin& origin) {
+    const Motion local = in_local(origin, motion);
+    crazyflie_interfaces_msg_dds__FullState_ m{};
+    static std::array<char, 6> world = {"world"};
+    m.header.frame_id = world.data();
+    m.pose.position = {local.p.x, local.p.y, local.p.z};
+    m.pose.orientation = {local.q.x, local.q.y, local.q.z, local.q.w};
+    full_state.write(&m);
+  }
+  static void wait(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
+
+  CrazyflieVehicle& crazyflie;
+  dds_entity_t at;
+  ServiceCaller arm, takeoff, land, setpoints_stop;
+  RawWriter full_state;
+};
+
+// Measured on the firmware: a take-off 1 ms after it may fly went to the origin of its frame, 1.2 m away.
+TEST(CrazyswarmLink, ATakeOffBeforeThePlannerKnowsThePlaceFliesToTheOrigin) {
+  Rig rig(crazyflies(1, 1.0));
+  rig.world.reset();
+  Hand hand(rig);
+  const Vec3<double> start = hand.crazyflie.motion().p;
+  hand.take_off(0.5, 1.0);
+  Hand::wait(100);
+  EXPECT_EQ(hand.crazyflie.supervisor(), can_be_armed) << "ignored before it may fly";
+  hand.arm_it();
+  for (int i = 0; i < 30; ++i, Hand::wait(5)) hand.take_off(0.5, 1.0);  // one at once when it may
+  Hand::wait(1500);
+  const Vec3<double> end = hand.crazyflie.motion().p;
+  EXPECT_GT(norm(end.x - start.x, end.y - start.y), 0.3);
+}
+
+// Measured on the firmware: 300 ms between the two cost 0.87 m of height and 2.8 m/s.
+TEST(CrazyswarmLink, SetpointsThatEndBeforeALandingBeginsStopTheMotorsInTheAir) {
+  Rig rig(crazyflies(1, 20.0));
+  ASSERT_TRUE(rig.take_off());
+  rig.interrupts = 2;  // hands over: nothing is sent any more
+  rig.land();
+  rig.world.reset();
+  Hand hand(rig);
+  hand.stop_setpoints();
+  Hand::wait(200);
+  hand.land_it();
+  Hand::wait(2500);
+  EXPECT_GT(hand.crazyflie.reported().dropped, 0.1);
+}
+
+TEST(CrazyswarmLink, ASetpointAfterTheLandingBeganEndsIt) {
+  Rig rig(crazyflies(1, 20.0));
+  ASSERT_TRUE(rig.take_off());
+  rig.interrupts = 2;
+  rig.land();
+  rig.world.reset();
+  Hand hand(rig);
+  hand.land_it();
+  Hand::wait(100);
+  hand.set_point(hand.crazyflie.motion(), fleet_of(rig.scenario).links[0].origin);
+  Hand::wait(100);
+  EXPECT_EQ(hand.crazyflie.reported().locked_out, 1);
+}
+
+// Measured on the firmware behind a full radio: one set-point came after the end of set-points, the landing
+// ended, and 2 s later the motors stopped at 1 m.
+TEST(CrazyswarmLink, ALandingThatALateSetpointEndsIsRequestedAgain) {
+  Rig rig(crazyflies(1, 20.0));
+  ASSERT_TRUE(rig.take_off());
+  std::thread late([&] {
+    EXPECT_TRUE(test::eventually([&] { return crazyflie_of(rig, 0).reported().land_requests == 2; }));
+    Hand hand(rig);
+    hand.set_point(hand.crazyflie.motion(), fleet_of(rig.scenario).links[0].origin);
+    Hand::wait(100);
+  });
+  rig.land();
+  late.join();
+  const CrazyflieCounts n = crazyflie_of(rig, 0).reported();
+  EXPECT_EQ(n.land_requests, 4);
+  EXPECT_LT(n.dropped, 0.05);
+  EXPECT_EQ(n.motors_off_after, 0.0);
+  EXPECT_EQ(crazyflie_of(rig, 0).supervisor(), can_be_armed);
+  EXPECT_LT(crazyflie_of(rig, 0).motion().p.z, 0.02);
 }
 
 // The firmware of Crazyflies with brushed motors arms itself: it is asked nothing, and done when it has landed.

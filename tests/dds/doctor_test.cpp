@@ -377,7 +377,7 @@ TEST(Doctor, FleetsOfAllKindsOfLinksAreGreen) {
       EXPECT_TRUE(ward.finds("cart", Aspect::rate, Light::green, "poses a second, the longest gap"));
     }
     if (name == std::string("crazyflies")) {
-      EXPECT_TRUE(ward.finds("cf1", Aspect::radio, Light::green, "% arrive, latency 4 ms"));
+      EXPECT_TRUE(ward.finds("cf1", Aspect::radio, Light::green, "% arrive, latency "));
     }
   }
 }

@@ -279,6 +279,8 @@ TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
                   : chance(0.3) ? LinkReason::battery_low
                   : chance(0.5) ? LinkReason::estimator_invalid
                   : chance(0.3) ? LinkReason::stamps_stuck
+                  : chance(0.3) ? LinkReason::late
+                  : chance(0.5) ? LinkReason::strayed
                   : chance(0.5) ? LinkReason::misplaced
                                 : LinkReason::moved;
       if (chance(wild)) f.armed = chance(0.7);

@@ -18,12 +18,23 @@ namespace {
 
 constexpr Nanoseconds crazyflie_second = 1'000'000'000;
 constexpr Nanoseconds pose_old = crazyflie_second / 2, supervisor_old = 5 * crazyflie_second / 2;
-constexpr Nanoseconds setpoints_end_most = 50'000'000;  // timeout of the stop answer
-constexpr int looks_least = 5;                          // discovery checks required, at 5 Hz
+constexpr Nanoseconds landing_step_most = 50'000'000;  // timeout of an answer, beside the latency
+constexpr int latency_waited_most = 50;                // [ms]
+constexpr Nanoseconds planned_within = 300'000'000;    // from the last request to the status that tells
+constexpr double landed_height = 0.15;                 // up to which it is not requested to land again [m]
+constexpr Nanoseconds planner_learns = 60'000'000;     // where the vehicle is, once it may fly
+constexpr int looks_least = 5;                         // discovery checks required, at 5 Hz
 constexpr Nanoseconds takeoff_patience = 2 * crazyflie_second;
 constexpr std::uint32_t remain_valid = 100;         // [ms]; new firmware ignores it
 constexpr double setpoints_apart_most = 0.1;        // [s]
-constexpr double same_period = 0.1;                 // part of a period, for jitter of the status
+constexpr double setpoints_most = 0.9;              // share of the packets that the radio carries
+constexpr double carried_least = 1.05;              // over set-points: more are empty ones
+constexpr double draining = 0.7;                    // of the radio, while packets wait for it
+constexpr double rate_mean = 0.3;                   // [s]
+constexpr int late_after = 300;                     // latency of poses [ms]
+constexpr double packets_least = 20, lately = 1.0;  // for the comparison of logs, [s]
+constexpr double logs_most = 0.95;                  // share of the packets
+constexpr double stray_most = 0.5;                  // beside its start, before the task [m]
 constexpr double arriving_least = 0.9;              // share of the unicast packets
 constexpr double landing_pace = 0.3;                // [m/s]
 constexpr double landing_time_least = 1.0;          // [s]
@@ -42,10 +53,13 @@ geometry_msgs_msg_dds__Vector3_ vector3(const Vec3<double>& a) { return {a.x, a.
 }  // namespace
 
 int periods_of_setpoint(int latency, double rate, double period) noexcept {
-  const double by_latency = 1e-3 * latency / period, by_rate = rate > 0 ? 1 / (rate * period) : by_latency,
-               most = std::max(1.0, setpoints_apart_most / period);
-  if (by_latency <= 1) return 1;
-  return static_cast<int>(std::clamp(std::ceil(std::min(by_latency, by_rate) - same_period), 1.0, most));
+  const double most = std::max(1.0, setpoints_apart_most / period),
+               apart = rate > 0 ? 1 / (setpoints_most * rate) : 1e-3 * latency;
+  return static_cast<int>(std::clamp(std::ceil(apart / period), 1.0, most));
+}
+
+bool poses_are_late(int latency, double packets, double logs) noexcept {
+  return latency > late_after || (packets >= packets_least && logs > logs_most * packets);
 }
 
 CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double period)
@@ -76,21 +90,63 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double 
 void CrazyswarmLinkEnd::on_status(const void* message, Nanoseconds arrived) {
   const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__Status_*>(message);
   Status& s = taken_;
+  const std::int64_t poses = from_.by_others() ? 0 : poses_.reader().counts().received.load();
   if (s.first == 0) {
     s.first = arrived;
   } else {
     s.sent += m.num_tx_unicast, s.received += m.num_rx_unicast;
-    s.rate = m.num_tx_unicast / (1e-9 * static_cast<double>(arrived - s.arrived));
+    const double seconds = 1e-9 * static_cast<double>(arrived - s.arrived),
+                 packets =
+                     m.num_rx_unicast > 0 ? std::min(m.num_tx_unicast, m.num_rx_unicast) : m.num_tx_unicast,
+                 part = s.rate > 0 ? std::min(1.0, seconds / rate_mean) : 1.0,
+                 kept = std::exp(-seconds / lately);
+    if (seconds > 0) s.rate += part * (packets / seconds - s.rate);
+    s.packets_lately = kept * s.packets_lately + packets;
+    s.logs_lately = kept * s.logs_lately + 1 + static_cast<double>(poses - s.poses);
   }
+  s.poses = poses;
   s.arrived = arrived, s.supervisor = m.supervisor_info, s.pm_state = m.pm_state;
   s.voltage = m.battery_voltage, s.latency = m.latency_unicast;
   status_.put(s);
 }
 
+bool CrazyswarmLinkEnd::are_poses_late() const noexcept {
+  const Status& s = last_status_;
+  if (from_.by_others()) return phase_ == Phase::ground && s.latency > late_after;  // its status is late
+  return poses_are_late(s.latency, s.packets_lately, s.logs_lately);
+}
+
+/// A set-point that waited for the radio may end the landing, which the planner's bit tells: then
+/// it must be requested again, before the firmware stops the motors.
+bool CrazyswarmLinkEnd::lands() noexcept {
+  if (landing_ != Landing::requested) return false;
+  if (!has(is_flying)) return true;
+  const bool known = land_.answer() == Answer::accepted || height() < land_from_ - descended;
+  return known && (!tells_planner_ || has(planner_flies) || height() < landed_height ||
+                   last_status_.arrived < landing_since_ + planned_within);
+}
+
+LinkReason CrazyswarmLinkEnd::unfit() noexcept {
+  // In flight the firmware's low-battery state decides, because the voltage sags with each thrust
+  // peak.
+  if (last_status_.pm_state >= battery_low) return LinkReason::battery_low;
+  if (are_poses_late()) return LinkReason::late;
+  const Vec3<double>& p = poses_.newest().motion.p;
+  const bool strayed = phase_ == Phase::takeoff && norm(p.x - left_.x, p.y - left_.y) > stray_most;
+  return strayed ? LinkReason::strayed : LinkReason::as_requested;
+}
+
 LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   (void)status_.look(last_status_);
-  const int needed = periods_of_setpoint(last_status_.latency, last_status_.rate, period_);
-  each_ = phase_ < Phase::setpoints ? needed : std::max(each_.load(), needed);
+  const double carried = last_status_.rate * period_ * each_;
+  if (phase_ < Phase::setpoints)
+    each_ = periods_of_setpoint(last_status_.latency, last_status_.rate, period_);
+  else if (last_status_.rate > 0 && carried < carried_least)
+    each_ = std::max(each_.load(), periods_of_setpoint(0, draining * last_status_.rate, period_));
+  if (!has(can_fly))
+    may_fly_since_ = 0;
+  else if (may_fly_since_ == 0)
+    may_fly_since_ = now;
   const bool flies = has(is_flying);
   down_ = down_ || (landing_ == Landing::requested && !flies);
   LinkFacts facts;
@@ -98,25 +154,25 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   // A self-arming firmware is armed on the ground, too; it counts as armed only from our request to
   // its landing.
   facts.armed = has(is_armed) && (!has(arms_itself) || (phase_ != Phase::ground && !down_));
+  // Its planner takes off from where it last knew the vehicle, and learns it only while it may fly.
+  if (phase_ == Phase::arming && (may_fly_since_ == 0 || now - may_fly_since_ < planner_learns))
+    facts.armed = false;
   facts.landed = !flies;
   const bool may_arm = has(arms_itself) ? has(can_fly) : has(can_be_armed);
   facts.checked = received_ && may_arm && !flies && battery_is_good() && !poses_.of_second_writer() &&
-                  !poses_.in_other_frames() && (arm_.there() || has(arms_itself));
+                  !poses_.in_other_frames() && (arm_.there() || has(arms_itself)) && !are_poses_late();
   facts.contested = rivals_ > 0;
   facts.restarted = speakers_ >= 0 && status_reader_->writers_came() > speakers_;
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
-  // In flight the firmware's low-battery state decides, because the voltage sags with each thrust
-  // peak.
-  if (last_status_.pm_state >= battery_low) facts.unfit = LinkReason::battery_low;
+  facts.unfit = unfit();
   const double seconds = 1e-9 * static_cast<double>(now - requested_at_);
   facts.airborne = flies && phase_ >= Phase::takeoff && height() > crazyflie_.takeoff_height - at_height &&
                    (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);
   facts.refused = phase_ == Phase::takeoff && !flies &&
                   seconds > crazyflie_.takeoff_time + 1e-9 * static_cast<double>(takeoff_patience);
-  const bool lands = landing_ == Landing::requested &&
-                     (land_.answer() == Answer::accepted || height() < land_from_ - descended || !flies);
+  tells_planner_ = tells_planner_ || (phase_ == Phase::takeoff && has(planner_flies));
   facts.mode = phase_ == Phase::takeoff  ? AutopilotMode::takeoff
-               : lands                   ? AutopilotMode::land
+               : lands()                 ? AutopilotMode::land
                : phase_ > Phase::takeoff ? AutopilotMode::offboard
                                          : AutopilotMode::other;
   return facts;
@@ -132,6 +188,7 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
     case Request::arm: {
       speakers_ = status_reader_->writers_came();
       phase_ = Phase::arming;
+      left_ = poses_.newest().motion.p;
       const crazyflie_interfaces_srv_dds__Arm_Request_ arm{true};
       if (!has(arms_itself)) (void)arm_.call(&arm);
       break;
@@ -155,16 +212,23 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
     case Request::land: {
       if (landing_ == Landing::none) land_from_ = height();
       phase_ = Phase::landing;
-      landing_ = Landing::setpoints_end;
-      const crazyflie_interfaces_srv_dds__NotifySetpointsStop_Request_ end{0, remain_valid};
-      (void)setpoints_stop_.call(&end);
+      landing_ = Landing::last_setpoint;
+      landing_since_ = now;
       break;
     }
   }
 }
 
-/// The server may execute requests out of order, so the second request waits for the answer to the
-/// first. A vehicle that never flew is disarmed.
+void CrazyswarmLinkEnd::land() noexcept {
+  const double time = std::max(landing_time_least, height() / landing_pace);
+  const crazyflie_interfaces_srv_dds__Land_Request_ down{0, static_cast<float>(touchdown_height),
+                                                         ros_duration(time)};
+  (void)land_.call(&down);
+}
+
+/// The server may execute requests out of order, and its radio sends the end of set-points before a
+/// landing. So each request waits for the answer to the one before, and for the radio. A vehicle
+/// that never flew is disarmed.
 void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
   const bool answered = last_status_.arrived > requested_at_;
   if (landing_ == Landing::requested && answered && !has(is_flying) && has(is_armed) && !has(arms_itself) &&
@@ -172,18 +236,39 @@ void CrazyswarmLinkEnd::go_on_landing(Nanoseconds now) noexcept {
     const crazyflie_interfaces_srv_dds__Arm_Request_ disarm{false};
     (void)arm_.call(&disarm);
   }
-  if (landing_ != Landing::setpoints_end) return;
-  if (setpoints_stop_.answer() == Answer::none && now - requested_at_ < setpoints_end_most) return;
-  landing_ = Landing::requested;
-  const double time = std::max(landing_time_least, height() / landing_pace);
-  const crazyflie_interfaces_srv_dds__Land_Request_ down{0, static_cast<float>(touchdown_height),
-                                                         ros_duration(time)};
-  (void)land_.call(&down);
+  const Nanoseconds waited = now - landing_since_,
+                    radio = Nanoseconds{1'000'000} * std::min(last_status_.latency, latency_waited_most);
+  const auto done = [&](const ServiceCaller& caller) {
+    return waited >= landing_step_most + radio || (caller.answer() != Answer::none && waited >= radio);
+  };
+  const auto next = [&](Landing step) { landing_ = step, landing_since_ = now; };
+  switch (landing_) {
+    case Landing::none:
+    case Landing::requested:
+      break;
+    case Landing::last_setpoint:
+      if (waited < radio) break;
+      next(Landing::planned);
+      land();
+      break;
+    case Landing::planned: {
+      if (!done(land_)) break;
+      next(Landing::setpoints_end);
+      const crazyflie_interfaces_srv_dds__NotifySetpointsStop_Request_ end{0, remain_valid};
+      (void)setpoints_stop_.call(&end);
+      break;
+    }
+    case Landing::setpoints_end:
+      if (!done(setpoints_stop_)) break;
+      next(Landing::requested);
+      land();
+      break;
+  }
 }
 
 void CrazyswarmLinkEnd::send(const LinkOutput& output, const Command& command, Nanoseconds now) noexcept {
   request(output.request, now);
-  if (landing_ == Landing::setpoints_end && !output.heartbeat)
+  if (landing_ != Landing::requested && !output.heartbeat)
     landing_ = Landing::none;  // it has left our control
   go_on_landing(now);
   // A set-point after the land request would end the landing.
@@ -254,25 +339,21 @@ void CrazyswarmLinkEnd::examine_radio(FindingList& to) const {
   }
   const double rate = static_cast<double>(s.sent) / (1e-9 * static_cast<double>(s.arrived - s.first)),
                share = static_cast<double>(s.received) / static_cast<double>(s.sent);
-  const bool lossy = s.received > 0 && share < arriving_least, rare = rate * period_ < 1.0;
+  const bool lossy = s.received > 0 && share < arriving_least;
   const std::string figures =
       fmt::format("{:.0f} unicast packets a second{}, latency {} ms", rate,
                   s.received > 0 ? fmt::format(", of which {:.0f} % arrive", 100 * share) : "", s.latency);
   if (each_ > 1)
     to.add(Aspect::radio, Light::red,
-           "{}, expected {:g} ms at most: it receives a set-point each {} periods; set horizon.period = {:g} "
-           "s, or have fewer Crazyflies on a radio",
-           figures, 1e3 * period_, each_.load(), each_ * period_);
+           "{}, expected {:.0f} packets at least: it receives a set-point each {} periods; set "
+           "horizon.period = {:g} s, or have fewer Crazyflies on a radio",
+           figures, std::ceil(1 / (setpoints_most * period_)), each_.load(), each_ * period_);
   else if (lossy)
     to.add(Aspect::radio, Light::red,
            "{}, expected {:.0f} % at least: set a greater horizon.period or another channel", figures,
            100 * arriving_least);
   else
-    to.add(Aspect::radio, rare ? Light::unknown : Light::green, "{}{}", figures,
-           rare ? fmt::format("; a set-point each period needs {:.0f}: if the radio carries no more, set a "
-                              "greater horizon.period",
-                              1 / period_)
-                : "");
+    to.add_green(Aspect::radio, "{}", figures);
 }
 
 void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
@@ -293,6 +374,12 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   for (const ServiceCaller* caller : {&takeoff_, &land_, &setpoints_stop_, &arm_})
     if (!caller->there() && (caller != &arm_ || (known && !has(arms_itself))))
       to.add(Aspect::topics, Light::red, "{}: no server", caller->service());
+  if (known && are_poses_late())
+    to.add(Aspect::topics, Light::red,
+           "its logs are late: {:.0f} of {:.0f} packets of its radio have one, latency {} ms: lower the "
+           "frequency of the pose in crazyflies.yaml, have fewer Crazyflies on a radio, or take poses of "
+           "motion capture without this log",
+           last_status_.logs_lately, last_status_.packets_lately, last_status_.latency);
   to.add_green(Aspect::topics, "pose and status arrive, it receives set-points, its services are there");
   poses_.examine("the frame that is G", "other frames", to);
   for (const SeenWriter& writer : around.writers)

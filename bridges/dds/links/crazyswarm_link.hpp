@@ -24,21 +24,30 @@ enum SupervisorBit : std::uint16_t {
   is_tumbled = 32,
   is_locked = 64,
   is_crashed = 128,
+  planner_flies = 256,    ///< its planner takes off, lands, or holds; newer firmware
+  planner_is_done = 512,  ///< the planned motion has ended, or there is none
 };
 /// Values of pm_state. Flight is allowed only in on_battery; the others are charging, charged, low,
 /// shutting down.
 inline constexpr std::uint8_t on_battery = 0;
 inline constexpr std::uint8_t battery_low = 3;
 
-/// Periods from one set-point to the next, so that the radio carries one before the next. At most
-/// 0.1 s: the firmware levels out after 0.5 s.
+/// Periods from one set-point to the next, so that set-points take at most 0.9 of the packets that
+/// the radio carries. At most 0.1 s: the firmware levels out after 0.5 s.
 ///
-/// A latency beyond the period means that packets wait for the radio. Then their rate is what the
-/// radio carries, which is at least one packet per latency.
-/// @param latency  of a unicast packet [ms]; 0: unknown
-/// @param rate     of unicast packets [1/s]; 0: unknown
+/// The server fills the radio with empty packets, so their rate is what the radio carries. It sends
+/// set-points before requests to land: on a full radio these never leave.
+/// @param latency  of a unicast packet [ms], which counts if the rate is unknown; 0: unknown
+/// @param rate     of unicast packets that arrive [1/s]; 0: unknown
 /// @param period   [s]
 int periods_of_setpoint(int latency, double rate, double period) noexcept;
+
+/// Whether poses arrive late, since the logs of a Crazyflie wait for packets that they answer. The
+/// server stamps them as they arrive, so their stamps do not tell.
+/// @param latency  of a unicast packet [ms]; it includes the logs that wait
+/// @param packets  that arrived at the Crazyflie lately
+/// @param logs     that it sent meanwhile; as many as packets: more wait
+bool poses_are_late(int latency, double packets, double logs) noexcept;
 
 /// A Crazyflie has no flight modes and no exclusive controller: the last command received is in
 /// force. The mode is therefore the last requested one, if the status agrees.
@@ -68,25 +77,33 @@ class CrazyswarmLinkEnd final : public LinkEnd {
     std::uint8_t pm_state = 0;
     float voltage = 0.0F;
     int latency = 0;    // of a unicast packet [ms]; 0: unknown
-    double rate = 0.0;  // of unicast packets since the status before [1/s]
+    double rate = 0.0;  // of unicast packets that arrive, mean of the last 0.3 s [1/s]
     // Unicast packets since the first status; received: 0 if the firmware does not count them.
     Nanoseconds first = 0;
     std::int64_t sent = 0, received = 0;
+    // Packets that arrived, and logs that came with them, in the last second or so.
+    double packets_lately = 0, logs_lately = 0;
+    std::int64_t poses = 0;  // until then
   };
   enum class Phase : std::uint8_t { ground, arming, takeoff, setpoints, landing };
-  /// Landing sequence: the set-points end first, then the land request follows.
-  enum class Landing : std::uint8_t { none, setpoints_end, requested };
+  /// Landing sequence. The firmware stops its motors if set-points end before it has a plan, and a
+  /// late set-point stops the plan: so land, end the set-points, and land once more.
+  enum class Landing : std::uint8_t { none, last_setpoint, planned, setpoints_end, requested };
 
   bool has(SupervisorBit bit) const noexcept { return (last_status_.supervisor & bit) != 0; }
   bool battery_is_good() const noexcept {
     return last_status_.pm_state == on_battery && last_status_.voltage >= crazyflie_.battery_min;
   }
   double height() noexcept { return poses_.newest().motion.p.z - origin_.p.z; }
+  bool are_poses_late() const noexcept;
+  bool lands() noexcept;
+  LinkReason unfit() noexcept;
   void on_status(const void* message, Nanoseconds arrived);
   void examine_battery(FindingList& to) const;
   void examine_radio(FindingList& to) const;
   void request(Request request, Nanoseconds now) noexcept;
   void go_on_landing(Nanoseconds now) noexcept;
+  void land() noexcept;
   void send_state(const TrajectoryPoint& point) noexcept;
 
   Crazyswarm2Link crazyflie_;
@@ -107,7 +124,11 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   Phase phase_ = Phase::ground;
   Landing landing_ = Landing::none;
   Nanoseconds requested_at_ = 0;
-  double land_from_ = 0.0;  // height at the landing request [m]
+  Nanoseconds landing_since_ = 0;  // of the step of the landing sequence
+  double land_from_ = 0.0;         // height at the landing request [m]
+  Nanoseconds may_fly_since_ = 0;  // first status with which it may fly; 0: it may not
+  Vec3<double> left_{};            // where it was armed
+  bool tells_planner_ = false;     // its status has planner_flies
   bool holds_ = false, down_ = false, disarms_ = false;
   std::atomic<int> each_{1};  // periods from one set-point to the next; any thread reads it
   int wait_ = 0;              // periods until the next one

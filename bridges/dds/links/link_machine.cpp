@@ -71,7 +71,9 @@ std::string_view to_string(LinkReason reason) {
       "its estimator jumped too far",
       "its motors were stopped by the operator",
       "poses come, but their stamps do not rise",
-      "it is not at its start"};
+      "it is not at its start",
+      "its poses are late by its radio",
+      "it left the place of its take-off"};
   return word_of(words, reason);
 }
 

@@ -46,8 +46,10 @@ enum class LinkReason : std::uint8_t {
   emergency,  ///< the operator stopped its motors
   stamps_stuck,
   misplaced,  ///< not where it is to join the team
+  late,       ///< its poses arrive late by its radio
+  strayed,    ///< it left the place of its take-off before the task
 };
-inline constexpr int link_reasons = 22;
+inline constexpr int link_reasons = 24;
 /// Part of a sentence: "it was disarmed".
 std::string_view to_string(LinkReason reason);
 

@@ -17,13 +17,24 @@ namespace {
 
 constexpr std::int64_t level_out_after = 500'000'000,
                        motors_off_after = 2'000'000'000;  // as in the firmware [ns]
+constexpr std::int64_t arming_lasts = 60'000'000;         // until it may fly [ns]
 constexpr std::int64_t flying_lasts = 2'000'000'000;      // after the motors last lifted [ns]
+constexpr std::int64_t armed_lasts = 3'000'000'000;       // after it flies no more [ns]
+constexpr std::int64_t packet_interval = 4'000'000;       // [ns]
 constexpr double status_period = 0.1;                     // [s]
 constexpr double furthest = 2.0;                          // distance of a set-point from the vehicle [m]
-constexpr double up_to_ground = 0.1;                      // height below which a landing ends [m]
 
 double seconds_of(const builtin_interfaces_msg_dds__Duration_& d) { return d.sec + 1e-9 * d.nanosec; }
 double seconds_now() { return 1e-9 * static_cast<double>(monotonic_now()); }
+
+/// Polynomial from 0 to 1 whose derivatives up to the third vanish at both ends, and two of them.
+std::array<double, 3> smooth_step(double s) {
+  const double t = 1 - s;
+  return {s * s * s * s * (35 - s * (84 - s * (70 - 20 * s))), 140 * s * s * s * t * t * t,
+          420 * s * s * t * t * (1 - 2 * s)};
+}
+
+double angle(const Vec2<double>& d) { return std::atan2(d.y, d.x); }
 
 }  // namespace
 
@@ -40,6 +51,7 @@ CrazyflieVehicle::CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Li
       faults_(faults),
       body_(setup.p, setup.heading, setup.rotors),
       supervisor_(setup.arms_itself ? arms_itself | is_armed | can_fly : can_be_armed),
+      radio_(monotonic_now(), packet_interval),
       ends_(std::make_unique<Ends>()) {
   const std::string& name = link.name_space;
   constexpr Quality of_rclcpp = {true, false, 10};
@@ -47,27 +59,34 @@ CrazyflieVehicle::CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Li
                                                name + "/pose", of_rclcpp, faults);
   ends_->status = std::make_unique<FaultyWriter>(participant, crazyflie_interfaces_msg_dds__Status__desc,
                                                  name + "/status", of_rclcpp, faults);
-  const auto serve = [&](const ServiceType& type, const char* service, std::function<void(const void*)> act) {
-    ends_->services.push_back(std::make_unique<ServiceServer>(
-        participant, type, name + service, [this, act = std::move(act)](const void* request, void*) {
-          const std::scoped_lock lock(lock_);
-          if (serving_ != Serving::not_at_all) act(request);
-          return serving_ == Serving::well;
-        }));
+  const auto serve = [&](const ServiceType& type, const char* service, RadioPort port,
+                         std::function<std::function<void()>(const void*)> packet) {
+    ends_->services.push_back(
+        std::make_unique<ServiceServer>(participant, type, name + service,
+                                        [this, port, packet = std::move(packet)](const void* request, void*) {
+                                          const std::scoped_lock lock(lock_);
+                                          if (serving_ != Serving::not_at_all)
+                                            radio_.send(port, packet(request));
+                                          return serving_ == Serving::well;
+                                        }));
   };
-  serve(arm_service, "/arm", [this](const void* request) {
-    on_arm(static_cast<const crazyflie_interfaces_srv_dds__Arm_Request_*>(request)->arm);
+  serve(arm_service, "/arm", RadioPort::arming, [this](const void* request) {
+    return [this, arm = static_cast<const crazyflie_interfaces_srv_dds__Arm_Request_*>(request)->arm] {
+      on_arm(arm);
+    };
   });
-  serve(takeoff_service, "/takeoff", [this](const void* request) {
+  serve(takeoff_service, "/takeoff", RadioPort::commander, [this](const void* request) {
     const auto& up = *static_cast<const crazyflie_interfaces_srv_dds__Takeoff_Request_*>(request);
-    on_takeoff(up.height, seconds_of(up.duration));
+    return [this, height = up.height, time = seconds_of(up.duration)] { on_takeoff(height, time); };
   });
-  serve(land_service, "/land", [this](const void* request) {
+  serve(land_service, "/land", RadioPort::commander, [this](const void* request) {
     const auto& down = *static_cast<const crazyflie_interfaces_srv_dds__Land_Request_*>(request);
-    on_land(down.height, seconds_of(down.duration));
+    return [this, height = down.height, time = seconds_of(down.duration)] { on_land(height, time); };
   });
-  serve(setpoints_stop_service, "/notify_setpoints_stop", [this](const void*) { on_setpoints_end(); });
-  serve(empty_service, "/emergency", [this](const void*) { stop_motors(true); });
+  serve(setpoints_stop_service, "/notify_setpoints_stop", RadioPort::setpoints,
+        [this](const void*) { return [this] { on_setpoints_end(); }; });
+  serve(empty_service, "/emergency", RadioPort::emergency,
+        [this](const void*) { return [this] { stop_motors(true); }; });
   ends_->full_state = std::make_unique<RawReader>(
       participant, crazyflie_interfaces_msg_dds__FullState__desc, name + "/cmd_full_state", of_ros_commands,
       std::nullopt, Writers::all, [this](const void* m, const Arrival&) { on_state(m); });
@@ -75,14 +94,15 @@ CrazyflieVehicle::CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Li
 
 CrazyflieVehicle::~CrazyflieVehicle() = default;
 
+TrajectoryPoint CrazyflieVehicle::here() const {
+  const Motion local = in_local(setup_.origin, body_.motion());
+  return {.p = local.p, .d = heading(rotation(local.q))};
+}
+
 void CrazyflieVehicle::on_state(const void* message) {
   const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__FullState_*>(message);
   const std::scoped_lock lock(lock_);
   ++reported_.setpoints;
-  if (!has(is_flying)) ++reported_.setpoints_outside;
-  const std::int64_t now = monotonic_now(), sent_from = std::max(radio_free_, now);
-  reported_.radio_wait = std::max(reported_.radio_wait, 1e-9 * static_cast<double>(sent_from - now));
-  radio_free_ = sent_from + std::int64_t{1'000'000} * latency_;
   const auto& p = m.pose.position;
   const auto& q = m.pose.orientation;
   const auto& v = m.twist.linear;
@@ -93,65 +113,94 @@ void CrazyflieVehicle::on_state(const void* message) {
     ++reported_.bad_setpoints;
     return;
   }
-  setpoint_ = {wanted.p, wanted.v, a, {}, heading(rotation(wanted.q)), wanted.r};
-  setpoint_at_ = monotonic_now();
-  commander_ = Commander::others;
+  const TrajectoryPoint setpoint = {wanted.p, wanted.v, a, {}, heading(rotation(wanted.q)), wanted.r};
+  radio_.send(RadioPort::setpoints,
+              [this, setpoint, sent = monotonic_now()] { take_setpoint(setpoint, sent); });
+}
+
+void CrazyflieVehicle::take_setpoint(const TrajectoryPoint& setpoint, std::int64_t sent) {
+  const std::int64_t now = monotonic_now();
+  reported_.radio_wait = std::max(reported_.radio_wait, 1e-9 * static_cast<double>(now - sent));
+  if (!has(is_flying)) ++reported_.setpoints_outside;
+  if (setpoints_lead_ && planner_ != Planner::stopped) ++reported_.locked_out;
+  planner_ = Planner::stopped;
+  setpoints_lead_ = true;
+  setpoint_ = setpoint;
+  setpoint_at_ = now;
 }
 
 bool CrazyflieVehicle::on_arm(bool arm) {
   reported_.arm_requests += arm ? 1 : 0;
-  if (arm ? has(can_be_armed) : !has(is_flying)) {
-    supervisor_ = static_cast<std::uint16_t>(arm ? is_armed | can_fly : can_be_armed);
-    return true;
-  }
-  return false;
+  if (arm == has(is_armed)) return true;
+  if (arm && !has(can_be_armed)) return false;
+  if (arm)
+    supervisor_ = is_armed, armed_at_ = monotonic_now();
+  else
+    disarm();
+  return true;
 }
 
-void CrazyflieVehicle::plan(double height, double duration) {
-  const Vec3<double>& p = body_.motion().p;
-  plan_ = {p.z, height + setup_.origin.p.z, seconds_now(), std::max(0.1, duration), {p.x, p.y}};
-  commander_ = Commander::plan;
-  setpoint_at_ = monotonic_now();
+void CrazyflieVehicle::disarm() {
+  supervisor_ = setup_.arms_itself ? arms_itself | is_armed | can_fly : can_be_armed;
+  planner_ = Planner::stopped;
+  landed_at_ = 0;
+}
+
+void CrazyflieVehicle::plan(Planner planner, double height, double duration) {
+  planner_ = planner;
+  plan_ = {known_, height, -angle(known_.d), seconds_now(), std::max(0.1, duration)};
+}
+
+TrajectoryPoint CrazyflieVehicle::planned() const {
+  const double s = std::min(1.0, (seconds_now() - plan_.begun) / plan_.duration);
+  const auto [way, rate, acceleration] = smooth_step(s);
+  const double up = plan_.to - plan_.from.p.z, turned = angle(plan_.from.d) + way * plan_.turn;
+  TrajectoryPoint at = plan_.from;
+  at.p.z += way * up;
+  at.v.z = rate / plan_.duration * up;
+  at.a.z = acceleration / square(plan_.duration) * up;
+  at.d = {std::cos(turned), std::sin(turned)};
+  at.r = rate / plan_.duration * plan_.turn;
+  return at;
 }
 
 void CrazyflieVehicle::on_takeoff(double height, double duration) {
   ++reported_.takeoff_requests;
-  if (commander_ == Commander::others) ++reported_.locked_out;
-  if (commander_ == Commander::others || !has(can_fly) || pm_state() != on_battery) return;
-  lands_ = false;
-  plan(height, duration);
+  if (has(can_fly) && planner_ == Planner::stopped) plan(Planner::flies, height, duration);
 }
 
 void CrazyflieVehicle::on_land(double height, double duration) {
   ++reported_.land_requests;
-  if (commander_ == Commander::others) ++reported_.locked_out;
-  if (commander_ == Commander::others || !has(is_flying)) return;
-  lands_ = true;
-  plan(height, duration);
+  if (has(can_fly) && planner_ != Planner::lands) plan(Planner::lands, height, duration);
 }
 
 void CrazyflieVehicle::on_setpoints_end() {
-  if (commander_ == Commander::others) commander_ = Commander::ended;
+  setpoints_lead_ = false;
+  known_ = here();
 }
 
 void CrazyflieVehicle::stop_motors(bool for_good) {
-  commander_ = Commander::stopped;
-  lands_ = false;
+  setpoints_lead_ = false;
+  planner_ = Planner::stopped;
   if (for_good) supervisor_ = is_locked;
 }
 
 void CrazyflieVehicle::supervise() {
   const std::int64_t now = monotonic_now();
-  if (commander_ != Commander::stopped && has(can_fly)) {
+  if (has(is_armed) && !has(can_fly) && now - armed_at_ > arming_lasts) supervisor_ |= can_fly;
+  if (runs()) {
     supervisor_ |= is_flying;
     lifted_at_ = now;
+    landed_at_ = 0;
+  } else if (has(is_flying) && !body_.on_ground()) {
+    reported_.dropped = std::max(reported_.dropped, 1e-9 * static_cast<double>(now - lifted_at_));
   }
-  // As in the firmware: the motors stop at the end of a landing; is_flying clears and it disarms
-  // only later.
-  if (has(is_flying) && commander_ == Commander::stopped && body_.on_ground() &&
-      now - lifted_at_ > flying_lasts)
-    supervisor_ = setup_.arms_itself ? arms_itself | is_armed | can_fly : can_be_armed;
-  if (!has(is_flying) || commander_ == Commander::plan || body_.on_ground()) return;
+  if (has(is_flying) && now - lifted_at_ > flying_lasts) {
+    supervisor_ = static_cast<std::uint16_t>(supervisor_ & ~is_flying);
+    landed_at_ = now;
+  }
+  if (landed_at_ > 0 && now - landed_at_ > armed_lasts) disarm();
+  if (!has(is_flying) || !setpoints_lead_) return;
   const double age = 1e-9 * static_cast<double>(now - setpoint_at_);
   if (now - setpoint_at_ > level_out_after && reported_.levelled_after == 0) reported_.levelled_after = age;
   if (now - setpoint_at_ > motors_off_after) {
@@ -161,65 +210,64 @@ void CrazyflieVehicle::supervise() {
 }
 
 void CrazyflieVehicle::move() {
-  const Motion& m = body_.motion();
-  if (!has(can_fly) || commander_ == Commander::stopped) {
+  if (!runs()) {
     body_.rest();
-    return;
-  }
-  if (commander_ == Commander::plan) {
-    const double s = std::min(1.0, (seconds_now() - plan_.begun) / plan_.duration);
-    const double way = s * s * s * (10 + s * (-15 + 6 * s)),
-                 rate = 30 * s * s * (1 - s) * (1 - s) / plan_.duration;
-    const double z = plan_.from + way * (plan_.to - plan_.from), v_z = rate * (plan_.to - plan_.from);
-    setpoint_at_ = monotonic_now();
-    if (lands_ && s >= 1 && m.p.z < plan_.to + up_to_ground) {
-      stop_motors(false);
-      lifted_at_ = monotonic_now();
-    }
-    body_.follow({{plan_.p.x, plan_.p.y, z}, {0, 0, v_z}, {}, {}, heading(rotation(m.q)), 0.0});
-    return;
-  }
-  if (monotonic_now() - setpoint_at_ > level_out_after) {
+  } else if (!setpoints_lead_) {
+    const TrajectoryPoint at = planned();
+    const Motion in = in_G(setup_.origin, {at.p, upright(at.d), at.v, at.r});
+    body_.follow({in.p, in.v, at.a, {}, heading(rotation(in.q)), at.r});
+  } else if (monotonic_now() - setpoint_at_ > level_out_after) {
     body_.level_out(setpoint_.p.z);
-    return;
+  } else {
+    body_.follow(setpoint_);
   }
-  body_.follow(setpoint_);
+  if (planner_ == Planner::stopped && has(can_fly)) known_ = here();
+  if (planner_ == Planner::stopped) return;
+  known_ = planned();
+  if (planner_ == Planner::lands && seconds_now() - plan_.begun >= plan_.duration)
+    planner_ = Planner::stopped;
 }
 
 void CrazyflieVehicle::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   supervise();
-  send_pose();  // the pose before this step, stamped now
-  move();
+  if (setup_.logs_pose) send_pose();  // the pose before this step
   if (number % std::llround(status_period / period) == 0) send_status();
+  radio_.run(monotonic_now());
+  move();
 }
 
 void CrazyflieVehicle::send_pose() {
   const Motion local = in_local(setup_.origin, faults_.distorted(body_.motion()));
-  static std::array<char, 6> world = {"world"};
-  const RosTime now = to_ros(realtime_now());
   geometry_msgs_msg_dds__PoseStamped_ m{};
-  m.header.stamp.sec = now.sec, m.header.stamp.nanosec = now.nanosec;
-  m.header.frame_id = world.data();
   m.pose.position = {local.p.x, local.p.y, local.p.z};
   m.pose.orientation = {local.q.x, local.q.y, local.q.z, local.q.w};
-  ends_->pose->write(&m);
+  radio_.log([this, m]() mutable {
+    static std::array<char, 6> world = {"world"};
+    const RosTime now = to_ros(realtime_now());  // the server stamps it
+    m.header.stamp.sec = now.sec, m.header.stamp.nanosec = now.nanosec;
+    m.header.frame_id = world.data();
+    ends_->pose->write(&m);
+  });
 }
 
 void CrazyflieVehicle::send_status() {
-  static std::array<char, 6> world = {"world"};
-  const RosTime now = to_ros(realtime_now());
   crazyflie_interfaces_msg_dds__Status_ m{};
-  m.header.stamp.sec = now.sec, m.header.stamp.nanosec = now.nanosec;
-  m.header.frame_id = world.data();
-  m.supervisor_info = supervisor_;
+  m.supervisor_info = static_cast<std::uint16_t>(
+      supervisor_ | (planner_ == Planner::stopped ? planner_is_done : planner_flies));
   m.battery_voltage = static_cast<float>(voltage_);
   m.pm_state = pm_state();
-  const std::int64_t waits = std::max<std::int64_t>(radio_free_ - monotonic_now(), 0) / 1'000'000;
-  m.latency_unicast = static_cast<std::uint16_t>(std::min<std::int64_t>(latency_ + waits, 10'000));
-  m.num_tx_unicast = static_cast<std::uint32_t>(1e3 * status_period / latency_);
-  m.num_rx_unicast = static_cast<std::uint32_t>(share_ * m.num_tx_unicast);
-  ends_->status->write(&m);
+  radio_.log([this, m]() mutable {
+    static std::array<char, 6> world = {"world"};
+    const RosTime now = to_ros(realtime_now());
+    m.header.stamp.sec = now.sec, m.header.stamp.nanosec = now.nanosec;
+    m.header.frame_id = world.data();
+    m.num_tx_unicast = static_cast<std::uint32_t>(radio_.sent() - std::exchange(sent_, radio_.sent()));
+    m.num_rx_unicast =
+        static_cast<std::uint32_t>(radio_.received() - std::exchange(received_, radio_.received()));
+    m.latency_unicast = static_cast<std::uint16_t>(radio_.latency());
+    if (std::exchange(has_status_, true)) ends_->status->write(&m);
+  });
 }
 
 CrazyflieCounts CrazyflieVehicle::reported() const {
@@ -240,7 +288,7 @@ void CrazyflieVehicle::set_voltage(double voltage) {
 }
 void CrazyflieVehicle::set_radio(int latency, double share) {
   const std::scoped_lock lock(lock_);
-  latency_ = latency, share_ = share;
+  radio_.set(std::int64_t{1'000'000} * latency, share);
 }
 void CrazyflieVehicle::serve(Serving serving) {
   const std::scoped_lock lock(lock_);
@@ -281,6 +329,7 @@ std::unique_ptr<sightline::dds::VehicleSimulator> sightline::Crazyswarm2Link::si
       dds::CrazyflieVehicle::Setup{.origin = setup.origin,
                                    .p = setup.below,
                                    .heading = setup.heading,
-                                   .rotors = setup.rotors.value_or(Vehicle::crazyflie())},
+                                   .rotors = setup.rotors.value_or(Vehicle::crazyflie()),
+                                   .logs_pose = setup.sends_poses},
       setup.faults);
 }

@@ -8,6 +8,7 @@
 #include "bridges/dds/links/crazyswarm_link.hpp"
 #include "bridges/dds/simulators/crazyflie_body.hpp"
 #include "bridges/dds/simulators/faults.hpp"
+#include "bridges/dds/simulators/simulated_radio.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
 #include "bridges/dds/topics/channel.hpp"
 
@@ -18,7 +19,8 @@ struct CrazyflieCounts {
   std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: received while not flying
   std::int64_t bad_setpoints = 0;                     ///< not finite, or more than 2 m from the vehicle
   std::int64_t arm_requests = 0, takeoff_requests = 0, land_requests = 0;
-  std::int64_t locked_out = 0;    ///< take-off and landing requests rejected during set-points
+  std::int64_t locked_out = 0;    ///< take-offs and landings that a later set-point ended
+  double dropped = 0.0;           ///< longest time in the air without thrust, until its plan began [s]
   double levelled_after = 0.0;    ///< time after the last set-point [s]; 0: never
   double motors_off_after = 0.0;  ///< time after the last set-point [s]; 0: never
   double radio_wait = 0.0;        ///< longest time that a set-point waits for the radio [s]
@@ -27,11 +29,17 @@ struct CrazyflieCounts {
 /// Behaviour of the services when called.
 enum class Serving { well, without_answer, not_at_all };
 
-/// Starts on the ground below its robot's start. Reproduces the firmware:
-/// - Set-points override the take-off and landing commander until a request ends them.
+/// Starts on the ground below its robot's start. Reproduces the firmware of August 2026 with its
+/// Mellinger controller, and Crazyswarm2 of July 2026:
+/// - Set-points override the planner of take-offs and landings until a request ends them, and each
+///   stops it. A stopped planner stops the motors, also in the air.
+/// - It may fly 60 ms after it was armed.
+/// - The planner starts where it last knew the vehicle. It learns this each 10 ms while the vehicle
+///   may fly; before, it is the origin. It ignores requests before the vehicle may fly, a take-off
+///   unless it is stopped, and a landing during a landing. It turns to heading 0.
 /// - Without set-points it levels out after 0.5 s and stops its motors for good after 2 s.
-/// - Its radio sends one packet at a time. Set-points wait for it, which the status has as latency.
-/// - It arms if its supervisor allows it, and takes off if it is armed and the battery is good.
+/// - It flies until 2 s after the motors last lifted, and stays armed for 3 s more.
+/// - All but poses of others goes through its radio (SimulatedRadio).
 class CrazyflieVehicle final : public VehicleSimulator {
  public:
   struct Setup {
@@ -40,6 +48,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
     double heading = 0.0;
     Vehicle rotors = Vehicle::crazyflie();
     bool arms_itself = false;
+    bool logs_pose = true;
   };
 
   /// @param faults  of this vehicle; must outlive it
@@ -55,7 +64,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
   std::uint16_t supervisor() const;
   /// Injects a voltage [V], a radio, a service behaviour, or a tumble.
   void set_voltage(double voltage);
-  /// @param latency  of a unicast packet that does not wait [ms], at least 1
+  /// @param latency  from a packet to the next [ms], at least 1
   /// @param share    of the packets that arrive, 0 to 1
   void set_radio(int latency, double share);
   void serve(Serving serving);
@@ -63,28 +72,27 @@ class CrazyflieVehicle final : public VehicleSimulator {
 
  private:
   struct Ends;
-  /// Source of the set-points.
-  enum class Commander {
-    stopped,  ///< none: motors off
-    ended,    ///< set-points have ended: the last one stays in force
-    plan,     ///< take-off and landing
-    others,
-  };
-  /// Smooth height profile of take-off and landing.
+  enum class Planner { stopped, flies, lands };
+  /// Take-off or landing, in its frame.
   struct Plan {
-    double from = 0.0, to = 0.0, begun = 0.0, duration = 0.0;
-    Vec2<double> p{};
+    TrajectoryPoint from{};
+    double to = 0.0, turn = 0.0, begun = 0.0, duration = 0.0;  // turn [rad]
   };
 
   std::uint8_t pm_state() const { return faults_.on(LinkFaultKind::battery_low) ? battery_low : on_battery; }
   bool has(std::uint16_t bit) const { return (supervisor_ & bit) != 0; }
+  bool runs() const { return has(can_fly) && (setpoints_lead_ || planner_ != Planner::stopped); }
+  TrajectoryPoint here() const;
   void on_state(const void* message);
+  void take_setpoint(const TrajectoryPoint& setpoint, std::int64_t sent);
   bool on_arm(bool arm);
   void on_takeoff(double height, double duration);
   void on_land(double height, double duration);
   void on_setpoints_end();
-  void plan(double height, double duration);
+  void plan(Planner planner, double height, double duration);
+  TrajectoryPoint planned() const;
   void stop_motors(bool for_good);
+  void disarm();
   void supervise();
   void move();
   void send_pose();
@@ -98,15 +106,16 @@ class CrazyflieVehicle final : public VehicleSimulator {
   CrazyflieBody body_;
   std::uint16_t supervisor_ = 0;
   double voltage_ = 4.1;
-  int latency_ = 4;              // of a unicast packet [ms]
-  double share_ = 1.0;           // of the packets that arrive
-  std::int64_t radio_free_ = 0;  // when it has sent all set-points [ns]
+  SimulatedRadio radio_;
+  std::int64_t sent_ = 0, received_ = 0;  // packets until the last status
+  bool has_status_ = false;               // the server does not publish the first one
   Serving serving_ = Serving::well;
-  bool lands_ = false;
-  Commander commander_ = Commander::stopped;
+  bool setpoints_lead_ = false;
+  Planner planner_ = Planner::stopped;
   Plan plan_{};
+  TrajectoryPoint known_{};     // where the planner starts, in its frame
   TrajectoryPoint setpoint_{};  // in G
-  std::int64_t setpoint_at_ = 0, lifted_at_ = 0;
+  std::int64_t armed_at_ = 0, setpoint_at_ = 0, lifted_at_ = 0, landed_at_ = 0;
   std::unique_ptr<Ends> ends_;
 };
 

@@ -29,6 +29,7 @@ std::unique_ptr<VehicleSimulator> made_simulator(dds_entity_t participant, const
                           .name = team.name(link.robot),
                           .model = model,
                           .origin = link.origin,
+                          .sends_poses = !link.poses.by_others(),
                           .start = start,
                           .below = below,
                           .heading = std::atan2(start.d.y, start.d.x),
