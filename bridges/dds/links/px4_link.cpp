@@ -242,7 +242,8 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
   const bool says_landed = now - last_landed_.arrived < status_old;
   LinkFacts facts;
   const bool fresh = poses().is_fresh(now, odometry_old);
-  facts.there = now - poses().arrivals().last() < odometry_old && now - s.arrived < status_old;
+  const Nanoseconds silent = now - poses().arrivals().last();
+  facts.there = silent < odometry_old && now - s.arrived < status_old;
   facts.armed = s.arming == px4_armed;
   facts.landed = says_landed ? last_landed_.landed : !facts.armed;
   facts.checked = s.preflight && fresh && has_valid_estimate() &&
@@ -259,7 +260,8 @@ LinkFacts Px4LinkEnd::facts(Nanoseconds now) noexcept {
                                                                    : AutopilotMode::other;
   const Vec3<double> p = poses().newest().motion.p;
   const double height = p.z;
-  facts.unfit = facts.there && !fresh ? LinkReason::stamps_stuck : unfit(p);
+  // After the last pose its stamp is old sooner than its arrival.
+  facts.unfit = facts.there && !fresh && silent < odometry_old / 2 ? LinkReason::stamps_stuck : unfit(p);
   const bool high = height - origin_.p.z > least_height;
   facts.risen = height > height_ - near_height;
   facts.airborne =
