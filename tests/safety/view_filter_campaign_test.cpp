@@ -58,7 +58,7 @@ TEST(ViewFilterCampaign, NoPeriodFromTheBoundaryLeavesTheSet) {
   for (const ViewBounds& bounds :
        {ViewBounds{}, ViewBounds{.speed = 0.97}, ViewBounds{.speed = 1.5, .acceleration = 0.3}}) {
     const ViewFilter filter = filter_of(bounds, cone_limits());
-    const test::OneStep all = test::one_step(Multirotor{}, filter.certificate(), runs(1'000'000, 200), 11);
+    const test::ViewStep all = test::one_step(Multirotor{}, filter.certificate(), runs(1'000'000, 200), 11);
     std::printf("one period, %.2f m/s: %d states, outside %d, least %.2e m\n", bounds.speed, all.states,
                 all.outside, all.least);
     EXPECT_EQ(all.outside, 0);

@@ -27,13 +27,13 @@ ViewCertificate paper_certificate(const ViewBounds& bounds = {}) {
   return certificate_of(view_task(Multirotor{}, bounds), cone_limits());
 }
 
-constexpr std::array<double, 4> lowest = {-1, -1, -1, -1}, highest = {1, 1, 1, 1};
+constexpr std::array<double, 4> least_input = {-1, -1, -1, -1}, most_input = {1, 1, 1, 1};
 
 template <RobotModel M>
 void expect_invariant(const M& robot, const ViewBounds& bounds, const std::vector<Potential>& limits) {
   const ViewCertificate z = certificate_of(view_task(robot, bounds), limits);
   ASSERT_TRUE(z.exists());
-  const test::OneStep all = test::one_step(robot, z, 10'000, 5);
+  const test::ViewStep all = test::one_step(robot, z, 10'000, 5);
   EXPECT_EQ(all.outside, 0) << all.least;
   EXPECT_EQ(all.uncertified, 0);
   EXPECT_GE(all.least, -2e-6);
@@ -105,7 +105,7 @@ TEST(ViewFilter, LeavesACommandUnchangedInTheMiddleOfTheSet) {
   const std::vector<double> x = test::state_of(Model(Multirotor{}), s);
   std::array<double, 4> u = {0.1, -0.05, 0.02, 0.1};
   const std::array<double, 4> wanted = u;
-  const ViewFilterResult result = filter.filter(x, {s.target}, lowest, highest, u);
+  const ViewFilterResult result = filter.filter(x, {s.target}, least_input, most_input, u);
   EXPECT_EQ(u, wanted);
   EXPECT_FALSE(result.active);
   EXPECT_TRUE(result.certified);
@@ -121,7 +121,7 @@ TEST(ViewFilter, ReportsTheReserveThatIsMissedOutsideTheSet) {
                          .target = {distance * std::cos(theta), distance * std::sin(theta), 4 - above}};
     std::array<double, 4> u = {};
     const ViewFilterResult result =
-        filter.filter(test::state_of(Model(Multirotor{}), s), {s.target}, lowest, highest, u);
+        filter.filter(test::state_of(Model(Multirotor{}), s), {s.target}, least_input, most_input, u);
     EXPECT_FALSE(result.certified);
     EXPECT_LT(result.reserve, 0);
     return result.least;
@@ -148,7 +148,7 @@ TEST(ViewFilter, ReturnsToTheSetFromOutside) {
     bool certified = false;
     for (int k = 0; k < 1000; ++k) {
       std::array<double, 4> u = {};
-      certified = filter.filter(x, {s.target}, lowest, highest, u).certified;
+      certified = filter.filter(x, {s.target}, least_input, most_input, u).certified;
       model.step(x.data(), u.data(), 0.01);
     }
     EXPECT_TRUE(certified) << flight;
@@ -167,7 +167,7 @@ TEST(ViewFilter, AlwaysGivesAFiniteCommandWithinTheLimits) {
     Vec3<double> target = random_point(random, k % 4 == 0 ? 1e-9 : 4.0);
     if (k % 7 == 0) target.x = not_a_number;
     if (k % 11 == 0) x[1] = infinite;
-    const ViewFilterResult result = filter.filter(x, {target}, lowest, highest, u);
+    const ViewFilterResult result = filter.filter(x, {target}, least_input, most_input, u);
     for (const double value : u) EXPECT_TRUE(value >= -1 && value <= 1) << k;
     const bool unknown = k % 7 == 0 || k % 11 == 0;
     EXPECT_FALSE(unknown && result.certified) << k;
@@ -184,7 +184,7 @@ TEST(ViewFilter, AllocatesNothing) {
     const std::vector<double> x = test::state_of(Model(Multirotor{}), s);
     std::array<double, 4> u = uniform_array<4>(random, -1, 1);
     const std::int64_t before = cli::allocations();
-    (void)filter.filter(x, {s.target}, lowest, highest, u);
+    (void)filter.filter(x, {s.target}, least_input, most_input, u);
     EXPECT_EQ(cli::allocations(), before);
   }
 }
@@ -233,7 +233,7 @@ TEST(ViewFilter, JudgesAForeignCommandAsItsOwn) {
     const std::vector<double> x = test::state_of(Model(Multirotor{}), s);
     const std::array<double, 4> foreign = uniform_array<4>(random, -1, 1);
     std::array<double, 4> u = foreign;
-    const ViewFilterResult own = filter.filter(x, {s.target}, lowest, highest, u);
+    const ViewFilterResult own = filter.filter(x, {s.target}, least_input, most_input, u);
     EXPECT_TRUE(filter.judge(x, {s.target}, u).certified);
     EXPECT_EQ(filter.judge(x, {s.target}, foreign).reserve, own.reserve);
     lost += !filter.judge(x, {s.target}, foreign).certified;

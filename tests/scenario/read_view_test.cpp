@@ -107,14 +107,14 @@ Flown fly(const std::string& text) {
   return flown;
 }
 
-using Changes = std::vector<std::string>;
+using TableChanges = std::vector<std::string>;
 
 TEST(CertifiedViews, KeepTheTargetThatTheSolverWouldLeave) {
   for (const char* place : {"[-4.0, 0.0, 1.5]", "[0.0, 0.0, 1.6]", "[0.0, 3.0, 0.2]"}) {
     const Flown flown = fly(leaving_robot(0.9, place, certified));
     EXPECT_EQ(flown.lost, 0) << place;
     EXPECT_EQ(flown.certified, flown.updates) << place;
-    EXPECT_EQ(flown.changes, Changes{"view_certified"}) << place;
+    EXPECT_EQ(flown.changes, TableChanges{"view_certified"}) << place;
     EXPECT_GE(flown.least, -2e-6) << place;
     EXPECT_GT(flown.active, 0) << place;
     EXPECT_GT(fly(leaving_robot(0.9, place, "")).lost, 100) << place;

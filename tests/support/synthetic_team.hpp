@@ -24,7 +24,7 @@ class SyntheticTeam {
   struct Member {
     PlanarPose pose{};
     Constants of{};
-    std::vector<Odometry> told{};  // from the start on; each works `clock_offset` after its time
+    std::vector<WheelOdometry> told{};  // from the start on; each works `clock_offset` after its time
     std::size_t at_work = 0;
   };
   static constexpr double dt = 0.02, sight_period = 0.26;
@@ -61,7 +61,7 @@ class SyntheticTeam {
       while (one.at_work + 1 < one.told.size() && one.told[one.at_work + 1].t + one.of.clock_offset <= t_)
         ++one.at_work;
       const bool starts = one.told[one.at_work].t + one.of.clock_offset <= t_;
-      const Odometry u = starts ? one.told[one.at_work] : Odometry{};
+      const WheelOdometry u = starts ? one.told[one.at_work] : WheelOdometry{};
       const double v =
           std::max(0.0, (1 + one.of.speed_scale) * u.v - one.of.turn_loss * std::abs(u.yaw_rate));
       const double r = (1 + one.of.turn_scale) * u.yaw_rate + one.of.yaw_rate_bias;

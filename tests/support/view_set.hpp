@@ -171,20 +171,20 @@ inline void move(ViewState& s, const ViewBounds& bounds, int k, double dt) {
 }
 
 /// What one period did to many states of a set.
-struct OneStep {
+struct ViewStep {
   int states = 0, uncertified = 0, outside = 0;
   double least = infinity;  // [m]
 };
 
 /// Filters a command at states of the set, and moves the target in 48 ways.
 template <RobotModel M>
-OneStep one_step(const M& robot, const ViewCertificate& z, int states, std::uint64_t seed) {
+ViewStep one_step(const M& robot, const ViewCertificate& z, int states, std::uint64_t seed) {
   const Model model(robot);
   const ViewFilter filter(model, z);
   const ViewChecker checker(z);
   const int rate_state = state_named(model, "r");
   Random random(seed);
-  OneStep all;
+  ViewStep all;
   std::vector<double> u(static_cast<std::size_t>(model.nu()));
   for (; all.states < states; ++all.states) {
     const ViewState s = state_in(z, random, all.states % 8 != 0);

@@ -13,13 +13,13 @@ namespace {
 
 using Values = std::vector<double>;
 constexpr Horizon horizon{.T = 1.0, .N = 10, .dt = 0.05};
-constexpr int periods = 40;
+constexpr int loop_periods = 40;
 
 /// Cost of a flight: half of the squared distance of the last robot's position from a moving place,
 /// a part of the first heading, and of the inputs. Adds its derivatives to by_x and by_u.
 double cost_of(const LoopGradient& loop, Values& by_x, Values& by_u) {
   double sum = 0.0;
-  for (int k = 0; k <= periods; ++k) {
+  for (int k = 0; k <= loop_periods; ++k) {
     const auto x = loop.x(k);
     const std::size_t p = x.size() - 7, first = static_cast<std::size_t>(k) * x.size();
     const Values place = {0.5 * std::cos(0.05 * k), 0.2, 1.0};
@@ -30,7 +30,7 @@ double cost_of(const LoopGradient& loop, Values& by_x, Values& by_u) {
       sum += 0.5 * off * off;
       by_x[first + p + i] += off;
     }
-    if (k == periods) break;
+    if (k == loop_periods) break;
     for (std::size_t i = 0; i < loop.u(k).size(); ++i) {
       sum += 0.1 * loop.u(k)[i] * loop.u(k)[i];
       by_u[static_cast<std::size_t>(k) * loop.u(k).size() + i] += 0.2 * loop.u(k)[i];
@@ -41,8 +41,8 @@ double cost_of(const LoopGradient& loop, Values& by_x, Values& by_u) {
 
 double flown_cost(const Team& team, int delay, const Values& x0) {
   LoopGradient loop(Ocp(team, horizon), delay);
-  EXPECT_TRUE(loop.fly(x0, periods));
-  Values by_x((periods + 1) * x0.size()), by_u(static_cast<std::size_t>(periods * team.nu()));
+  EXPECT_TRUE(loop.fly(x0, loop_periods));
+  Values by_x((loop_periods + 1) * x0.size()), by_u(static_cast<std::size_t>(loop_periods * team.nu()));
   return cost_of(loop, by_x, by_u);
 }
 
@@ -50,8 +50,8 @@ void expect_slopes(paper::Variant variant, int delay) {
   const Team team = paper::team(variant);
   const Values x0 = {-0.6, -0.3, 0.6, 1, 0, 0, 0, 0, 0, 0.5, 1, 0, 0, 0};
   LoopGradient loop(Ocp(team, horizon), delay);
-  Values by_x((periods + 1) * x0.size()), by_u(static_cast<std::size_t>(periods * team.nu()));
-  ASSERT_TRUE(loop.fly(x0, periods));
+  Values by_x((loop_periods + 1) * x0.size()), by_u(static_cast<std::size_t>(loop_periods * team.nu()));
+  ASSERT_TRUE(loop.fly(x0, loop_periods));
   EXPECT_GT(cost_of(loop, by_x, by_u), 1.0);
   EXPECT_EQ(loop.differentiate(by_x, by_u), 0);
   const auto difference = [](auto&& f, double step) {

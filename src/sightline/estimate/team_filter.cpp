@@ -70,7 +70,7 @@ void TeamFilter::start(int robot, const PoseGuess& guess) noexcept {
     for (int j = 0; j < 3; ++j) P(k + i, k + j) = guess.P(i, j);
 }
 
-void TeamFilter::take(int robot, const Odometry& sample) noexcept {
+void TeamFilter::take(int robot, const WheelOdometry& sample) noexcept {
   Robot& of = odometry_[at(robot)];
   if (!(std::isfinite(sample.t) && std::isfinite(sample.v) && std::isfinite(sample.yaw_rate))) return;
   if (of.count > 0 && sample.t <= of[of.count - 1].t) return;
@@ -133,7 +133,7 @@ void TeamFilter::move(int robot, double dt) noexcept {
   std::size_t i = of.count;
   while (i > 0 && of[i - 1].t > from) --i;  // before the first sample the robot is at rest
   for (double t = from; t < until; ++i) {
-    const Odometry u = i > 0 ? of[i - 1] : Odometry{};
+    const WheelOdometry u = i > 0 ? of[i - 1] : WheelOdometry{};
     const double end = i < of.count ? std::min(of[i].t, until) : until, h = end - t;
     const double ideal = (1 + s[s_v]) * u.v, lost = s[c] * std::abs(u.yaw_rate);
     const bool drives = u.v != 0 && std::abs(ideal) > lost;  // a turn on the spot loses nothing

@@ -15,7 +15,7 @@
 namespace sightline {
 
 /// Motion of a planar robot as its odometry reports it, from t until the next sample.
-struct Odometry {
+struct WheelOdometry {
   double t = 0.0;         ///< [s]
   double v = 0.0;         ///< forward velocity [m/s]
   double yaw_rate = 0.0;  ///< [rad/s]
@@ -182,7 +182,7 @@ class TeamFilter {
   /// 1 km and 2 rad.
   void start(int robot, const PoseGuess& guess) noexcept;
   /// Adds an odometry sample; ignored unless finite and after the previous one.
-  void take(int robot, const Odometry& sample) noexcept;
+  void take(int robot, const WheelOdometry& sample) noexcept;
   /// Propagates to t [s]; does nothing for a past t.
   void advance(double t) noexcept;
   /// Applies an identified sighting at the present time. A sighting beyond the gate is refused.
@@ -219,11 +219,11 @@ class TeamFilter {
     double seen;  // [s]
   };
   struct Robot {
-    std::array<Odometry, 256> ring{};
+    std::array<WheelOdometry, 256> ring{};
     std::size_t first = 0, count = 0;
     double v = 0.0, yaw_rate = 0.0;  // corrected odometry at the present time
     int refused = 0;                 // sightings in a row
-    const Odometry& operator[](std::size_t i) const noexcept { return ring[(first + i) % ring.size()]; }
+    const WheelOdometry& operator[](std::size_t i) const noexcept { return ring[(first + i) % ring.size()]; }
   };
   /// A body that a sighting may show, and G = H P of its measurement, row by row.
   struct Candidate {

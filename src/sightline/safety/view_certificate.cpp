@@ -202,9 +202,9 @@ struct Candidate {
 };
 
 /// The sets of a task; those that `ignored` forbids count too.
-class Search {
+class CertificateSearch {
  public:
-  Search(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
+  CertificateSearch(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
       : motion_(task.motion),
         lags_(motion_.is_level || motion_.turn.lag > 0 || motion_.climb.lag > 0),
         slowest_turn_(task.bounds.is_velocity_measured() ? 0
@@ -264,7 +264,7 @@ class Search {
 std::optional<Candidate> any_certificate(const ViewTask& task, const ViewSection& section,
                                          ViewLimit ignored) {
   std::optional<Candidate> found;
-  Search(task, section, ignored).any(1, [&](Sets& sets, Candidate of) {
+  CertificateSearch(task, section, ignored).any(1, [&](Sets& sets, Candidate of) {
     for (of.near = sets.first(); of.near + sets.corridor() <= sets.last(); ++of.near) {
       of.far = of.near + sets.corridor();
       if (sets.volume(of.near, of.far) == 0) continue;
@@ -448,7 +448,7 @@ double ViewCertificate::at(const std::vector<double>& heights, double r) const n
 }
 
 ViewCertificate certify_view(const ViewTask& task, const ViewSection& section) {
-  Search search(task, section, ViewLimit::none);
+  CertificateSearch search(task, section, ViewLimit::none);
   std::optional<Candidate> best;
   double volume = 0.0;
   // A coarse grid first; a thin set that it misses is found by the whole one.
