@@ -31,6 +31,13 @@ inline std::span<const double> view(const Numbers& numbers, std::string_view wha
   if (numbers.size() != n) throw_invalid("{} has {} numbers, expected {}", what, numbers.size(), n);
   return view(numbers);
 }
+/// @throws std::invalid_argument naming the argument, unless it has so many rows and columns
+inline std::span<const double> view(const Numbers& numbers, std::string_view what, int rows, int columns) {
+  if (numbers.ndim() != 2 || numbers.shape(0) != rows || numbers.shape(1) != columns)
+    throw_invalid("{} has {} numbers in {} dimensions, expected {} x {}", what, numbers.size(),
+                  numbers.ndim(), rows, columns);
+  return view(numbers);
+}
 /// A Python string in UTF-8. @throws std::invalid_argument naming the argument if it has a lone
 /// surrogate
 inline std::string utf8(const py::handle& text, std::string_view what) {

@@ -219,8 +219,8 @@ std::pair<py::array_t<double>, py::array_t<double>> fly(GuardedLoop& of, const N
 KeptGradient differentiate(GuardedLoop& of, const Numbers& by_x, const std::optional<Numbers>& by_u) {
   const OneAtATime here(of.taken, "loop");
   if (of.periods == 0) throw std::invalid_argument("differentiate: no flight, expected fly() before");
-  const auto states = view(by_x, "by_x", (of.periods + 1) * of.nx);
-  const auto inputs = by_u ? view(*by_u, "by_u", of.periods * of.nu) : std::span<const double>();
+  const auto states = view(by_x, "by_x", of.periods + 1, of.nx);
+  const auto inputs = by_u ? view(*by_u, "by_u", of.periods, of.nu) : std::span<const double>();
   {
     const py::gil_scoped_release others_run;
     of.loop.differentiate(states, inputs);

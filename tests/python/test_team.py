@@ -133,7 +133,7 @@ def test_the_gradient_of_a_closed_loop_is_its_central_difference():
         difference = (flown(x0 + shift)[1] ** 2 - flown(x0 - shift)[1] ** 2).sum() / 4e-4
         assert gradient.states[i] == pytest.approx(difference, rel=1e-5)
     assert gradient.parameters["couple[0].weight"] != 0
-    with pytest.raises(ValueError, match="by_x has 3 numbers, expected 294"):
+    with pytest.raises(ValueError, match="by_x has 3 numbers in 1 dimensions, expected 21 x 14"):
         loop.differentiate([1, 2, 3])
     with pytest.raises(ValueError, match="periods = 0, expected >= 1"):
         loop.fly(x0, 0)
