@@ -100,7 +100,7 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     std::copy(applied.begin(), applied.end(), of.next.begin());
     const ViewFilterResult result =
         of.view->filter->filter(now.x.subspan(of.x, of.nx), of.target, of.u_min, of.u_max, of.next);
-    if (result.reserve < 0 && !result.certified && of.view->outside == OutsideView::solver) continue;
+    if (result.reserve < -nearly && of.view->outside == OutsideView::solver) continue;
     record.active = result.active;
     std::copy(of.next.begin(), of.next.end(), applied.begin());
   }

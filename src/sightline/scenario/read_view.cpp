@@ -64,6 +64,10 @@ CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
   read_keys(at, {}, view.bounds, view);
   view.observer = team.find(read_name(at, "observer", team, Among::robots, "a robot"));
   view.target = team.find(read_name(at, "target", team, Among::bodies, "a robot, target or obstacle"));
+  for (const LocalizedRobot& of : scenario.localization.robots) {
+    if (of.robot == view.observer)
+      at.throw_invalid("observer", "a robot with localization = \"global\", whose own state is measured");
+  }
   for (const RobotCompensation& of : scenario.compensations) {
     if (of.robot != view.observer) continue;
     if (of.disturbance_time > 0)
@@ -75,6 +79,9 @@ CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
     if (of.body == view.target && of.velocity == SeenVelocity::unknown && view.bounds.is_velocity_measured())
       at.throw_invalid("acceleration_max", "no such key for a target with velocity = \"unknown\"");
   }
+  // An estimate that follows a position slowly has another velocity than the target.
+  if (view.bounds.error > 0 && view.bounds.is_velocity_measured())
+    at.throw_invalid("acceleration_max", "no such key beside an error of the position");
   certify(at, scenario, view);
   return view;
 }

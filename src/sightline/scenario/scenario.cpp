@@ -75,12 +75,12 @@ class Reader {
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
     if (root_.has("fleet")) scenario_.links = link_reader(root_).read_links(root_, scenario_);
     scenario_.script = read_events(root_, scenario_, observers_);
-    scenario_.certified_views = read_certified_views(root_, scenario_);
     // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
       root_.table_or_empty("safety").checked([&] { validate(scenario_.team, *options); });
     }
     read_estimates(root_, scenario_);
+    scenario_.certified_views = read_certified_views(root_, scenario_);
     root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
     read_partition(root_, scenario_);
     // A log is replayed without the world.
