@@ -40,6 +40,7 @@ constexpr double landing_pace = 0.3;                // [m/s]
 constexpr double landing_time_least = 1.0;          // [s]
 constexpr double touchdown_height = 0.02;           // above the ground, where the motors stop [m]
 constexpr double descended = 0.1, at_height = 0.1;  // [m]
+constexpr double sagging_least = 0.5;               // share of the height, once its take-off has ended
 constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velocity_world", "/cmd_position",
                                                         "/cmd_vel_legacy"};
 
@@ -126,6 +127,13 @@ bool CrazyswarmLinkEnd::lands() noexcept {
                    last_status_.arrived < landing_since_ + planned_within);
 }
 
+/// One that is heavier than its controller assumes hovers below the height of its take-off.
+bool CrazyswarmLinkEnd::is_up() noexcept {
+  const bool ended = has(planner_flies) && has(planner_is_done);
+  return height() >
+         (ended ? sagging_least * crazyflie_.takeoff_height : crazyflie_.takeoff_height - at_height);
+}
+
 LinkReason CrazyswarmLinkEnd::unfit() noexcept {
   // In flight the firmware's low-battery state decides, because the voltage sags with each thrust
   // peak.
@@ -166,7 +174,7 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
   facts.unfit = unfit();
   const double seconds = 1e-9 * static_cast<double>(now - requested_at_);
-  facts.airborne = flies && phase_ >= Phase::takeoff && height() > crazyflie_.takeoff_height - at_height &&
+  facts.airborne = flies && phase_ >= Phase::takeoff && is_up() &&
                    (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);
   facts.refused = phase_ == Phase::takeoff && !flies &&
                   seconds > crazyflie_.takeoff_time + 1e-9 * static_cast<double>(takeoff_patience);

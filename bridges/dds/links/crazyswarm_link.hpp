@@ -97,6 +97,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   double height() noexcept { return poses_.newest().motion.p.z - origin_.p.z; }
   bool are_poses_late() const noexcept;
   bool lands() noexcept;
+  bool is_up() noexcept;
   LinkReason unfit() noexcept;
   void on_status(const void* message, Nanoseconds arrived);
   void examine_battery(FindingList& to) const;

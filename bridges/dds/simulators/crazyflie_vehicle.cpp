@@ -209,17 +209,22 @@ void CrazyflieVehicle::supervise() {
   }
 }
 
+void CrazyflieVehicle::follow(TrajectoryPoint to) {
+  to.p.z -= sag_;
+  body_.follow(to);
+}
+
 void CrazyflieVehicle::move() {
   if (!runs()) {
     body_.rest();
   } else if (!setpoints_lead_) {
     const TrajectoryPoint at = planned();
     const Motion in = in_G(setup_.origin, {at.p, upright(at.d), at.v, at.r});
-    body_.follow({in.p, in.v, at.a, {}, heading(rotation(in.q)), at.r});
+    follow({in.p, in.v, at.a, {}, heading(rotation(in.q)), at.r});
   } else if (monotonic_now() - setpoint_at_ > level_out_after) {
-    body_.level_out(setpoint_.p.z);
+    body_.level_out(setpoint_.p.z - sag_);
   } else {
-    body_.follow(setpoint_);
+    follow(setpoint_);
   }
   if (planner_ == Planner::stopped && has(can_fly)) known_ = here();
   if (planner_ == Planner::stopped) return;
@@ -253,8 +258,9 @@ void CrazyflieVehicle::send_pose() {
 
 void CrazyflieVehicle::send_status() {
   crazyflie_interfaces_msg_dds__Status_ m{};
+  const bool ended = planner_ == Planner::stopped || seconds_now() - plan_.begun >= plan_.duration;
   m.supervisor_info = static_cast<std::uint16_t>(
-      supervisor_ | (planner_ == Planner::stopped ? planner_is_done : planner_flies));
+      supervisor_ | (planner_ == Planner::stopped ? 0 : planner_flies) | (ended ? planner_is_done : 0));
   m.battery_voltage = static_cast<float>(voltage_);
   m.pm_state = pm_state();
   radio_.log([this, m]() mutable {
@@ -293,6 +299,10 @@ void CrazyflieVehicle::set_radio(int latency, double share) {
 void CrazyflieVehicle::serve(Serving serving) {
   const std::scoped_lock lock(lock_);
   serving_ = serving;
+}
+void CrazyflieVehicle::set_sag(double sag) {
+  const std::scoped_lock lock(lock_);
+  sag_ = sag;
 }
 void CrazyflieVehicle::tumble() {
   const std::scoped_lock lock(lock_);

@@ -69,6 +69,8 @@ class CrazyflieVehicle final : public VehicleSimulator {
   void set_radio(int latency, double share);
   void serve(Serving serving);
   void tumble();
+  /// @param sag  by which it hovers too low, since its controller assumes a smaller mass [m]
+  void set_sag(double sag);
 
  private:
   struct Ends;
@@ -94,6 +96,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
   void stop_motors(bool for_good);
   void disarm();
   void supervise();
+  void follow(TrajectoryPoint to);
   void move();
   void send_pose();
   void send_status();
@@ -105,7 +108,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
   CrazyflieCounts reported_;
   CrazyflieBody body_;
   std::uint16_t supervisor_ = 0;
-  double voltage_ = 4.1;
+  double voltage_ = 4.1, sag_ = 0.0;  // [V], [m]
   SimulatedRadio radio_;
   std::int64_t sent_ = 0, received_ = 0;  // packets until the last status
   bool has_status_ = false;               // the server does not publish the first one
