@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <limits>
 
+#include "sightline/base.hpp"
 #include "sightline/kernels.hpp"
 
 // GCC 12 mistakes the masks of its own intrinsics for a fault.
@@ -21,8 +21,6 @@
 
 namespace sightline {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 int size_of(const std::vector<Block>& blocks) {
   int n = 0;
@@ -78,8 +76,6 @@ struct Phi {
     return phi;
   }
 };
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// One stage by dense linear algebra from differences of Phi, against the traced program.
 template <RobotModel M>

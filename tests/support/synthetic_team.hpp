@@ -104,15 +104,17 @@ class SyntheticTeam {
  private:
   /// Gauss-Markov errors of a pair, drawn exactly between any two times.
   std::pair<double, double> lasting(int i, int j) {
-    const auto [found, first] = errors_.try_emplace({i, j});
-    auto& [rho, eta, at] = found->second;
+    const auto found = errors_.try_emplace({i, j});
+    const bool first = found.second;
+    auto& [rho, eta, last] = found.first->second;
+    const double at = last;
     const auto advance = [&](double& e, double sigma, double tau) {
       const double a = first ? 0.0 : std::exp(-(t_ - at) / tau);
       e = a * e + drawn(sigma * std::sqrt(1 - a * a));
     };
     advance(rho, noise_.range_error, noise_.range_error_time);
     advance(eta, noise_.bearing_error, noise_.bearing_error_time);
-    at = t_;
+    last = t_;
     return {rho, eta};
   }
   struct Errors {

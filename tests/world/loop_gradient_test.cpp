@@ -72,7 +72,8 @@ void expect_slopes(paper::Variant variant, int delay) {
   }
   int compared = 0;
   for (std::size_t p = 0; p < loop.parameters().size(); p += 3) {
-    const auto& [name, here] = loop.parameters()[p];
+    const std::string& name = loop.parameters()[p].name;
+    const double here = loop.parameters()[p].value;
     // The inputs before the first delayed command are constants, although they are u*.
     if (name.find("x_ref") != std::string::npos || (delay > 0 && name.find("u_ref") != std::string::npos))
       continue;

@@ -15,10 +15,10 @@ enum State { x, y, psi, s_v, s_r, c, b, delta, mu };
 enum PairState { rho, eta };
 static_assert(mu + 1 == robot_states && mu == static_cast<int>(RobotState::sensor_turn));
 
-constexpr double longest_step = 0.1;   // [s], of one linearisation
-constexpr double faded = 5.0;          // correlation times after which a pair's errors are new ones
-constexpr int pairs_per_robot = 16;    // with states at one time
-constexpr double unknown_place = 1e3;  // [m]
+constexpr double longest_filter_step = 0.1;  // [s], of one linearisation
+constexpr double faded = 5.0;                // correlation times after which a pair's errors are new ones
+constexpr int pairs_per_robot = 16;          // with states at one time
+constexpr double unknown_place = 1e3;        // [m]
 
 }  // namespace
 
@@ -83,7 +83,7 @@ void TeamFilter::take(int robot, const WheelOdometry& sample) noexcept {
 
 void TeamFilter::advance(double t) noexcept {
   if (!(t > now_) || !std::isfinite(t)) return;
-  const int steps = static_cast<int>(std::min(std::ceil((t - now_) / longest_step), 1e6));
+  const int steps = static_cast<int>(std::min(std::ceil((t - now_) / longest_filter_step), 1e6));
   const double dt = (t - now_) / steps;
   for (int i = 0; i < steps; ++i) step(dt);
   now_ = t;

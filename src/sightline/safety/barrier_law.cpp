@@ -80,9 +80,9 @@ Flown BarrierLaw::flown(std::span<const double> x, std::span<const double> u) co
 }
 
 Stop BarrierLaw::stop(double speed, double part) const noexcept {
-  constexpr double rounding = 1e-6;  // of a period
+  constexpr double period_rounding = 1e-6;  // of a period
   if (speed <= still) return {};
-  const double periods = std::max(1.0, std::ceil(stopping_time(-speed, part) / dt - rounding));
+  const double periods = std::max(1.0, std::ceil(stopping_time(-speed, part) / dt - period_rounding));
   const double a = part * b;
   const EscapeShape whole = plans.shape((periods - 1) * dt), last = plans.shape(dt);
   const double v = std::max(0.0, whole.e * speed - whole.E * a);  // at the beginning of the last period

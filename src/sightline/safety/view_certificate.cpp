@@ -73,7 +73,7 @@ class Sets {
 };
 
 bool Sets::prepare(const Limits& limits) {
-  const auto& [theta, sideward, turn, climb] = limits;
+  const double theta = limits.theta, sideward = limits.sideward, turn = limits.turn, climb = limits.climb;
   const ViewMotion& robot = task_.motion;
   const ViewBounds& bounds = task_.bounds;
   const double dt = task_.dt, c = robot.along.drag, b = robot.along.most;
