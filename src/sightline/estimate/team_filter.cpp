@@ -413,6 +413,10 @@ TeamFit TeamFilter::take(const TeamSighting& z) noexcept {
 }
 
 TeamFit TeamFilter::take_pose(int robot, const PoseGuess& known) noexcept {
+  double sum = known.pose.x + known.pose.y + known.pose.psi;  // not finite if one of them is not
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) sum += known.P(i, j);
+  if (!std::isfinite(sum)) return {FitVerdict::unusable};
   const int k = robot * robot_states;
   Row row;
   row.m = row.used = 3;
