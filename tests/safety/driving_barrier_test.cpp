@@ -161,7 +161,7 @@ TEST(DrivingBarrier, AllocatesNothing) {
 }
 
 TEST(DrivingBarrier, AHostOfNearRobotsMakesItBrake) {
-  const Barrier filter = test::drive_barrier(Unicycle{}, 0.01);
+  const Barrier filter = test::drive_barrier(Unicycle{}, 0.01, {.world = 3.0});
   std::vector<Neighbour> all(300, Neighbour{.p = {1.0, 0, 0.2}, .d_hard = 0.6, .speed_max = 0.0});
   const Rover x = test::rover({0, 0}, 0.0, 0.9);
   DriveInput u = {1, 1};

@@ -115,7 +115,7 @@ class Conditions {
                          : one.speed > 0 ? one.reserve - one.speed * (law_.dt + latest_ - path_.time)
                                          : used;
     if (spare >= shift_) return;
-    if (all_.is_full())
+    if (all_.size() >= most_driving_conditions)
       too_many_ = true;
     else
       all_.push_back(one);
@@ -178,7 +178,7 @@ class Conditions {
   const BarrierPeriod& now_;
   BrakingPath path_;
   double kept_part_, shift_, latest_, least_ = infinity;
-  Bounded<Condition, most_driving_conditions> all_;
+  Bounded<Condition, most_driving_conditions + 4 + most_pieces> all_;  // planes after the neighbours
   bool too_many_ = false;
 };
 
