@@ -192,14 +192,14 @@ Neighbour TeamBarrier::neighbour_of(const TeamSituation& now, const Robot& robot
                                     BodyId other) const noexcept {
   const Sight<double>& sight = sights_[at(other)];
   const BodySafety& safety = options_.bodies[at(other)];
-  Neighbour neighbour{
-      .p = sight.p,
-      .v = sight.v,
-      .d_hard = safety.d_hard,
-      .speed_max = now.is_grounded(other) ? 0.0 : safety.speed_max,
-      .age = std::min(now.ages[at(other)], oldest_) + (team_.is_agent(other) ? 0.0 : delay_of(robot.body)),
-      .sigma = norm(sigma_of(now, robot.body), sigma_of(now, other)),
-      .tie = robot.body.index < other.index ? 1.0 : -1.0};
+  Neighbour neighbour{.p = sight.p,
+                      .v = sight.v,
+                      .d_hard = safety.d_hard,
+                      .speed_max = now.is_grounded(other) ? 0.0 : safety.speed_max,
+                      .age = std::min(now.ages[at(other)], oldest_) +
+                             (team_.is_agent(other) && now.is_there(other) ? 0.0 : delay_of(robot.body)),
+                      .sigma = norm(sigma_of(now, robot.body), sigma_of(now, other)),
+                      .tie = robot.body.index < other.index ? 1.0 : -1.0};
   if (!gives_way(now, robot, other)) return neighbour;
   neighbour.behavior = Behavior::cooperative;
   if (team_.is_agent(other)) neighbour.part = robot_of(other).part;
