@@ -141,6 +141,18 @@ TEST(CertifiedViews, AreNotCertifiedForATargetBeyondItsBound) {
   EXPECT_TRUE(flown.announced);
 }
 
+// The estimate moves no faster than the bound. It falls behind such a target.
+TEST(CertifiedViews, AreNotCertifiedForAnEstimateThatTheTargetLeaves) {
+  const std::string view =
+      "[[certify_view]]\nobserver = \"uav0\"\ntarget = \"ball\"\nspeed_max = 0.5\nerror = 0.02\n";
+  const Flown slow = fly(leaving_robot(0.4, "[-4.0, 0.0, 1.5]", view));
+  EXPECT_EQ(slow.certified, slow.updates);
+  EXPECT_EQ(slow.lost, 0);
+  const Flown fast = fly(leaving_robot(2.0, "[-4.0, 0.0, 1.5]", view));
+  EXPECT_LT(fast.certified, fast.updates / 2);
+  EXPECT_TRUE(fast.announced);
+}
+
 TEST(CertifiedViews, AreNotCertifiedFromMeasurementsOlderThanStated) {
   const std::string late =
       "[[simulation.fault]]\nkind = \"delay\"\nbody = \"ball\"\ndelay = 0.1\nfrom = 0.5\n";

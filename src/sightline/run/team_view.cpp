@@ -11,6 +11,14 @@ namespace {
 
 constexpr double nearly = 1e-6;  // [m], [s], [m/s] by which a bound may be missed
 
+/// Greatest way from an estimate to a measurement, if the target keeps its bounds.
+ViewBounds::Known followed_within(ViewBounds bounds, double dt) {
+  bounds.age = bounds.spread = 0.0;
+  ViewBounds::Known followed = bounds.known(dt);
+  followed.radius += bounds.error, followed.height += bounds.error;
+  return followed;
+}
+
 }  // namespace
 
 void validate_views(const Team& team, const GuardOptions& options) {
@@ -41,7 +49,8 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .next = std::vector<double>(nu),
                           .limits = &agent.limits,
                           .estimate = SlowEstimate(view.bounds, options_.period),
-                          .known = view.bounds.known(options_.period)});
+                          .known = view.bounds.known(options_.period),
+                          .followed = followed_within(view.bounds, options_.period)});
   }
   records_.resize(team_.agents().size());
   changes_.reserve(observers_.size());
@@ -67,6 +76,8 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
       team_.model(target).sight(&states[size(team_.state_offset(target))], no_inputs_.data());
   const ViewTarget before = of.target;
   const double elapsed = t - std::exchange(of.seen_at, t);
+  const bool follows = was_known && elapsed < 1.5 * options_.period;
+  if (!follows) of.estimate = SlowEstimate(of.view->bounds, options_.period);
   of.target = {of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
 
   const ViewBounds& bounds = of.view->bounds;
@@ -75,9 +86,12 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   of.missed = ViewReserve::error;
   if (3 * norm(now.sigmas[at(robot)], now.sigmas[at(target)]) > bounds.error) return;
   of.missed = ViewReserve::command;
-  if (!was_known) return;
+  if (!follows) return;
   const Vec3<double> moved = of.target.p - before.p;
-  bool keeps = norm(moved.x, moved.y) <= of.known.speed * elapsed + nearly &&
+  const Vec3<double> ahead = seen.p - of.target.p;
+  bool keeps = norm(ahead.x, ahead.y) <= of.followed.radius + nearly &&
+               std::abs(ahead.z) <= of.followed.height + nearly &&
+               norm(moved.x, moved.y) <= of.known.speed * elapsed + nearly &&
                std::abs(moved.z) <= of.known.climb * elapsed + nearly;
   if (bounds.is_velocity_measured()) {
     const Vec2<double>&v = of.target.v, &w = before.v;

@@ -41,9 +41,10 @@ class TeamView {
     std::vector<double> u_min, u_max, next;  // limits now; a command
     const InputLimits* limits;               // in force
     SlowEstimate estimate;
-    ViewBounds::Known known;  // greatest motion of the estimate
-    bool is_known = false;    // the target has a position in this period
-    double seen_at = 0.0;     // time of `target` [s]
+    ViewBounds::Known known;     // greatest motion of the estimate
+    ViewBounds::Known followed;  // greatest way from the estimate to a measurement
+    bool is_known = false;       // the target has a position in this period
+    double seen_at = 0.0;        // time of `target` [s]
     ViewTarget target{};
     ViewReserve missed = ViewReserve::age;  // what is not as assumed; `command`: all is
     bool is_judged = false, was_certified = false;
