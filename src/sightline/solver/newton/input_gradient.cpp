@@ -332,15 +332,19 @@ bool InputGradient::Work::differentiate(std::span<const double> g) noexcept {
   double* const refined = ds_own;
   solve_groups(r, refined);
   double moved = 0.0, length = 0.0;
+  bool finite = true;
   for (int i = 0; i < layout.s_length; ++i) {
     moved = std::max(moved, std::fabs(refined[i] - ds[i]));
     length = std::max(length, std::fabs(refined[i]));
+    finite = finite && std::isfinite(refined[i]);
   }
   error = length > 0.0 ? moved / length : 0.0;
   take_own_slopes();
   take_potentials(refined);
   project_headings();
-  return std::isfinite(length) && error < 1e-3;
+  if (finite && error < 1e-3) return true;
+  for (auto* const of : {&by_states, &by_previous, &by_parameters}) std::fill(of->begin(), of->end(), 0.0);
+  return false;
 }
 
 /// Derivatives by the states and by the robots' own weights and references.
