@@ -148,7 +148,7 @@ packets() { tests dds_campaign_test 'Forged.*:Flood.*'; }
 # Random flights with events, tuning and faults: 250 blocks of eight.
 event_block() { SIGHTLINE_CAMPAIGN=whole "$build/tests/dds_campaign_test" --gtest_filter="Blocks/ChangingFleetCampaign.*/$1"; }
 events() {
-  whole || { tests dds_campaign_test 'Blocks/ChangingFleetCampaign.*'; return; }
+  whole || { echo "whole only: the tests fly four"; return 0; }
   blocks 0 1 249 event_block
   local -a bad
   mapfile -t bad < <(grep -L 'PASSED  \] 1 test' "$out"/random/*.txt)

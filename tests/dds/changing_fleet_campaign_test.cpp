@@ -474,7 +474,7 @@ TEST_P(ChangingFleetCampaign, RandomFlightsKeepEachPromise) {
   std::array<int, flights_at_once> domains{};
   for (std::size_t lane = 0; lane < domains.size(); ++lane) domains.at(lane) = test::own_domain(lane);
   std::atomic<int> next{flights_of_block * GetParam()};
-  const int end = next + flights_of_block;
+  const int end = next + (whole_campaign() ? flights_of_block : flights_of_block / 2);
   std::vector<std::thread> threads;
   for (const int domain : domains) {
     threads.emplace_back([&, domain] {
