@@ -442,7 +442,8 @@ std::string_view to_string(ViewLimit limit) noexcept {
 
 double ViewCertificate::at(const std::vector<double>& heights, double r) const noexcept {
   const auto last = static_cast<double>(heights.size() - 1);
-  const double s = std::clamp((r - near) / step(), 0.0, last);
+  // In this order a distance that is not a number counts as the nearest.
+  const double s = std::min(std::max(0.0, (r - near) / step()), last);
   const std::size_t k = std::min(static_cast<std::size_t>(s), heights.size() - 2);
   return heights[k] + (s - static_cast<double>(k)) * (heights[k + 1] - heights[k]);
 }
