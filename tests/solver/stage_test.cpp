@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-
 #include "sightline/base.hpp"
 #include "sightline/kernels.hpp"
 
