@@ -131,7 +131,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       node_(fleet_of(scenario).network.node),
       domain_(std::move(domain)),
       robots_(made_robots(publish)),
-      told_(robots_.size()),
+      published_(robots_.size()),
       bodies_(scenario_, domain_->participant()),
       telemetry_(scenario_, ends(), domain_->participant()),
       preflight_(scenario_, examined(), bodies_, domain_->participant(), times_.listened) {
@@ -317,9 +317,9 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
     robot.placed = shown.seen && robot.place.holds(shown.last.motion);
     robot.holds = risen && robot.placed &&
                   (norm(shown.last.motion.v) < standing || t - robot.risen_since >= stands_within);
-    told_[i].joins = robot.role == Role::joins;
-    told_[i].reason = shown.reason;
-    told_[i].state = shown.state;
+    published_[i].joins = robot.role == Role::joins;
+    published_[i].reason = shown.reason;
+    published_[i].state = shown.state;
     if (output.setpoint == Setpoint::task)
       command = robot.model.command(&estimated[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
     else
@@ -368,13 +368,13 @@ void DdsWorld::report_changes(const PrintMessage& print) {
 
 void DdsWorld::report_states(const PrintMessage& print) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    const LinkState state = told_[i].state;
+    const LinkState state = published_[i].state;
     if (state == std::exchange(robots_[i].reported, state)) continue;
-    const LinkReason reason = told_[i].reason;
+    const LinkReason reason = published_[i].reason;
     const bool fails = reason != LinkReason::as_requested;
     print(fmt::format("{}: {}{}{}{}", robots_[i].name, to_string(state), fails ? ", " : "",
                       fails ? to_string(reason) : "",
-                      fails && told_[i].joins ? ": it does not join, the others fly on" : ""));
+                      fails && published_[i].joins ? ": it does not join, the others fly on" : ""));
   }
 }
 

@@ -92,7 +92,7 @@ class DdsWorld final : public LinkedWorld {
   };
 
   /// State of a robot for other threads.
-  struct Told {
+  struct Published {
     std::atomic<LinkState> state{LinkState::waiting};
     std::atomic<LinkReason> reason{LinkReason::as_requested};
     std::atomic<bool> joins{false};
@@ -131,8 +131,8 @@ class DdsWorld final : public LinkedWorld {
   LinkTimes times_;
   std::string node_;
   std::shared_ptr<Domain> domain_;
-  std::vector<Robot> robots_;  // in team order; robots are the first bodies of the team
-  std::vector<Told> told_;     // of robots_
+  std::vector<Robot> robots_;         // in team order; robots are the first bodies of the team
+  std::vector<Published> published_;  // of robots_
   SeenBodies bodies_;
   std::unique_ptr<PredictionExchange> talk_;  // null unless the team is planned in parts
   LinkTelemetry telemetry_;

@@ -95,8 +95,7 @@ void examine_place(const Scenario& scenario, const Link& link, const Motion& rob
     const std::vector<Zone> zones = zones_to_land(scenario.safety->barrier_options.zones);
     for (std::size_t k = 0; k < zones.size(); ++k) {
       if (zone_reserve(zones[k], p) < 0 && !scenario.safety->start_outside)
-        beyond.push_back(
-            fmt::format("not {} safety.zone[{}]", Zone::sides[static_cast<std::size_t>(zones[k].keep)], k));
+        beyond.push_back(fmt::format("not {} safety.zone[{}]", to_string(zones[k].keep), k));
     }
   }
   to.add(Aspect::place, beyond.empty() ? Light::green : Light::red,
@@ -212,10 +211,6 @@ void examine_rate(const Scenario& scenario, const PosesFrom& from, const Arrival
                               "cameras see it",
                               times->slow_after)
                 : "");
-}
-
-bool is_absent_at_start(const Scenario& scenario, BodyId robot) {
-  return at(robot) < scenario.presence.size() && scenario.presence[at(robot)] == Presence::absent;
 }
 
 JoiningPlace::JoiningPlace(const Scenario& scenario, BodyId robot)

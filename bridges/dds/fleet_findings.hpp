@@ -23,9 +23,6 @@ struct ExaminedRobot {
   const TagSubscriber* tags = nullptr;  ///< tag observations of vision-localized robots; null: there are none
 };
 
-/// Whether a robot joins the team only by an event.
-bool is_absent_at_start(const Scenario& scenario, BodyId robot);
-
 /// The place where a robot joins the team: its start, at any height.
 struct JoiningPlace {
   static constexpr double beside_most = 0.5;  ///< horizontal distance from the start [m]

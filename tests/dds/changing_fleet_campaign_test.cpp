@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "sightline/log.hpp"
+#include "sightline/scenario/starts.hpp"
 #include "sightline/server/tuner.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/campaign.hpp"
@@ -280,7 +281,7 @@ class CampaignFlight {
   }
 
   const std::vector<std::string>& broken() const { return broken_; }
-  std::string said() const {
+  std::string report() const {
     return fmt::format("{}\n{}\n{}", drawn_.text, fmt::join(rig_.reported, "\n"),
                        fmt::join(flown_.faults, "\n"));
   }
@@ -412,7 +413,8 @@ class CampaignFlight {
     if (std::abs(angle - campaign_alpha) < angle_doubt) return;
     const std::string lost = fmt::format("uav1 has not seen uav{} since ", drawn_.target);
     promise(sees ? flown_.faults.empty() : flown_.faults.size() == 1 && flown_.faults[0].starts_with(lost),
-            "the least angle is {:.3f} rad, and it says \"{}\"", angle, fmt::join(flown_.faults, "; "));
+            "the least angle is {:.3f} rad, and its faults are \"{}\"", angle,
+            fmt::join(flown_.faults, "; "));
   }
 
   /// Each event that occurred takes effect, or is ignored with a sentence. Without a fault only
@@ -483,7 +485,7 @@ TEST_P(ChangingFleetCampaign, RandomFlightsKeepEachPromise) {
           const CampaignFlight flight(seed, domain);
           if (flight.broken().empty()) continue;
           ADD_FAILURE() << fmt::format("flight {}: {}\n{}", seed, fmt::join(flight.broken(), "\n"),
-                                       flight.said());
+                                       flight.report());
         } catch (const std::exception& error) {
           ADD_FAILURE() << fmt::format("flight {}: {}", seed, error.what());
         }

@@ -20,7 +20,7 @@ constexpr Nanoseconds crazyflie_second = 1'000'000'000;
 constexpr Nanoseconds pose_old = crazyflie_second / 2, supervisor_old = 5 * crazyflie_second / 2;
 constexpr Nanoseconds landing_step_most = 50'000'000;  // timeout of an answer, beside the latency
 constexpr int latency_waited_most = 50;                // [ms]
-constexpr Nanoseconds planned_within = 300'000'000;    // from the last request to the status that tells
+constexpr Nanoseconds planned_within = 300'000'000;    // from the last request to the status with its effect
 constexpr double landed_height = 0.15;                 // up to which it is not requested to land again [m]
 constexpr Nanoseconds planner_learns = 60'000'000;     // where the vehicle is, once it may fly
 constexpr int looks_least = 5;                         // discovery checks required, at 5 Hz
@@ -117,7 +117,7 @@ bool CrazyswarmLinkEnd::are_poses_late() const noexcept {
   return poses_are_late(s.latency, s.packets_lately, s.logs_lately);
 }
 
-/// A set-point that waited for the radio may end the landing, which the planner's bit tells: then
+/// A set-point that waited for the radio may end the landing, which the planner's bit shows: then
 /// it must be requested again, before the firmware stops the motors.
 bool CrazyswarmLinkEnd::lands() noexcept {
   if (landing_ != Landing::requested) return false;

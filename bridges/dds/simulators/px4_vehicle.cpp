@@ -22,7 +22,7 @@ constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
 // Measured on PX4 1.16.1 (tests/dds/traces), from the request of a take-off on: its motors start,
 // then their thrust rises (COM_SPOOLUP_TIME, MPC_TKO_RAMP_T).
 constexpr std::int64_t spool_up = 17 * vehicle_second / 10, thrust_up = 24 * vehicle_second / 10;
-constexpr std::int64_t land_detector = 3 * vehicle_second;       // on the ground until it says that it landed
+constexpr std::int64_t land_detector = 3 * vehicle_second;  // on the ground until it reports that it landed
 constexpr std::int64_t idle_after_start = 11 * vehicle_second;   // COM_DISARM_PRFLT
 constexpr std::int64_t idle_after_landing = 2 * vehicle_second;  // COM_DISARM_LAND
 constexpr double takeoff_climb = 0.75, hold_climb = 0.25;        // below the altitude of a take-off [m/s]
@@ -205,7 +205,7 @@ void Px4Vehicle::move() {
       v = v + mpc_xy_p * Vec3<double>{way.x, way.y, 0.0};
     }
   }
-  const double climb = std::max(1.5 * (takeoff_to_ - height) + 0.05, 0.0);
+  const double climb = takeoff_speed(height, takeoff_to_);
   if (nav_ == NavState::takeoff) v.z = std::min(climb, takeoff_climb);
   if (nav_ == NavState::hold && !landed_) v.z = std::min(climb, hold_climb);
   if (nav_ == NavState::land) v.z = height > crawl_below ? -land_speed : -land_crawl;

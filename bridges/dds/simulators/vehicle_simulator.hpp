@@ -38,7 +38,7 @@ struct SimulatorSetup {
   std::string_view name;  ///< of the robot
   const Model& model;
   LinkOrigin origin;
-  bool sends_poses;     ///< the robot itself: nobody else measures it
+  bool sends_poses;     ///< the robot itself: no other system measures it
   Sight<double> start;  ///< in G
   Vec3<double> below;   ///< the point of the ground below `start` [m]
   double heading;       ///< at the start [rad]

@@ -314,11 +314,12 @@ std::vector<std::string> SafetySummary::broken_walls() const {
 }
 
 std::string SafetySummary::broken_zone(const Bound& bound) const {
-  const auto side = static_cast<std::size_t>(zones_[bound.zone].keep);
+  const Zone::Keep keep = zones_[bound.zone].keep,
+                   other = keep == Zone::Keep::inside ? Zone::Keep::outside : Zone::Keep::inside;
   const bool never = bound.limit.never_within();
   return fmt::format("{} {} {:.4g} m {} zone {} at {:.2f} s{}, to be {}{}", names_[at(bound.robot)],
-                     never ? "began" : "came", -bound.worst(), Zone::sides[1 - side], bound.zone,
-                     bound.limit.worst().time, never ? " and never changed sides" : "", Zone::sides[side],
+                     never ? "began" : "came", -bound.worst(), to_string(other), bound.zone,
+                     bound.limit.worst().time, never ? " and never changed sides" : "", to_string(keep),
                      for_how_long(bound.limit.broken_for()));
 }
 
@@ -357,13 +358,12 @@ std::string SafetySummary::json() const {
   json["walls"_key] = Json::array();
   for (const Bound& bound : bounds) {
     if (bound.of == Bound::Of::zone) {
-      Json& one = json["zones"_key].emplace_back(
-          Json{{"name"_key, names_[at(bound.robot)]},
-               {"zone"_key, bound.zone},
-               {"keep"_key, Zone::sides[static_cast<std::size_t>(zones_[bound.zone].keep)]},
-               {"least"_key, bound.worst()},
-               {"time"_key, bound.limit.worst().time},
-               {"kept"_key, bound.limit.kept()}});
+      Json& one = json["zones"_key].emplace_back(Json{{"name"_key, names_[at(bound.robot)]},
+                                                      {"zone"_key, bound.zone},
+                                                      {"keep"_key, to_string(zones_[bound.zone].keep)},
+                                                      {"least"_key, bound.worst()},
+                                                      {"time"_key, bound.limit.worst().time},
+                                                      {"kept"_key, bound.limit.kept()}});
       add_times(one, bound.limit);
       continue;
     }

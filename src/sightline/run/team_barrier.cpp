@@ -138,9 +138,7 @@ void TeamBarrier::keep_distances(double t, const TeamSituation& now, std::span<d
   conflicts_.clear();
   if (robots_.empty()) return;
   for (Robot& of : robots_) {
-    of.limits->at(t, of.u_min, of.u_max);
-    for (std::size_t k = 0; k < of.nu; ++k)
-      of.u_min[k] -= now.added[of.u + k], of.u_max[k] -= now.added[of.u + k];
+    now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     of.part = of.barrier.part(of.u_min, of.u_max);
   }
   see_all(now);

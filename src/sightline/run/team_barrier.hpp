@@ -29,6 +29,12 @@ std::vector<Ability> abilities_of(const Team& team, const std::vector<LimitsToCo
 struct TeamSituation {
   bool is_there(BodyId body) const noexcept { return presence[at(body)] != Presence::absent; }
   bool is_grounded(BodyId body) const noexcept { return levels[at(body)] == FallbackLevel::grounded; }
+  /// The limits of a robot at time t, less the offset; `first`: of its inputs in the team.
+  void limit(const InputLimits& limits, double t, std::size_t first, std::span<double> u_min,
+             std::span<double> u_max) const noexcept {
+    limits.at(t, u_min, u_max);
+    for (std::size_t k = 0; k < u_min.size(); ++k) u_min[k] -= added[first + k], u_max[k] -= added[first + k];
+  }
 
   std::span<const double> x, estimated;  // states where the commands take effect; last estimates (nx)
   std::span<const double> absent;        // measured, of absent robots (nx); empty: none is in the world

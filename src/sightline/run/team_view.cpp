@@ -107,9 +107,7 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     record = {};
     see(t, now, of);
     if (!of.is_known) continue;
-    of.limits->at(t, of.u_min, of.u_max);
-    for (std::size_t k = 0; k < of.nu; ++k)
-      of.u_min[k] -= now.added[of.u + k], of.u_max[k] -= now.added[of.u + k];
+    now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     const std::span<double> applied = u.subspan(of.u, of.nu);
     std::copy(applied.begin(), applied.end(), of.next.begin());
     const ViewFilterResult result =

@@ -88,12 +88,12 @@ struct ViewFilter::Period {
   void choose(const ViewMotion::Axis& axis, const Interval& interval, double most,
               std::span<double> u) noexcept {
     const auto k = size(axis.input);
-    const double a = axis.gain * u_min[k], b = axis.gain * u_max[k], asked = axis.gain * wanted[k];
+    const double a = axis.gain * u_min[k], b = axis.gain * u_max[k], nominal = axis.gain * wanted[k];
     const double least = std::min(a, b), greatest = std::max(a, b);
     const double value =
-        interval.nearest(asked, std::clamp(-most, least, greatest), std::clamp(most, least, greatest));
+        interval.nearest(nominal, std::clamp(-most, least, greatest), std::clamp(most, least, greatest));
     const double before = u[k];
-    u[k] = value == asked ? wanted[k] : std::clamp(value / axis.gain, u_min[k], u_max[k]);
+    u[k] = value == nominal ? wanted[k] : std::clamp(value / axis.gain, u_min[k], u_max[k]);
     is_current = is_current && u[k] == before;
   }
 };

@@ -5,6 +5,8 @@
 /// between polygon and hull. A convex piece is kept away from by any one of its faces.
 #pragma once
 
+#include <cstddef>
+#include <string_view>
 #include <vector>
 
 #include "sightline/barrier.hpp"
@@ -23,6 +25,11 @@ struct ForbiddenPiece {
   std::vector<Face> faces;
   double low = -infinity, high = infinity;  ///< [m]
 };
+
+/// The word of a scenario for the side of a prism that robots keep.
+constexpr std::string_view to_string(Zone::Keep keep) noexcept {
+  return Zone::sides[static_cast<std::size_t>(keep)];
+}
 
 /// Distance to the zone's boundary [m], negative on the wrong side.
 double zone_reserve(const Zone& zone, const Vec3<double>& p) noexcept;

@@ -166,7 +166,7 @@ void check_starts(const TomlTable& root, const ScenarioSpec& scenario) {
       start.throw_invalid(
           start.has("state") ? "state" : "p",
           fmt::format("a place {} safety.zone[{}], {:.3g} m from this one, or safety.start_outside = true",
-                      Zone::sides[static_cast<std::size_t>(zones[k].keep)], k, -reserve));
+                      to_string(zones[k].keep), k, -reserve));
     }
   }
   if (outside || !scenario.safety->start_outside) return;
@@ -360,10 +360,9 @@ std::string describe(const Safety& safety) {
                                  modes[static_cast<std::size_t>(safety.barrier)], safety.d_hard,
                                  safety.barrier_options.floor, safety.barrier_options.ceiling, safety.world);
   for (const Zone& zone : safety.barrier_options.zones) {
-    text +=
-        fmt::format("zone        keep {} {} corners{}{}\n", Zone::sides[static_cast<std::size_t>(zone.keep)],
-                    zone.polygon.size(), zone.from > -infinity ? fmt::format(", from {} m", zone.from) : "",
-                    zone.to < infinity ? fmt::format(", to {} m", zone.to) : "");
+    text += fmt::format("zone        keep {} {} corners{}{}\n", to_string(zone.keep), zone.polygon.size(),
+                        zone.from > -infinity ? fmt::format(", from {} m", zone.from) : "",
+                        zone.to < infinity ? fmt::format(", to {} m", zone.to) : "");
   }
   if (!safety.supervisor) return text;
   const LadderTimes& times = safety.supervisor->times;

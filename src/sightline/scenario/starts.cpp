@@ -33,8 +33,7 @@ std::vector<Start> starts_of(const Scenario& scenario) {
   std::vector<Start> starts;
   for (int i = 0; i < team.bodies(); ++i) {
     const BodyId body{i};
-    const auto place = static_cast<std::size_t>(i);
-    const bool absent = place < scenario.presence.size() && scenario.presence[place] == Presence::absent;
+    const bool absent = is_absent_at_start(scenario, body);
     const auto event = adding.find(i);
     if (absent && event == adding.end()) continue;
     starts.push_back({body, sight_at_start(scenario, body).p, absent ? event->second : nullptr});
@@ -75,6 +74,10 @@ void add_walls(const Scenario& scenario, const Start& start, std::vector<std::st
 }
 
 }  // namespace
+
+bool is_absent_at_start(const Scenario& scenario, BodyId body) {
+  return at(body) < scenario.presence.size() && scenario.presence[at(body)] == Presence::absent;
+}
 
 Sight<double> sight_at_start(const Scenario& scenario, BodyId body) {
   const Model& model = scenario.team.model(body);

@@ -9,6 +9,9 @@
 
 namespace sightline {
 
+/// Whether a body is in the team only from an event on.
+bool is_absent_at_start(const Scenario& scenario, BodyId body);
+
 /// Sight of a body at its start, without inputs. Set-up: allocates.
 Sight<double> sight_at_start(const Scenario& scenario, BodyId body);
 

@@ -15,6 +15,7 @@
 #include "sightline/potential/protection.hpp"
 #include "sightline/potentials.hpp"
 #include "sightline/report/scene.hpp"
+#include "sightline/safety/zone.hpp"
 #include "sightline/scenario/read_safety.hpp"
 #include "sightline/server/limit_surface.hpp"
 #include "sightline/world.hpp"
@@ -265,10 +266,8 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
     const auto [low, high] = drawn_heights(zone);
     SceneValue polygon = SceneValue::array();
     for (const Vec2<double>& corner : zone.polygon) polygon.push_back(corner.x), polygon.push_back(corner.y);
-    json["prisms"].push_back({{"polygon", std::move(polygon)},
-                              {"low", low},
-                              {"high", high},
-                              {"keep", Zone::sides[static_cast<std::size_t>(zone.keep)]}});
+    json["prisms"].push_back(
+        {{"polygon", std::move(polygon)}, {"low", low}, {"high", high}, {"keep", to_string(zone.keep)}});
   }
   json["undrawn"] = std::move(surfaces.undrawn);
   return json_text(json);
