@@ -130,6 +130,8 @@ def _class(name, kind):
     if kind.__doc__ and not issubclass(kind, Exception):
         lines.append("    " + _doc(kind.__doc__.split("\n\nMembers:")[0], "    ").strip())
     for word, member in sorted(kind.__dict__.items()):
+        if word == "__doc__":
+            continue  # a property of enumerations: no attribute of a class is one for a type checker
         if isinstance(member, property):
             signatures_of = member.fget.__doc__ or ""
             signature = _signature(signatures_of.split("\n")[0])

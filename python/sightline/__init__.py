@@ -89,7 +89,7 @@ def _bar(total, unit):
     return lambda done: print(f"\r{words(done)} ", end="", file=sys.stderr, flush=True)
 
 
-def run(scenario, seed=None, out=None, solver=None, progress=None):
+def run(scenario, seed=None, out=None, solver=None, progress=None):  # type: ignore[no-redef]
     """Flies a scenario in simulated time, to the same bits as `sightline run`.
 
     scenario: a Scenario, or the name of its file; seed, solver: in place of the scenario's
@@ -104,17 +104,17 @@ def run(scenario, seed=None, out=None, solver=None, progress=None):
     return Flight(flown.folder, _json.loads(flown.summary), flown.faults)
 
 
-def check(scenario):
+def check(scenario):  # type: ignore[no-redef]
     """What `sightline check` says of a scenario. Raises ValueError where it cannot be flown."""
     return _sightline.check(_scenario(scenario))
 
 
-def explain(scenario):
+def explain(scenario):  # type: ignore[no-redef]
     """Which limits of a scenario can hold together and what each is worth, as `sightline explain`."""
     return _sightline.explain(_scenario(scenario))
 
 
-def replay(folder, solver=None, set=()):
+def replay(folder, solver=None, set=()):  # type: ignore[no-redef]
     """Feeds the measurements of a run through its loop again, and compares each command bit for bit.
 
     folder: of a run; solver, set: another solver, or other values of its scenario. A dict as `sightline replay --json` has it.
@@ -211,4 +211,4 @@ def _log_frame(log):
     return pandas.DataFrame(columns, index=pandas.Index(log.time, name="t"))
 
 
-Log.frame = _log_frame
+setattr(Log, "frame", _log_frame)  # the stub has it as a method, to which nothing is assigned

@@ -115,7 +115,7 @@ class Symbol:
     """What a recorded function computes with: a step of its formula."""
 
     __slots__ = ("_recorder", "_step")
-    __hash__ = None
+    __hash__ = None  # type: ignore[assignment]
 
     def __init__(self, recorder, step):
         self._recorder = recorder

@@ -190,7 +190,14 @@ def is_too_long(observer, target):
 
 
 kept = []
-sl.potential(lambda observer: (kept.append(observer.p[0]), observer.p[0])[1])
+
+
+def keeps(observer):
+    kept.append(observer.p[0])
+    return observer.p[0]
+
+
+sl.potential(keeps)
 
 cases = [
     ("compares what is recorded", lambda observer, target: 1.0 if observer.p[0] > target.p[0] else 0.0),
