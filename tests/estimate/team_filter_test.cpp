@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/counted_new.hpp"
 #include "tests/support/refusal.hpp"
@@ -298,6 +299,33 @@ TEST(TeamFilter, RangesOfSixAntennasLocateABodyFromNowhere) {
   }
   EXPECT_GE(located, 19);
   EXPECT_LE(nees / located, 6.0);
+}
+
+// On a ring of landmarks x, y and psi are independent, so their variances follow by hand.
+TEST(TeamFilter, LocatesARobotWithTheLastingErrorOfEachPairHoweverManyThereAre) {
+  constexpr int landmarks = 40;
+  constexpr double r = 3.0;
+  TeamNoise noise;
+  noise.range_noise = 1e-4, noise.range_share = 0.0, noise.bearing_noise = 1e-4;
+  noise.range_error = 0.05, noise.bearing_error = 0.02;
+  std::vector<TeamFilter::Landmark> ring;
+  std::vector<TeamSighting> frame;
+  for (int i = 0; i < landmarks; ++i) {
+    TeamSighting z;
+    z.subject = 1 + i, z.range = r, z.bearing = wrap(2 * std::numbers::pi * i / landmarks);
+    ring.push_back({r * std::cos(z.bearing), r * std::sin(z.bearing), 0.0});
+    for (int repeated = 0; repeated < 3; ++repeated) frame.push_back(z);
+  }
+  TeamFilter filter({0.0}, ring, noise, 0.0);
+  const auto found = filter.locate(0, frame);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(norm(found->pose.x, found->pose.y), 0.0, 1e-6);
+  const double along = 1 / square(noise.range_error * r), across = 1 / square(noise.bearing_error * r);
+  const double place = 1 / (landmarks / 2 * (along + across));
+  EXPECT_NEAR(found->P(0, 0), place, 0.01 * place);
+  EXPECT_NEAR(found->P(1, 1), place, 0.01 * place);
+  const double heading = square(noise.bearing_error) / landmarks;
+  EXPECT_NEAR(found->P(2, 2), heading, 0.01 * heading);
 }
 
 TEST(TeamFilter, DoesNotLocateARobotByARangeAlone) {

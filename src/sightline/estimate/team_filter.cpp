@@ -42,6 +42,7 @@ TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landma
       G_(3 * at(capacity_)),
       candidate_G_(2 * at(frame_max * candidates_max) * at(capacity_)),
       odometry_(heights_.size()),
+      lasting_(4 * at(bodies())),
       now_(t0) {
   noise_.check();
   if (robots_ == 0) throw std::invalid_argument("robots = 0, expected at least 1");

@@ -231,6 +231,12 @@ class TeamFilter {
     Row row;
     const double* G;
   };
+  /// Sums of locate() over the measurements of one pair and one component. Their covariance is
+  /// diag(w) + sigma^2 s s^T: white noise, and a lasting error that all of them share.
+  struct LastingError {
+    double q = 0.0, v = 0.0;  // s^T w^-1 s, s^T w^-1 y
+    Column<3> u{};            // H^T w^-1 s
+  };
   static constexpr int candidates_max = 6;
   struct Association;
 
@@ -262,6 +268,7 @@ class TeamFilter {
   std::vector<double> G_, candidate_G_;  // rows of H P: 3, and 2 for each candidate of a frame
   std::vector<Robot> odometry_;
   std::vector<Pair> pairs_;
+  std::vector<LastingError> lasting_;  // range and bearing: of each body as subject, and as observer
   SightingModel model_;
   double now_;
 };

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/base/bounded.hpp"
 #include "sightline/estimate/team_filter.hpp"
 
 namespace sightline {
@@ -12,16 +11,6 @@ constexpr double clear = 10.0;                    // a worse pose has a likeliho
 constexpr double apart_m = 0.3, apart_rad = 0.3;  // poses that differ by more are two
 constexpr double step_m = 0.5, step_rad = 0.5;    // largest Gauss-Newton step
 constexpr int directions = 16, headings = 16, refined = 12, iterations = 15;
-constexpr std::size_t pairs_max = 32;
-
-/// Sums over the measurements of one pair and one component. Their covariance is
-/// diag(w) + sigma^2 s s^T: white noise, and a lasting error that all of them share.
-struct Shared {
-  int observer, subject, component;
-  double sigma_squared;
-  double q = 0.0, v = 0.0;  // s^T w^-1 s, s^T w^-1 y
-  Column<3> u{};            // H^T w^-1 s
-};
 
 struct Fitted {
   PlanarPose pose{};
@@ -54,37 +43,33 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
 
   const int k = index(robot, RobotState::x);
   const std::array before = {x_[at(k)], x_[at(k + 1)], x_[at(k + 2)]};
+  const std::array sigma_squared = {square(noise_.range_error), square(noise_.bearing_error)};
   const auto fit = [&](const PlanarPose& pose) {
     x_[at(k)] = pose.x, x_[at(k + 1)] = pose.y, x_[at(k + 2)] = pose.psi;
     Fitted of{pose, {}, {}, 0.0};
-    Bounded<Shared, pairs_max> shared;
+    std::fill(lasting_.begin(), lasting_.end(), LastingError{});
     for (const TeamSighting& z : frame) {
       if (!used(z)) continue;
       const Row row = row_of(z, -1);
+      const int other = z.observer == robot ? 2 * z.subject : 2 * z.observer + 1;
       for (int a = 0; a < row.m; ++a) {
         const int component = z.of == Sighted::bearing ? 1 : a;
         const double range = z.range - (component == 0 ? row.y(a, 0) : 0.0);
         const double s = component == 0 ? range : 1.0;
-        const double lasting = square(component == 0 ? noise_.range_error : noise_.bearing_error);
-        const double w = row.R(a, a) - lasting * square(s), y = row.y(a, 0);
+        const double w = row.R(a, a) - sigma_squared[at(component)] * square(s), y = row.y(a, 0);
         Column<3> H;
         for (int l = 0; l < row.used; ++l)
           if (const int i = row.columns[at(l)] - k; i >= 0 && i < 3) H(i, 0) = row.H(a, l);
         of.information += (1 / w) * (H * transposed(H));
         of.slope += (y / w) * H;
         of.cost += square(y) / w;
-        Shared* one = std::find_if(shared.begin(), shared.end(), [&](const Shared& c) {
-          return c.observer == z.observer && c.subject == z.subject && c.component == component;
-        });
-        if (one == shared.end()) {
-          if (shared.is_full()) continue;
-          one = &shared.push_back({z.observer, z.subject, component, lasting});
-        }
-        one->q += square(s) / w, one->v += s * y / w, one->u += (s / w) * H;
+        LastingError& one = lasting_[at(2 * other + component)];
+        one.q += square(s) / w, one.v += s * y / w, one.u += (s / w) * H;
       }
     }
-    for (const Shared& one : shared) {
-      const double gain = one.sigma_squared / (1 + one.sigma_squared * one.q);
+    for (std::size_t i = 0; i < lasting_.size(); ++i) {
+      const LastingError& one = lasting_[i];
+      const double gain = sigma_squared[i % 2] / (1 + sigma_squared[i % 2] * one.q);
       of.information += -gain * (one.u * transposed(one.u));
       of.slope += -gain * one.v * one.u;
       of.cost -= gain * square(one.v);
