@@ -93,52 +93,52 @@ std::string hovering_robot(std::string_view name, std::string_view p, std::strin
       name, p, more);
 }
 
+/// A robot that flies, one that joins at 1 s, and other events.
+std::string joining_at_1_s(std::string_view events) {
+  return "[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
+         hovering_robot("b", "[2.0, 0.0, 1.0]", "present = false") +
+         "[[couple]]\npotential = { too_far = { d_max = 1.5 } }\nbetween = [\"a\", \"b\"]\n"
+         "[[event]]\nat = 1.0\nadd = \"b\"\n" +
+         std::string(events);
+}
+
 const std::string two_events =
-    "[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
-    hovering_robot("b", "[2.0, 0.0, 1.0]", "present = false") +
-    "[[couple]]\npotential = { too_far = { d_max = 1.5 } }\nbetween = [\"a\", \"b\"]\n"
-    "[[event]]\nat = 1.0\nadd = \"b\"\n"
-    "[[event]]\nat = 1.2\nretune = { agent = \"a\", R = [2.0, 2.0, 2.0, 2.0] }\n";
+    joining_at_1_s("[[event]]\nat = 1.2\nretune = { agent = \"a\", R = [2.0, 2.0, 2.0, 2.0] }\n");
+const std::string joins_and_leaves = joining_at_1_s(
+    "[[event]]\nat = 1.2\nremove = \"b\"\n"
+    "[[event]]\nat = 1.3\nretune = { agent = \"b\", R = [2.0, 2.0, 2.0, 2.0] }\n");
+
+/// Flies with a take-off of 0.5 s that has this outcome, and replays it.
+void expect_events(const std::string& text, Joining outcome, const std::vector<std::string>& occurred) {
+  const FlightWithTakeOff flight(text, 0.5, outcome);
+  EXPECT_EQ(flight.occurred(), occurred);
+  flight.expect_same_commands_again();
+}
 
 TEST(JoiningRobots, AnEventWaitsForItsRobotAndOtherEventsDoNotWait) {
-  const FlightWithTakeOff flight(two_events, 0.5);
-  EXPECT_THAT(flight.occurred(),
-              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1",
-                          "1.50 robot_ready 1", "1.51 event_in_force 0"));
-  flight.expect_same_commands_again();
+  expect_events(two_events, Joining::ready,
+                {"1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1",
+                 "1.50 robot_ready 1", "1.51 event_in_force 0"});
 }
 
 TEST(JoiningRobots, AnEventWhoseRobotCannotJoinIsIgnored) {
-  const FlightWithTakeOff flight(two_events, 0.5, Joining::refused);
-  EXPECT_THAT(flight.occurred(),
-              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1",
-                          "1.50 robot_refused 1", "1.50 event_ignored 0"));
-  flight.expect_same_commands_again();
+  expect_events(two_events, Joining::refused,
+                {"1.00 event_happened 0", "1.20 event_happened 1", "1.21 event_in_force 1",
+                 "1.50 robot_refused 1", "1.50 event_ignored 0"});
 }
 
-const std::string joins_and_leaves =
-    "[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
-    hovering_robot("b", "[2.0, 0.0, 1.0]", "present = false") +
-    "[[event]]\nat = 1.0\nadd = \"b\"\n"
-    "[[event]]\nat = 1.2\nremove = \"b\"\n"
-    "[[event]]\nat = 1.3\nretune = { agent = \"b\", R = [2.0, 2.0, 2.0, 2.0] }\n";
-
 TEST(JoiningRobots, LaterEventsOfTheRobotWaitAndKeepTheirOrder) {
-  const FlightWithTakeOff flight(joins_and_leaves, 0.5);
-  EXPECT_THAT(flight.occurred(),
-              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2",
-                          "1.50 robot_ready 1", "1.51 event_in_force 0", "1.52 event_in_force 1",
-                          "1.53 event_in_force 2"));
-  flight.expect_same_commands_again();
+  expect_events(
+      joins_and_leaves, Joining::ready,
+      {"1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2", "1.50 robot_ready 1",
+       "1.51 event_in_force 0", "1.52 event_in_force 1", "1.53 event_in_force 2"});
 }
 
 TEST(JoiningRobots, LaterEventsOfARobotThatCannotJoinGoOnInTheirOrder) {
-  const FlightWithTakeOff flight(joins_and_leaves, 0.5, Joining::refused);
-  EXPECT_THAT(flight.occurred(),
-              ElementsAre("1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2",
-                          "1.50 robot_refused 1", "1.50 event_ignored 0", "1.51 event_ignored 1",
-                          "1.52 event_in_force 2"));
-  flight.expect_same_commands_again();
+  expect_events(
+      joins_and_leaves, Joining::refused,
+      {"1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2", "1.50 robot_refused 1",
+       "1.50 event_ignored 0", "1.51 event_ignored 1", "1.52 event_in_force 2"});
 }
 
 TEST(JoiningRobots, ARobotThatLandsCannotJoinAgain) {
