@@ -21,8 +21,10 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Crazyflies in a row, 2 m apart, whose world is turned; or in G, with poses by motion capture.
-Scenario crazyflies(const Fields& robots, double duration, bool by_mocap = false) {
+/// Crazyflies in a row, 2 m apart, whose world is turned; or in G, with poses by motion capture. The
+/// last joins by the signal go, if there is one that joins.
+Scenario crazyflies(const Fields& robots, double duration, bool by_mocap = false, double heading = 0.0,
+                    bool joins = false) {
   std::string text = fmt::format(
       "[fleet]\ndomain = {}\n[simulation]\nduration = {}\n[safety]\nbarrier = \"off\"\nfloor = 0.1\n"
       "position_sigma = 0.01\nheading_sigma = 0.01\n[safety.supervisor]\nfresh = 0.05\n",
@@ -30,16 +32,20 @@ Scenario crazyflies(const Fields& robots, double duration, bool by_mocap = false
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const bool point = robots[i] == "point_mass";
     text += fmt::format(
-        "[agent.cf{0}]\nrobot = \"{2}\"\nstart = {{ p = [{1}, 0.0, 0.5], heading = 0.0 }}\nQ = [1.5, 1.5, "
-        "1.6, "
-        "{3}]\nR = [{4}]\nreference = {{ circle = {{ centre = [{1}, 0.0, 0.5], radius = 0.3, rate = 0.5 }} "
+        "[agent.cf{0}]\nrobot = \"{2}\"\nstart = {{ p = [{1}, 0.0, 0.5], heading = {6} }}\n{7}Q = [1.5, "
+        "1.5, 1.6, {3}]\nR = [{4}]\nreference = {{ circle = {{ centre = [{1}, 0.0, 0.5], radius = 0.3, rate "
+        "= 0.5 }} "
         "}}\n"
         "[agent.cf{0}.link]\nkind = \"crazyswarm2\"\ntakeoff_time = 1.0\n{5}\n",
         i, 2 * i, robots[i], point ? "0.5, 0.5, 0.5" : "0, 0, 0, 0",
         point ? "0.5, 0.5, 0.5" : "0.5, 0.5, 0.5, 0.5",
         by_mocap ? fmt::format("poses = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"cf{}\"", i)
-                 : "origin = { p = [0.5, 0.0, 0.0], heading = 0.4 }");
+                 : "origin = { p = [0.5, 0.0, 0.0], heading = 0.4 }",
+        heading, joins && i + 1 == robots.size() ? "present = false\n" : "");
   }
+  if (joins)
+    text += fmt::format("[[simulation.signal]]\nname = \"go\"\n[[event]]\nsignal = \"go\"\nadd = \"cf{}\"\n",
+                        robots.size() - 1);
   return test::scenario_of(text);
 }
 
@@ -88,6 +94,30 @@ TEST(CrazyswarmLink, CrazyfliesTakeOffFlyTheirTaskAndLandAndServicesAreBelievedB
   }
   EXPECT_EQ(crazyflie_of(rig, 2).reported().locked_out, 0);
   EXPECT_LT(crazyflie_of(rig, 2).motion().p.z, 0.02);
+}
+
+double heading_of(const Motion& m) {
+  const Vec2<double> d = heading(rotation(m.q));
+  return std::atan2(d.y, d.x);
+}
+
+// Their take-offs turn them to heading 0 of their frame, by 2.1 rad.
+TEST(CrazyswarmLink, OneWhoseStartIsTurnedFliesFromItsHeadingAndJoinsThere) {
+  Rig rig(crazyflies({"multirotor", "multirotor"}, 9.0, false, 2.5, true));
+  double turned = 0.0;
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    turned = heading_of(crazyflie_of(rig, 0).motion());
+    rig.switcher->signal("go");
+  });
+  const std::string reported = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(outcome.finite) << reported;
+  EXPECT_NEAR(turned, 2.5, 0.15) << "at the start of the task";
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << reported;
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 1) << reported;
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(crazyflie_of(rig, i).reported().go_to_requests, 1) << i;
+    expect_well_flown(rig, i);
+  }
 }
 
 TEST(CrazyswarmLink, SetpointsTakeNineTenthsOfTheRadioAtMost) {
@@ -220,9 +250,9 @@ TEST(CrazyswarmLink, WhatCannotFlyStaysOnTheGroundAndSaysWhy) {
 TEST(CrazyswarmLink, WithoutAServerItSaysWhatIsMissing) {
   const Scenario scenario = crazyflies(1, 1.0);
   const Fields reported = not_ready(scenario, std::make_shared<Domain>(fleet_of(scenario).network), 0.5);
-  for (const char* sentence :
-       {"cf0: rt/cf0/cmd_full_state: it has no subscriber", "cf0: /cf0/takeoff: no server",
-        "cf0: /cf0/land: no server", "cf0: /cf0/notify_setpoints_stop: no server"})
+  for (const char* sentence : {"cf0: rt/cf0/cmd_full_state: it has no subscriber",
+                               "cf0: /cf0/takeoff: no server", "cf0: /cf0/land: no server",
+                               "cf0: /cf0/go_to: no server", "cf0: /cf0/notify_setpoints_stop: no server"})
     EXPECT_THAT(reported, Contains(sentence));
 }
 
@@ -388,8 +418,7 @@ TEST(CrazyswarmLink, ATakeOffTurnsItToHeadingZeroAndAfterItsLandingItStaysArmed)
   Hand::wait(200);
   hand.take_off(0.5, 1.0);
   Hand::wait(1600);
-  const Vec2<double> d = heading(rotation(hand.crazyflie.motion().q));
-  EXPECT_NEAR(std::atan2(d.y, d.x), fleet_of(rig.scenario).links[0].origin.heading, 0.02);
+  EXPECT_NEAR(heading_of(hand.crazyflie.motion()), fleet_of(rig.scenario).links[0].origin.heading, 0.02);
   hand.land_it();
   Hand::wait(2000 + 1500);
   EXPECT_TRUE((hand.crazyflie.supervisor() & is_flying) != 0) << "1.5 s after";

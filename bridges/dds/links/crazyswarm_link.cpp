@@ -41,6 +41,10 @@ constexpr double landing_time_least = 1.0;          // [s]
 constexpr double touchdown_height = 0.02;           // above the ground, where the motors stop [m]
 constexpr double descended = 0.1, at_height = 0.1;  // [m]
 constexpr double sagging_least = 0.5;               // share of the height, once its take-off has ended
+constexpr double turned_most = 0.1;                 // after its take-off [rad]
+constexpr double turning_pace = 0.8;                // mean [rad/s]
+constexpr double turning_time_least = 0.5;          // [s]
+constexpr int turns_most = 2;                       // requests to turn back
 constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velocity_world", "/cmd_position",
                                                         "/cmd_vel_legacy"};
 
@@ -72,6 +76,7 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double 
                                               crazyflie_.name_space + "/cmd_full_state", of_ros_commands)),
       takeoff_(participant, takeoff_service, crazyflie_.name_space + "/takeoff"),
       land_(participant, land_service, crazyflie_.name_space + "/land"),
+      go_to_(participant, go_to_service, crazyflie_.name_space + "/go_to"),
       arm_(participant, arm_service, crazyflie_.name_space + "/arm"),
       setpoints_stop_(participant, setpoints_stop_service, crazyflie_.name_space + "/notify_setpoints_stop"),
       emergency_(participant, empty_service, crazyflie_.name_space + "/emergency"),
@@ -134,13 +139,20 @@ bool CrazyswarmLinkEnd::is_up() noexcept {
          (ended ? sagging_least * crazyflie_.takeoff_height : crazyflie_.takeoff_height - at_height);
 }
 
+/// Angle from the heading before its take-off [rad].
+double CrazyswarmLinkEnd::turned() noexcept {
+  const Vec2<double> was = heading(rotation(left_.q)), is = heading(rotation(poses_.newest().motion.q)),
+                     by = rotate<double>({was.x, -was.y}, is);
+  return std::abs(std::atan2(by.y, by.x));
+}
+
 LinkReason CrazyswarmLinkEnd::unfit() noexcept {
   // In flight the firmware's low-battery state decides, because the voltage sags with each thrust
   // peak.
   if (last_status_.pm_state >= battery_low) return LinkReason::battery_low;
   if (are_poses_late()) return LinkReason::late;
   const Vec3<double>& p = poses_.newest().motion.p;
-  const bool strayed = phase_ == Phase::takeoff && norm(p.x - left_.x, p.y - left_.y) > stray_most;
+  const bool strayed = phase_ == Phase::takeoff && norm(p.x - left_.p.x, p.y - left_.p.y) > stray_most;
   return strayed ? LinkReason::strayed : LinkReason::as_requested;
 }
 
@@ -174,8 +186,11 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
   facts.unfit = unfit();
   const double seconds = 1e-9 * static_cast<double>(now - requested_at_);
-  facts.airborne = flies && phase_ >= Phase::takeoff && is_up() &&
-                   (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);
+  const bool hovers = flies && phase_ >= Phase::takeoff && is_up() &&
+                      (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);
+  turns_back_ = hovers && phase_ == Phase::takeoff && turned() > turned_most &&
+                (turns_ < turns_most || now < turned_at_);
+  facts.airborne = hovers && !turns_back_;
   facts.refused = phase_ == Phase::takeoff && !flies &&
                   seconds > crazyflie_.takeoff_time + 1e-9 * static_cast<double>(takeoff_patience);
   tells_planner_ = tells_planner_ || (phase_ == Phase::takeoff && has(planner_flies));
@@ -196,7 +211,8 @@ void CrazyswarmLinkEnd::request(Request request, Nanoseconds now) noexcept {
     case Request::arm: {
       speakers_ = status_reader_->writers_came();
       phase_ = Phase::arming;
-      left_ = poses_.newest().motion.p;
+      left_ = poses_.newest().motion;
+      turns_ = 0;
       const crazyflie_interfaces_srv_dds__Arm_Request_ arm{true};
       if (!has(arms_itself)) (void)arm_.call(&arm);
       break;
@@ -232,6 +248,23 @@ void CrazyswarmLinkEnd::land() noexcept {
   const crazyflie_interfaces_srv_dds__Land_Request_ down{0, static_cast<float>(touchdown_height),
                                                          ros_duration(time)};
   (void)land_.call(&down);
+}
+
+/// A take-off of the server ends at heading 0 of its frame. From there it turns to the heading
+/// before, at one place.
+void CrazyswarmLinkEnd::turn_back(Nanoseconds now) noexcept {
+  if (!turns_back_ || phase_ != Phase::takeoff || now < turned_at_) return;
+  ++turns_;
+  const double time = std::max(turning_time_least, turned() / turning_pace);
+  turned_at_ = now + std::llround(1e9 * time) + landing_step_most;
+  const Motion to = in_local(origin_, left_);
+  const Vec2<double> d = heading(rotation(to.q));
+  const crazyflie_interfaces_srv_dds__GoTo_Request_ back{0,
+                                                         false,
+                                                         {to.p.x, to.p.y, crazyflie_.takeoff_height},
+                                                         static_cast<float>(std::atan2(d.y, d.x)),
+                                                         ros_duration(time)};
+  (void)go_to_.call(&back);
 }
 
 /// The server may execute requests out of order, and its radio sends the end of set-points before a
@@ -278,6 +311,7 @@ void CrazyswarmLinkEnd::send(const LinkOutput& output, const Command& command, N
   request(output.request, now);
   if (landing_ != Landing::requested && !output.heartbeat)
     landing_ = Landing::none;  // it has left our control
+  turn_back(now);
   go_on_landing(now);
   // A set-point after the land request would end the landing.
   if (output.setpoint == Setpoint::none || phase_ != Phase::setpoints || --wait_ > 0) return;
@@ -312,11 +346,11 @@ void CrazyswarmLinkEnd::send_state(const TrajectoryPoint& point) noexcept {
 }
 
 void CrazyswarmLinkEnd::watch(std::span<const SeenWriter> writers) {
-  for (ServiceCaller* caller : {&takeoff_, &land_, &arm_, &setpoints_stop_, &emergency_})
+  for (ServiceCaller* caller : {&takeoff_, &land_, &go_to_, &arm_, &setpoints_stop_, &emergency_})
     caller->watch(writers);
   // By then, discovery has found the other writers.
-  const bool here =
-      full_state_->matched() > 0 && takeoff_.there() && land_.there() && setpoints_stop_.there();
+  const bool here = full_state_->matched() > 0 && takeoff_.there() && land_.there() && go_to_.there() &&
+                    setpoints_stop_.there();
   looks_ = here ? looks_ + 1 : 0;
   received_ = looks_ > looks_least;
   int others = full_state_->rivals(writers);
@@ -379,7 +413,7 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   if (!full_state_->received(around.readers))
     to.add(Aspect::topics, Light::red, "{}: {}", full_state_->topic(), why_stale(*full_state_, around));
   const bool known = status_.count() > 0;
-  for (const ServiceCaller* caller : {&takeoff_, &land_, &setpoints_stop_, &arm_})
+  for (const ServiceCaller* caller : {&takeoff_, &land_, &go_to_, &setpoints_stop_, &arm_})
     if (!caller->there() && (caller != &arm_ || (known && !has(arms_itself))))
       to.add(Aspect::topics, Light::red, "{}: no server", caller->service());
   if (known && are_poses_late())

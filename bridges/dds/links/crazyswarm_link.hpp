@@ -98,11 +98,13 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   bool are_poses_late() const noexcept;
   bool lands() noexcept;
   bool is_up() noexcept;
+  double turned() noexcept;
   LinkReason unfit() noexcept;
   void on_status(const void* message, Nanoseconds arrived);
   void examine_battery(FindingList& to) const;
   void examine_radio(FindingList& to) const;
   void request(Request request, Nanoseconds now) noexcept;
+  void turn_back(Nanoseconds now) noexcept;
   void go_on_landing(Nanoseconds now) noexcept;
   void land() noexcept;
   void send_state(const TrajectoryPoint& point) noexcept;
@@ -128,7 +130,10 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   Nanoseconds landing_since_ = 0;  // of the step of the landing sequence
   double land_from_ = 0.0;         // height at the landing request [m]
   Nanoseconds may_fly_since_ = 0;  // first status with which it may fly; 0: it may not
-  Vec3<double> left_{};            // where it was armed
+  Motion left_{};                  // where it was armed
+  bool turns_back_ = false;        // hovers after its take-off, at another heading
+  int turns_ = 0;                  // requests to turn back
+  Nanoseconds turned_at_ = 0;      // end of the last one
   bool tells_planner_ = false;     // its status has planner_flies
   bool holds_ = false, down_ = false, disarms_ = false;
   std::atomic<int> each_{1};  // periods from one set-point to the next; any thread reads it
@@ -137,7 +142,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   int speakers_ = -1;         // status writers matched at the arm request; -1: none requested yet
 
   std::unique_ptr<RawWriter> full_state_;
-  ServiceCaller takeoff_, land_, arm_, setpoints_stop_, emergency_;
+  ServiceCaller takeoff_, land_, go_to_, arm_, setpoints_stop_, emergency_;
   PoseSubscriber poses_;
   std::unique_ptr<RawReader> status_reader_;  // last member: destroyed before the members it fills
 };

@@ -79,6 +79,11 @@ CrazyflieVehicle::CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Li
     const auto& up = *static_cast<const crazyflie_interfaces_srv_dds__Takeoff_Request_*>(request);
     return [this, height = up.height, time = seconds_of(up.duration)] { on_takeoff(height, time); };
   });
+  serve(go_to_service, "/go_to", RadioPort::commander, [this](const void* request) {
+    const auto& there = *static_cast<const crazyflie_interfaces_srv_dds__GoTo_Request_*>(request);
+    return [this, to = Vec3<double>{there.goal.x, there.goal.y, there.goal.z}, yaw = there.yaw,
+            time = seconds_of(there.duration)] { on_go_to(to, yaw, time); };
+  });
   serve(land_service, "/land", RadioPort::commander, [this](const void* request) {
     const auto& down = *static_cast<const crazyflie_interfaces_srv_dds__Land_Request_*>(request);
     return [this, height = down.height, time = seconds_of(down.duration)] { on_land(height, time); };
@@ -146,19 +151,20 @@ void CrazyflieVehicle::disarm() {
   landed_at_ = 0;
 }
 
-void CrazyflieVehicle::plan(Planner planner, double height, double duration) {
+void CrazyflieVehicle::plan(Planner planner, const Vec3<double>& to, double yaw, double duration) {
   planner_ = planner;
-  plan_ = {known_, height, -angle(known_.d), seconds_now(), std::max(0.1, duration)};
+  plan_ = {known_, to, wrap(yaw - angle(known_.d)), seconds_now(), std::max(0.1, duration)};
 }
 
 TrajectoryPoint CrazyflieVehicle::planned() const {
   const double s = std::min(1.0, (seconds_now() - plan_.begun) / plan_.duration);
   const auto [way, rate, acceleration] = smooth_step(s);
-  const double up = plan_.to - plan_.from.p.z, turned = angle(plan_.from.d) + way * plan_.turn;
+  const Vec3<double> path = plan_.to - plan_.from.p;
+  const double turned = angle(plan_.from.d) + way * plan_.turn;
   TrajectoryPoint at = plan_.from;
-  at.p.z += way * up;
-  at.v.z = rate / plan_.duration * up;
-  at.a.z = acceleration / square(plan_.duration) * up;
+  at.p = at.p + way * path;
+  at.v = (rate / plan_.duration) * path;
+  at.a = (acceleration / square(plan_.duration)) * path;
   at.d = {std::cos(turned), std::sin(turned)};
   at.r = rate / plan_.duration * plan_.turn;
   return at;
@@ -166,12 +172,19 @@ TrajectoryPoint CrazyflieVehicle::planned() const {
 
 void CrazyflieVehicle::on_takeoff(double height, double duration) {
   ++reported_.takeoff_requests;
-  if (has(can_fly) && planner_ == Planner::stopped) plan(Planner::flies, height, duration);
+  if (has(can_fly) && planner_ == Planner::stopped)
+    plan(Planner::flies, {known_.p.x, known_.p.y, height}, 0.0, duration);
+}
+
+void CrazyflieVehicle::on_go_to(const Vec3<double>& to, double yaw, double duration) {
+  ++reported_.go_to_requests;
+  if (has(can_fly)) plan(Planner::flies, to, yaw, duration);
 }
 
 void CrazyflieVehicle::on_land(double height, double duration) {
   ++reported_.land_requests;
-  if (has(can_fly) && planner_ != Planner::lands) plan(Planner::lands, height, duration);
+  if (has(can_fly) && planner_ != Planner::lands)
+    plan(Planner::lands, {known_.p.x, known_.p.y, height}, 0.0, duration);
 }
 
 void CrazyflieVehicle::on_setpoints_end() {

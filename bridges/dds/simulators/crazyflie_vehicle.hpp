@@ -18,7 +18,7 @@ namespace sightline::dds {
 struct CrazyflieCounts {
   std::int64_t setpoints = 0, setpoints_outside = 0;  ///< outside: received while not flying
   std::int64_t bad_setpoints = 0;                     ///< not finite, or more than 2 m from the vehicle
-  std::int64_t arm_requests = 0, takeoff_requests = 0, land_requests = 0;
+  std::int64_t arm_requests = 0, takeoff_requests = 0, go_to_requests = 0, land_requests = 0;
   std::int64_t locked_out = 0;    ///< take-offs and landings that a later set-point ended
   double dropped = 0.0;           ///< longest time in the air without thrust, until its plan began [s]
   double levelled_after = 0.0;    ///< time after the last set-point [s]; 0: never
@@ -36,7 +36,7 @@ enum class Serving { well, without_answer, not_at_all };
 /// - It may fly 60 ms after it was armed.
 /// - The planner starts where it last knew the vehicle. It learns this each 10 ms while the vehicle
 ///   may fly; before, it is the origin. It ignores requests before the vehicle may fly, a take-off
-///   unless it is stopped, and a landing during a landing. It turns to heading 0.
+///   unless it is stopped, and a landing during a landing. These two turn it to heading 0.
 /// - Without set-points it levels out after 0.5 s and stops its motors for good after 2 s.
 /// - It flies until 2 s after the motors last lifted, and stays armed for 3 s more.
 /// - All but poses of others goes through its radio (SimulatedRadio).
@@ -75,10 +75,11 @@ class CrazyflieVehicle final : public VehicleSimulator {
  private:
   struct Ends;
   enum class Planner { stopped, flies, lands };
-  /// Take-off or landing, in its frame.
+  /// From one place at rest to another, in its frame.
   struct Plan {
     TrajectoryPoint from{};
-    double to = 0.0, turn = 0.0, begun = 0.0, duration = 0.0;  // turn [rad]
+    Vec3<double> to{};
+    double turn = 0.0, begun = 0.0, duration = 0.0;  // turn [rad]
   };
 
   std::uint8_t pm_state() const { return faults_.on(LinkFaultKind::battery_low) ? battery_low : on_battery; }
@@ -89,9 +90,10 @@ class CrazyflieVehicle final : public VehicleSimulator {
   void take_setpoint(const TrajectoryPoint& setpoint, std::int64_t sent);
   bool on_arm(bool arm);
   void on_takeoff(double height, double duration);
+  void on_go_to(const Vec3<double>& to, double yaw, double duration);
   void on_land(double height, double duration);
   void on_setpoints_end();
-  void plan(Planner planner, double height, double duration);
+  void plan(Planner planner, const Vec3<double>& to, double yaw, double duration);
   TrajectoryPoint planned() const;
   void stop_motors(bool for_good);
   void disarm();

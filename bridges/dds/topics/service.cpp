@@ -23,6 +23,7 @@ constexpr std::size_t largest_request = 64;  // [bytes]
 
 const ServiceType takeoff_service SERVICE_TYPE(crazyflie_interfaces_srv_dds__Takeoff),
     land_service SERVICE_TYPE(crazyflie_interfaces_srv_dds__Land),
+    go_to_service SERVICE_TYPE(crazyflie_interfaces_srv_dds__GoTo),
     arm_service SERVICE_TYPE(crazyflie_interfaces_srv_dds__Arm),
     setpoints_stop_service SERVICE_TYPE(crazyflie_interfaces_srv_dds__NotifySetpointsStop),
     empty_service SERVICE_TYPE(std_srvs_srv_dds__Empty),

@@ -28,8 +28,8 @@ struct ServiceType {
 };
 
 // Services of the bridge: those of Crazyswarm2 and std_srvs.
-extern const ServiceType takeoff_service, land_service, arm_service, setpoints_stop_service, empty_service,
-    trigger_service;
+extern const ServiceType takeoff_service, land_service, go_to_service, arm_service, setpoints_stop_service,
+    empty_service, trigger_service;
 
 enum class Answer : std::uint8_t { none, accepted, refused };
 
