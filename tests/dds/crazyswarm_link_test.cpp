@@ -141,6 +141,20 @@ TEST(CrazyswarmLink, SetpointsTakeNineTenthsOfTheRadioAtMost) {
   }
 }
 
+TEST(CrazyswarmLink, SetpointsTakeNineTenthsOfTheRadioAtMostInFlightTooAndNeverBecomeMore) {
+  EXPECT_EQ(periods_of_setpoint_in_flight(3, 0.0, 0.01), 3) << "unknown";
+  EXPECT_EQ(periods_of_setpoint_in_flight(3, 500.0, 0.01), 3) << "a faster radio";
+  for (double rate = 15.0; rate < 500.0; rate += 0.7) {
+    for (int each = 1; each <= 10; ++each) {
+      const int in_flight = periods_of_setpoint_in_flight(each, rate, 0.01);
+      EXPECT_GE(in_flight, each);
+      if (in_flight < 10) {
+        EXPECT_LE(100.0 / in_flight, 0.901 * rate) << rate << ", " << each;
+      }
+    }
+  }
+}
+
 // Measured on the firmware: 100 packets a second for 110 logs hold 200 logs, which come 2 s late.
 TEST(CrazyswarmLink, PosesAreLateIfEachPacketIsAnsweredByOneOrTheLatencyIsLong) {
   EXPECT_FALSE(poses_are_late(0, 0, 0)) << "unknown";

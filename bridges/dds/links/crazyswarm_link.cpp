@@ -28,7 +28,6 @@ constexpr Nanoseconds takeoff_patience = 2 * crazyflie_second;
 constexpr std::uint32_t remain_valid = 100;         // [ms]; new firmware ignores it
 constexpr double setpoints_apart_most = 0.1;        // [s]
 constexpr double setpoints_most = 0.9;              // share of the packets that the radio carries
-constexpr double carried_least = 1.05;              // over set-points: more are empty ones
 constexpr double draining = 0.7;                    // of the radio, while packets wait for it
 constexpr double rate_mean = 0.3;                   // [s]
 constexpr int late_after = 300;                     // latency of poses [ms]
@@ -61,6 +60,11 @@ int periods_of_setpoint(int latency, double rate, double period) noexcept {
   const double most = std::max(1.0, setpoints_apart_most / period),
                apart = rate > 0 ? 1 / (setpoints_most * rate) : 1e-3 * latency;
   return static_cast<int>(std::clamp(std::ceil(apart / period), 1.0, most));
+}
+
+int periods_of_setpoint_in_flight(int each, double rate, double period) noexcept {
+  if (rate <= 0 || setpoints_most * rate * period * each >= 1) return each;
+  return std::max(each, periods_of_setpoint(0, draining * rate, period));
 }
 
 bool poses_are_late(int latency, double packets, double logs) noexcept {
@@ -158,11 +162,8 @@ LinkReason CrazyswarmLinkEnd::unfit() noexcept {
 
 LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   (void)status_.look(last_status_);
-  const double carried = last_status_.rate * period_ * each_;
-  if (phase_ < Phase::setpoints)
-    each_ = periods_of_setpoint(last_status_.latency, last_status_.rate, period_);
-  else if (last_status_.rate > 0 && carried < carried_least)
-    each_ = std::max(each_.load(), periods_of_setpoint(0, draining * last_status_.rate, period_));
+  each_ = phase_ < Phase::setpoints ? periods_of_setpoint(last_status_.latency, last_status_.rate, period_)
+                                    : periods_of_setpoint_in_flight(each_, last_status_.rate, period_);
   if (!has(can_fly))
     may_fly_since_ = 0;
   else if (may_fly_since_ == 0)

@@ -42,6 +42,10 @@ inline constexpr std::uint8_t battery_low = 3;
 /// @param period   [s]
 int periods_of_setpoint(int latency, double rate, double period) noexcept;
 
+/// The same in flight: the number only rises, and beyond need, so that packets which wait drain.
+/// @param each  the present number
+int periods_of_setpoint_in_flight(int each, double rate, double period) noexcept;
+
 /// Whether poses arrive late, since the logs of a Crazyflie wait for packets that they answer. The
 /// server stamps them as they arrive, so their stamps do not tell.
 /// @param latency  of a unicast packet [ms]; it includes the logs that wait
