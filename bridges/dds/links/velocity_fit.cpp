@@ -1,6 +1,7 @@
 #include "bridges/dds/links/velocity_fit.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -23,7 +24,7 @@ VelocityFit::Outcome VelocityFit::take(const Vec3<double>& p, const Quaternion& 
   if (count_ > 0) {
     // Unwraps the heading: the shorter way from the last one.
     at[3] = newest_.at[3] + std::remainder(at[3] - newest_.at[3], 2 * std::numbers::pi);
-    if (stamp <= newest_.stamp) return Outcome::repeated;
+    assert(stamp > newest_.stamp && "stamps rise");
     const Nanoseconds since = stamp - newest_.stamp;
     const bool goes_on = since < silence;
     if (goes_on && !is_near(at, fit_second * static_cast<double>(since)) && ++outside_ <= most_outside)

@@ -17,10 +17,9 @@ namespace sightline::dds {
 ///   noise     poses with standard deviation s give velocities with 35 s / (1 s) at 100 Hz:
 ///             0.3 mm give 0.011 m/s
 ///   stamps    any spacing: lost poses leave a longer gap, transport jitter has no effect
-///   rejected  a stamp that is not newer than the last; a pose more than 0.05 m + 25 m/s^2 dt^2 or
-///             0.5 rad + 50 rad/s^2 dt^2 off the parabola, up to twice in a row. The third restarts
-///             the fit, as does a pose after a gap of 0.5 s. Before the first parabola, a position
-///             may be off by another 10 m/s dt
+///   rejected  a pose more than 0.05 m + 25 m/s^2 dt^2 or 0.5 rad + 50 rad/s^2 dt^2 off the
+///             parabola, up to twice in a row. The third restarts the fit, as does a pose after a
+///             gap of 0.5 s. Before the first parabola, a position may be off by another 10 m/s dt
 ///
 /// Single thread; allocates and throws nothing.
 class VelocityFit {
@@ -31,10 +30,11 @@ class VelocityFit {
   static constexpr double gate_p = 0.05, gate_v = 10.0, gate_a = 25.0, gate_turn = 0.5, gate_turn_a = 50.0;
   static constexpr int most_outside = 2;
 
-  enum class Outcome { good, too_few, repeated, jump };
+  enum class Outcome { good, too_few, jump };
 
   /// Accepts a finite pose with its stamp by the sender's clock. A body without heading has q =
   /// no_attitude.
+  /// @param stamp   newer than the last, as RemoteClock accepts them
   /// @param motion  set completely if the outcome is good
   Outcome take(const Vec3<double>& p, const Quaternion& q, Nanoseconds stamp, Motion& motion) noexcept;
 

@@ -41,9 +41,6 @@ void PoseSubscriber::take_pose(const Vec3<double>& p, const Quaternion& q, Nanos
       break;
     case VelocityFit::Outcome::too_few:
       break;
-    case VelocityFit::Outcome::repeated:
-      ++repeated_;
-      break;
     case VelocityFit::Outcome::jump:
       ++jumps_;
       break;
