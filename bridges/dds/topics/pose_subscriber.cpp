@@ -78,7 +78,9 @@ void PoseSubscriber::examine(std::string_view frames, std::string_view other_fra
   else if (motion_.count() > 0)
     to.add(Aspect::frames, Light::green, "poses in {}", frames);
   if (of_second_writer())
-    to.add(Aspect::writers, Light::red, "{}: {} messages of a second writer", topic, second_writer());
+    to.add(Aspect::writers, Light::red,
+           "{}: {} messages of a second writer; if the first one was restarted, start this program anew",
+           topic, second_writer());
   if (why_none_ && motion_.count() == 0) {
     if (reader().counts().received == 0)
       to.add(Aspect::topics, Light::red, "{}: no message", topic);
