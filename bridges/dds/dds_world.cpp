@@ -559,23 +559,26 @@ void DdsWorld::land(const Interrupts& interrupts, const PrintMessage& print) {
   calls_.is_at(FlightPhase::over);
 }
 
-std::string DdsWorld::ended() const {
-  std::vector<std::string> others;
+std::vector<std::string> DdsWorld::reasons() const {
+  std::vector<std::string> sentences;
   for (const Robot& robot : robots_)
     if (robot.machine.reason() != LinkReason::as_requested)
-      others.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
-  if (!others.empty() && others.size() < robots_.size()) others.emplace_back("the others landed");
-  return fmt::format("{}", fmt::join(others, "; "));
+      sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
+  return sentences;
+}
+
+std::string DdsWorld::ended() const {
+  std::vector<std::string> sentences = reasons();
+  if (!sentences.empty() && sentences.size() < robots_.size()) sentences.emplace_back("the others landed");
+  return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
 std::vector<std::string> DdsWorld::faults() const {
-  std::vector<std::string> sentences = refusals_;
-  for (const Robot& robot : robots_) {
-    if (robot.machine.reason() != LinkReason::as_requested)
-      sentences.push_back(fmt::format("{}: {}", robot.name, to_string(robot.machine.reason())));
+  std::vector<std::string> sentences = reasons();
+  sentences.insert(sentences.begin(), refusals_.begin(), refusals_.end());
+  for (const Robot& robot : robots_)
     if (robot.estimated && begun_ && !robot.knew)
       sentences.push_back(fmt::format("{}: its position stayed unknown: its camera saw no tags", robot.name));
-  }
   return sentences;
 }
 

@@ -122,6 +122,8 @@ class DdsWorld final : public LinkedWorld {
   LinkOrder order_of(Robot& robot, LinkOrder order, double t) const noexcept;
   LinkOrder order_of_joining(Robot& robot, double t) const noexcept;
   bool each_stands() const;
+  /// Why robots left the flight, one sentence each.
+  std::vector<std::string> reasons() const;
   bool in_our_hands() const;
 
   Scenario scenario_;
