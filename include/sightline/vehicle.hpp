@@ -228,7 +228,7 @@ struct Vehicle {
                   "drag of the body over the speed of the air, along x, y, z"),
         parameter("radius", &V::radius, "m", above_zero, "of the upright cylinder that touches others"),
         parameter("height", &V::height, "m", above_zero, "of that cylinder"),
-        parameter("attitude_gain", &V::attitude_gain, "1/s", gain, "rate asked for over tilt error"),
+        parameter("attitude_gain", &V::attitude_gain, "1/s", gain, "commanded rate over tilt error"),
         parameter("rate_gain", &V::rate_gain, "1/s", gain,
                   "angular acceleration over rate error, about x and y"),
         parameter("yaw_gain", &V::yaw_gain, "1/s", gain, "the same about z"),
