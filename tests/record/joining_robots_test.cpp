@@ -191,6 +191,24 @@ TEST(JoiningRobots, TheBarrierKeepsTheDistanceFromAnAbsentRobotThatStays) {
   }
 }
 
+// Only the robot below can make way: the other one is landed by its autopilot.
+TEST(JoiningRobots, ARobotMakesWayForOneThatLandsOntoIt) {
+  const auto nearest = [](const char* barrier) {
+    const FlightWithTakeOff flight(
+        "[simulation]\nduration = 6.0\n[safety]\nd_hard = 0.5\nbarrier = \"" + std::string(barrier) + "\"\n" +
+            hovering_robot("a", "[0.0, 0.0, 0.6]") + hovering_robot("b", "[0.1, 0.0, 1.8]") +
+            "[[event]]\nat = 0.5\nremove = { agent = \"b\", then = \"land\" }\n",
+        0.0);
+    double least = 1e9;
+    const auto& bodies = flight.run.bodies;
+    for (std::size_t k = 0; k < flight.run.time.size(); ++k)
+      least = std::fmin(least, norm(bodies[0].p[k] - bodies[1].p[k]));
+    return least;
+  };
+  EXPECT_GE(nearest("on"), 0.5);
+  EXPECT_LT(nearest("off"), 0.3);
+}
+
 // Its autopilot lands it, so there is no command on which the barrier could act.
 TEST(JoiningRobots, TheBarrierLeavesARobotAloneThatLandsInAWorldWhereAbsentRobotsStay) {
   const FlightWithTakeOff flight("[simulation]\nduration = 2.5\n[safety]\nd_hard = 0.6\nbarrier = \"on\"\n" +
