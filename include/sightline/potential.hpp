@@ -458,28 +458,55 @@ struct Circle {
 namespace detail {
 
 template <class R>
-constexpr auto timed_parameters() {
+constexpr auto timed_positions() {
   return std::tuple{
       ListParameter<R, double>{"times", &R::times, "s", "when; the first pose also holds before", true},
-      ListParameter<R, Vec3<double>>{"p", &R::p, "m", "where, for each time"},
+      ListParameter<R, Vec3<double>>{"p", &R::p, "m", "where, for each time"}};
+}
+
+template <class R>
+constexpr auto timed_headings() {
+  return std::tuple{
       ListParameter<R, double>{"heading", &R::heading, "rad", "for each time; left out: free", false, false}};
 }
 
+template <class R>
+constexpr auto timed_velocities() {
+  return std::tuple{ListParameter<R, Vec3<double>>{"v", &R::v, "m/s",
+                                                   "for each time; left out: straight lines", false, false}};
+}
+
+/// Keys of a file that gives these lists.
+inline constexpr auto file_of_lists =
+    std::tuple{KeyText{"file", "a file (CSV)",
+                       "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists", "none"},
+               KeyText{"columns", "names", "of the columns of the file, in their order; \"-\": not used",
+                       "its first line"},
+               KeyText{"period", "> 0 s", "between the rows of a file without a column t", "none"},
+               KeyText{"begin", "a time in s", "of the first row of the file", "as in the file"}};
+
 }  // namespace detail
 
-/// Straight lines between poses at given times; the heading takes the shorter direction. Held
-/// before the first and after the last time.
+/// Straight lines between poses at given times, or with velocities `v` there [m/s] the cubic
+/// polynomials that have them; the heading takes the shorter direction. Held before the first and
+/// after the last time.
 struct Waypoints {
   static constexpr std::string_view name = "waypoints";
   std::vector<double> times;
   std::vector<Vec3<double>> p;
   std::vector<double> heading = {};
+  std::vector<Vec3<double>> v = {};
 
-  static constexpr auto parameters() { return detail::timed_parameters<Waypoints>(); }
+  static constexpr auto parameters() {
+    return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_headings<Waypoints>(),
+                          detail::timed_velocities<Waypoints>(), detail::file_of_lists);
+  }
   /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
   /// numbers are finite
   void check() const;
   Pose<double> operator()(double t) const;
+  /// Upper bound of the speed [m/s].
+  double top_speed() const;
 };
 
 /// Poses that change at given times and hold until the next.
@@ -489,7 +516,10 @@ struct Steps {
   std::vector<Vec3<double>> p;
   std::vector<double> heading = {};
 
-  static constexpr auto parameters() { return detail::timed_parameters<Steps>(); }
+  static constexpr auto parameters() {
+    return std::tuple_cat(detail::timed_positions<Steps>(), detail::timed_headings<Steps>(),
+                          detail::file_of_lists);
+  }
   /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
   /// numbers are finite
   void check() const;

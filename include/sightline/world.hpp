@@ -17,6 +17,7 @@
 #include "sightline/estimator.hpp"
 #include "sightline/events.hpp"
 #include "sightline/model.hpp"
+#include "sightline/potential.hpp"
 #include "sightline/team.hpp"
 
 namespace sightline {
@@ -656,6 +657,14 @@ struct PathMotion {
   void check() const;
 };
 
+/// From position to position at given times, planned or recorded.
+struct WaypointsMotion : Waypoints {
+  static constexpr auto parameters() {
+    return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_velocities<Waypoints>(),
+                          detail::file_of_lists);
+  }
+};
+
 /// Horizontal circle: centre + radius (cos a, sin a, 0), a = phase + rate t.
 struct CircleMotion {
   Vec3<double> centre{};
@@ -744,7 +753,8 @@ struct AdversaryMotion {
   void check() const { check_parameters(*this); }
 };
 
-using Motion = std::variant<PathMotion, CircleMotion, ChaseMotion, CrossMotion, HandMotion, AdversaryMotion>;
+using Motion = std::variant<PathMotion, WaypointsMotion, CircleMotion, ChaseMotion, CrossMotion, HandMotion,
+                            AdversaryMotion>;
 
 /// A body and its motion.
 struct BodyMotion {
@@ -752,7 +762,7 @@ struct BodyMotion {
   Motion motion;
 };
 
-/// Start position of a motion that defines one: a path or a circle.
+/// Start position of a motion that defines one: a path, waypoints or a circle.
 std::optional<Vec3<double>> start_of(const Motion& motion);
 /// Upper bound of the motion's speed [m/s].
 double top_speed(const Motion& motion);

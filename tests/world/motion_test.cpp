@@ -55,6 +55,9 @@ struct MovingObstacle {
 
 const std::vector<Motion> all_motions = {
     PathMotion{.points = {{3, 0, 1}, {3, 2, 1}, {1, 2, 2}}, .speed = 0.7, .end = PathMotion::End::round},
+    WaypointsMotion{{.times = {0, 4, 9, 20},
+                     .p = {{3, 0, 1}, {3, 2, 1}, {1, 2, 2}, {1, 0, 1}},
+                     .v = {{0, 0, 0}, {-0.5, 0.5, 0}, {0, 0, 0.2}, {0, 0, 0}}}},
     CircleMotion{.centre = {0, 0, 1}, .radius = 2, .rate = 0.4, .phase = 1},
     ChaseMotion{.agent = uav0, .speed = 0.6, .standoff = 0.8},
     CrossMotion{.agent = uav0, .at = 1, .speed = 0.9, .miss = 0.2},

@@ -51,16 +51,40 @@ Pose<double> Constant::operator()(double) const {
   return {p, heading ? Vec2<double>{cos(*heading), sin(*heading)} : Vec2<double>{}};
 }
 
-void Waypoints::check() const { check_list(name, times, p, heading); }
+void Waypoints::check() const {
+  check_list(name, times, p, heading);
+  if (v.empty()) return;
+  if (v.size() != times.size())
+    throw std::invalid_argument(
+        fmt::format("{} has {} velocities, expected {}, one for each time", name, v.size(), times.size()));
+  for (const Vec3<double>& at : v) {
+    for (const double c : {at.x, at.y, at.z}) require(true, name, "v", c, "finite m/s");
+  }
+}
 
 Pose<double> Waypoints::operator()(double t) const {
   const std::size_t i = last_before(times, t);
   if (i + 1 >= times.size() || t <= times[i]) return {p[i], direction(heading, i)};
-  const double s = (t - times[i]) / (times[i + 1] - times[i]);
-  const Vec3<double> at = p[i] + s * (p[i + 1] - p[i]);
+  const double h = times[i + 1] - times[i], s = (t - times[i]) / h;
+  Vec3<double> at = p[i] + s * (p[i + 1] - p[i]);
+  if (!v.empty()) {
+    const Vec3<double> mean = (1 / h) * (p[i + 1] - p[i]);
+    at = at + (h * s * (1 - s)) * ((1 - s) * (v[i] - mean) + s * (mean - v[i + 1]));
+  }
   if (heading.empty()) return {at, {}};
   const double turn = wrap_angle(heading[i + 1] - heading[i]);
   return {at, {cos(heading[i] + s * turn), sin(heading[i] + s * turn)}};
+}
+
+double Waypoints::top_speed() const {
+  double most = 0.0;
+  for (std::size_t i = 0; i + 1 < times.size(); ++i) {
+    const Vec3<double> mean = (1 / (times[i + 1] - times[i])) * (p[i + 1] - p[i]);
+    most = std::max(most, norm(mean));
+    // The velocity is a polynomial of Bezier, within the hull of its control points.
+    if (!v.empty()) most = std::max({most, norm(v[i]), norm(v[i + 1]), norm(3.0 * mean - v[i] - v[i + 1])});
+  }
+  return most;
 }
 
 void Steps::check() const { check_list(name, times, p, heading); }

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "sightline/scenario/read_part.hpp"
+#include "sightline/scenario/csv_lists.hpp"
 
 namespace sightline {
 namespace {
@@ -13,6 +13,7 @@ using FindAgent = std::function<AgentId(const TomlTable&)>;
 
 template <class Kind>
 Motion read_kind(const TomlTable& at, const FindAgent& agent) {
+  if constexpr (requires(Kind kind) { kind.times; }) return read_part<Kind>(ListSource(at));
   Kind motion = read_part<Kind>(TableSource(at));
   if constexpr (requires { motion.agent; }) motion.agent = agent(at);
   return motion;
@@ -21,6 +22,7 @@ Motion read_kind(const TomlTable& at, const FindAgent& agent) {
 using ReadMotion = Motion (*)(const TomlTable& at, const FindAgent& agent);
 constexpr std::array motions = {
     Named<ReadMotion>{PathMotion::name, read_kind<PathMotion>},
+    Named<ReadMotion>{WaypointsMotion::name, read_kind<WaypointsMotion>},
     Named<ReadMotion>{CircleMotion::name, read_kind<CircleMotion>},
     Named<ReadMotion>{ChaseMotion::name, read_kind<ChaseMotion>},
     Named<ReadMotion>{CrossMotion::name, read_kind<CrossMotion>},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/scenario/csv_lists.hpp"
 #include "sightline/scenario/read_region.hpp"
 
 namespace sightline {
@@ -135,7 +136,9 @@ Reference read_reference(const TomlTable& agent, const Model& model) {
   known.push_back(state);
   const std::string_view name = choice.choice(known);
   if (name == state) return choice.numbers(state, static_cast<std::size_t>(model.nx()));
-  return read_named(list, name, choice.table(name));
+  const TomlTable at = choice.table(name);
+  if (has_file_of_lists(*list.find(name))) return list.find(name)->read(ListSource(at), {});
+  return read_named(list, name, at);
 }
 
 }  // namespace sightline

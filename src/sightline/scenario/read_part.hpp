@@ -15,7 +15,7 @@
 namespace sightline {
 
 /// A table as a parameter source of parts. A view: the table must outlive it. Throws ScenarioError.
-class TableSource final : public ParameterSource {
+class TableSource : public ParameterSource {
  public:
   explicit TableSource(const TomlTable& at) : at_(at) {}
 

@@ -70,6 +70,7 @@ void PathMotion::check() const {
 
 std::optional<Vec3<double>> start_of(const Motion& motion) {
   if (const auto* path = std::get_if<PathMotion>(&motion)) return path->points.front();
+  if (const auto* waypoints = std::get_if<WaypointsMotion>(&motion)) return (*waypoints)(0.0).p;
   if (const auto* circle = std::get_if<CircleMotion>(&motion)) {
     const SinCos<double> a = sincos(circle->phase);
     return circle->centre + circle->radius * Vec3<double>{a.cos, a.sin, 0};
@@ -83,6 +84,7 @@ double top_speed(const Motion& motion) {
   return std::visit(
       [](const auto& m) {
         if constexpr (requires { m.speed; }) return m.speed;
+        if constexpr (requires { m.top_speed(); }) return m.top_speed();
         return 0.0;
       },
       motion);
@@ -158,6 +160,8 @@ struct Motions::Steer {
     const double w = (s - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
     return reach(path.points[i - 1] + w * (path.points[i] - path.points[i - 1]));
   }
+
+  Vec3<double> operator()(const WaypointsMotion& waypoints) const { return reach(waypoints(t + dt).p); }
 
   Vec3<double> operator()(const CircleMotion& circle) const {
     const SinCos<double> a =

@@ -1,0 +1,62 @@
+/// Lists of a part, positions and headings at times, from the columns of a text file:
+///
+///     reference = { waypoints = { file = "path.csv" } }
+///
+/// Full description: docs/robots.md.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+
+/// Columns of numbers with names.
+struct CsvColumns {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;  ///< of each column, of equal length
+
+  /// The column of that name, or null.
+  const std::vector<double>* find(std::string_view name) const;
+};
+
+/// Most rows and columns of a file.
+inline constexpr std::size_t csv_rows_max = 100'000, csv_columns_max = 64;
+
+/// Reads rows of numbers, separated by commas, semicolons, tabs or spaces. Empty lines and those
+/// that begin with # are skipped, except that a line of names before the first row may begin so.
+/// @param names  of the columns, in their order; "-" for one that is not used; empty: from the
+/// first line
+/// @throws ScenarioError for a row with another number of entries, an entry that is not a finite
+/// number, a name that comes twice, no row, or more rows or columns than the most
+CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<std::string> names = {});
+
+/// Whether the part has lists that a file may give.
+bool has_file_of_lists(const PartText& part);
+
+/// A table as the source of a part whose lists `times`, `p`, `heading` and `v` a file gives, if the
+/// table has the key `file`. A view: the table must outlive it.
+class ListSource final : public TableSource {
+ public:
+  /// @throws ScenarioError for a file that cannot be read, lacks a column, or stands beside a list
+  explicit ListSource(const TomlTable& at);
+
+  bool has(std::string_view key) const override;
+  std::vector<double> numbers(std::string_view key, std::size_t length, const Bounds& bounds,
+                              std::string_view unit) const override;
+  std::vector<double> rising(std::string_view key) const override;
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t count,
+                                        std::size_t length) const override;
+
+ private:
+  const std::vector<double>& column(std::string_view name) const;
+  bool is_of_file(std::string_view key) const;
+
+  std::optional<CsvColumns> columns_;
+  std::string file_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,169 @@
+#include "sightline/scenario/csv_lists.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "sightline/world.hpp"
+
+namespace sightline {
+namespace {
+
+using Numbers = std::vector<double>;
+
+std::string sentence_of(const std::string& text, std::vector<std::string> names = {}) {
+  try {
+    (void)read_csv(text, "path.csv", std::move(names));
+  } catch (const ScenarioError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// The path that a scenario's table names, in a file with this text.
+template <class Kind>
+Kind path_in(const std::string& keys, const std::string& text) {
+  TomlDocument document = parse_toml("file = \"path.csv\"\n" + keys, "folder/a.toml");
+  document.from_disk = false;
+  document.files["path.csv"] = text;
+  Kind path = read_part<Kind>(ListSource(TomlTable(document)));
+  path.check();
+  return path;
+}
+
+std::string refusal_of(const std::string& keys, const std::string& text) {
+  try {
+    (void)path_in<Waypoints>(keys, text);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(CsvLists, TheSameNumbersComeFromEachWayOfWritingThem) {
+  const std::string rows = "0,1,2,3\n0.5,4,5,6\n";
+  const std::vector<std::string> texts = {
+      "t,x,y,z\n" + rows, "\xef\xbb\xbfTime, X, Y, Z\r\n0, 1, 2, 3\r\n0.5, 4, 5, 6\r\n",
+      "# t x y z\n0 1 2 3\n\n# a remark\n0.5\t4  5 +6\n", "\"t\";\"x\";\"y\";\"z\"\n0;1;2;3\n0.5;4;5;6",
+      "a title\nt,x,y,z\n0,1,2,3\n0.5,4,5,6\n"};
+  for (const std::string& text : texts) {
+    const CsvColumns columns = read_csv(text, "path.csv");
+    ASSERT_EQ(columns.names, (std::vector<std::string>{"t", "x", "y", "z"})) << text;
+    EXPECT_EQ(columns.values, (std::vector<Numbers>{{0, 0.5}, {1, 4}, {2, 5}, {3, 6}})) << text;
+  }
+  EXPECT_EQ(read_csv(rows, "path.csv", {"t", "-", "y", "z"}).values,
+            (std::vector<Numbers>{{0, 0.5}, {}, {2, 5}, {3, 6}}));
+}
+
+TEST(CsvLists, EachFaultIsNamedWithItsLineAndItsValue) {
+  EXPECT_EQ(sentence_of("0,1,2,3\n"),
+            "path.csv:1: no names of columns before the first row, expected a line such as t,x,y,z, or the "
+            "key columns");
+  EXPECT_EQ(sentence_of("t,x\n0,1\n1,2,3\n"), "path.csv:3: 3 entries, expected 2, one for each column");
+  EXPECT_EQ(sentence_of("t,x\n0,1\n1,fast\n"), "path.csv:3: x = \"fast\", expected a number");
+  EXPECT_EQ(sentence_of("t,x\n0,1\n1,nan\n"), "path.csv:3: x = \"nan\", expected a number");
+  EXPECT_EQ(sentence_of("t,x\n0,1\n1,\n"), "path.csv:3: x = \"\", expected a number");
+  EXPECT_EQ(sentence_of("t,x,t\n0,1,2\n"), "path.csv:2: two columns are called \"t\", expected one");
+  EXPECT_EQ(sentence_of("t,x\n"), "path.csv:1: no row of numbers, expected at least one");
+  EXPECT_EQ(sentence_of(""), "path.csv: no row of numbers, expected at least one");
+}
+
+TEST(CsvLists, AFileGivesThePathOfItsLists) {
+  const std::string text = "t,x,y,z,yaw,vx,vy,vz,battery\n0,1,2,3,0.5,1,0,0,9\n2,3,2,1,1.5,0,1,0,9\n";
+  const auto path = path_in<Waypoints>("", text);
+  const Waypoints same{
+      .times = {0, 2}, .p = {{1, 2, 3}, {3, 2, 1}}, .heading = {0.5, 1.5}, .v = {{1, 0, 0}, {0, 1, 0}}};
+  const auto steps = path_in<Steps>("", text);
+  const auto motion = path_in<WaypointsMotion>("begin = 4.0", text);
+  for (double t = -1; t < 4; t += 0.125) {
+    EXPECT_EQ(norm(path(t).p - same(t).p), 0.0);
+    EXPECT_EQ(path(t).d.x, same(t).d.x);
+    EXPECT_EQ(norm(steps(t).p - same.p[t < 2 ? 0 : 1]), 0.0);
+    EXPECT_EQ(norm(motion(t + 4).p - same(t).p), 0.0);
+  }
+  EXPECT_TRUE(motion.heading.empty());
+
+  const auto timed = path_in<Waypoints>("columns = [\"x\", \"y\", \"z\", \"heading\"]\nperiod = 0.5",
+                                        "16, 0, 3, 0\n15, 1, 3, 0.25\n14, 1, 3, 0.5\n");
+  EXPECT_EQ(timed.times, (Numbers{0, 0.5, 1}));
+  EXPECT_EQ(timed.heading, (Numbers{0, 0.25, 0.5}));
+}
+
+TEST(CsvLists, WhatAFileCannotGiveIsRefused) {
+  const std::string text = "t,x,y,z\n0,1,2,3\n";
+  EXPECT_EQ(refusal_of("times = [0.0]", text),
+            "folder/a.toml:2: times = [0], expected no such key beside file, which gives it");
+  EXPECT_EQ(refusal_of("period = 0.1", text),
+            "folder/a.toml:2: period = 0.1, expected no such key beside a column t");
+  EXPECT_EQ(refusal_of("", "t,x,y\n0,1,2\n"),
+            "folder/path.csv:1: no column \"z\", expected the columns t, x, y, z");
+  EXPECT_EQ(refusal_of("", "x,y,z\n0,1,2\n"),
+            "folder/path.csv:1: no column \"t\", expected the columns t, x, y, z, or the key period");
+  EXPECT_EQ(refusal_of("", "t,x,y,z\n1,0,0,0\n1,0,0,0\n"),
+            "folder/path.csv:1: t = 1 in row 2 of numbers after 1, expected times that rise [s]");
+  EXPECT_EQ(
+      refusal_of("", "t,x,y,z\n1.7e9,0,0,0\n"),
+      "folder/path.csv:1: t = 1700000000 s in the first row, expected at most 100000 s, or the key begin");
+  EXPECT_EQ(refusal_of("speed = 1.0", text).substr(0, 27), "folder/a.toml:2: speed = 1,");
+}
+
+// The velocity is the derivative, and the bound holds on it.
+TEST(CsvLists, APathWithVelocitiesHasThemAndStaysBelowItsTopSpeed) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-2, 2);
+  for (int trial = 0; trial < 50; ++trial) {
+    Waypoints path;
+    double t = 0;
+    for (int i = 0; i < 6; ++i) {
+      path.times.push_back(t);
+      t += 0.5 + std::fabs(any(random));
+      path.p.push_back({any(random), any(random), any(random)});
+      path.v.push_back({any(random), any(random), any(random)});
+    }
+    path.check();
+    const double h = 1e-6;
+    const auto velocity = [&](double at) { return (0.5 / h) * (path(at + h).p - path(at - h).p); };
+    for (std::size_t i = 1; i + 1 < path.times.size(); ++i) {
+      EXPECT_LE(norm(path(path.times[i]).p - path.p[i]), 1e-12);
+      EXPECT_LE(norm(velocity(path.times[i]) - path.v[i]), 1e-4);
+    }
+    for (double at = h; at < path.times.back() - h; at += 0.01)
+      EXPECT_LE(norm(velocity(at)), path.top_speed() + 1e-6);
+  }
+}
+
+TEST(CsvLists, NoMutatedFileDoesMoreThanBeingRefused) {
+  const std::string text = "# t x y z heading\n0,1,2,3,0.5\n2,3,2,1,1.5\n3;4\t5 6,\"7\"\n";
+  std::mt19937 random(3);
+  int accepted = 0;
+  for (int trial = 0; trial < 20'000; ++trial) {
+    std::string mutated = text;
+    for (unsigned k = random() % 4 + 1; k > 0; --k) {
+      const std::size_t at = random() % mutated.size();
+      switch (random() % 3) {
+        case 0:
+          mutated[at] = static_cast<char>(random());
+          break;
+        case 1:
+          mutated.erase(at, random() % 5);
+          break;
+        default:
+          mutated.insert(at, mutated.substr(random() % mutated.size(), random() % 6));
+          break;
+      }
+      if (mutated.empty()) mutated = ",";
+    }
+    try {
+      const CsvColumns columns = read_csv(mutated, "path.csv");
+      for (const Numbers& column : columns.values) ASSERT_EQ(column.size(), columns.values.front().size());
+      ++accepted;
+    } catch (const ScenarioError& error) {
+      ASSERT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
+    }
+  }
+  EXPECT_GT(accepted, 0);
+}
+
+}  // namespace
+}  // namespace sightline
