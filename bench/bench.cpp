@@ -17,6 +17,8 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/quantile.hpp"
 #include "sightline/config.hpp"
+#include "sightline/loop.hpp"
+#include "sightline/run/warm_up.hpp"
 #include "sightline/solver/newton/influence.hpp"
 #include "sightline/worlds.hpp"
 
@@ -31,7 +33,8 @@ struct Flight {
   double krylov_sum = 0.0;
 };
 
-/// Only the plant runs between two updates, so caches are as warm as in a real loop.
+/// Only the plant runs between two updates. Unless they are paced, caches are warmer than in a
+/// flight.
 Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
   using std::chrono::steady_clock;
   const std::size_t nx = at(what.team.nx()), nu = at(what.team.nu()), n = at(options.updates);
@@ -41,7 +44,15 @@ Flight fly(const BenchCase& what, Solver& solver, const BenchOptions& options) {
   Flight flight{
       .x = std::vector<double>(kept * nx), .u = std::vector<double>(kept * nu), .us = std::vector<double>(n)};
   Plant plant(what.team, what.x0, {.period = dt});
+  SteadyClock clock;
+  WarmUp warm_up(options.warm_up);
+  if (options.paced) clock.start(dt);
+  std::int64_t period = 0;  // of the clock
   for (std::size_t k = 0; k < n; ++k) {
+    if (options.paced) {
+      warm_up.before(clock, period, [&]() noexcept { solver.warm_up(); });
+      period = clock.wait(period) + 1;
+    }
     if (options.judged) std::copy(plant.x().begin(), plant.x().end(), &flight.x[k * nx]);
     const std::int64_t allocated = count();
     const steady_clock::time_point begin = steady_clock::now();
@@ -158,6 +169,7 @@ BenchRow run_bench(const BenchCase& what, SolverChoice choice, const BenchOption
                .p99_us = quantile(flight.us, 0.99),
                .max_us = quantile(flight.us, 1.0),
                .first_us = flight.us[0],
+               .p999_us = quantile(flight.us, 0.999),
                .p9999_us = quantile(flight.us, 0.9999),
                .allocations = flight.allocations,
                .krylov_mean = flight.krylov_sum / options.updates};
@@ -195,6 +207,18 @@ std::string bench_json(const std::vector<BenchRow>& rows) {
                                                    {"krylov_mean", row.krylov_mean}});
   }
   return json_text(json, 2) + "\n";
+}
+
+std::string paced_table(const std::vector<BenchRow>& rows) {
+  std::string text = fmt::format("{}; {}\n\n", machine(), compiler);
+  text +=
+      "| case | solver | robots | p50 us | p99 us | p99.9 us | p99.99 us | max us | allocations |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
+  for (const BenchRow& row : rows)
+    text += fmt::format("| {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {} |\n", row.name,
+                        row.solver, row.agents, row.median_us, row.p99_us, row.p999_us, row.p9999_us,
+                        row.max_us, row.allocations);
+  return text;
 }
 
 std::string bench_table(const std::vector<BenchRow>& rows) {

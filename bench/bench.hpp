@@ -19,6 +19,9 @@ struct BenchOptions {
   std::int64_t (*allocations)() = nullptr;     ///< counter of this thread's allocations; null: not counted
   std::function<void(int update)> progress{};  ///< receives the progress of the comparison; may be empty
   bool judged = true;  ///< compare with the optimum; else only times, of any number of updates
+  /// Each update begins on the machine's clock, with sleep between, as in a flight in real time.
+  bool paced = false;
+  double warm_up = 0.0;  ///< of paced updates: LoopOptions::warm_up [s]
 };
 
 struct BenchRow {
@@ -26,7 +29,8 @@ struct BenchRow {
   int agents = 0;
   bool masked = false;
   double median_us = 0.0, p99_us = 0.0, max_us = 0.0;  ///< wall time of an update, the first included
-  double first_us = 0.0, p9999_us = 0.0;               ///< cold start; 99.99th percentile
+  double first_us = 0.0;                               ///< cold start
+  double p999_us = 0.0, p9999_us = 0.0;                ///< 99.9th and 99.99th percentile
   double input_error_max = 0.0;                        ///< |u - u*|, infinity norm, from 2 s on
   double input_error_transient = 0.0;                  ///< maximum over all updates after the first
   double cost = 0.0;                                   ///< sum of l dt over the updates
@@ -52,5 +56,7 @@ BenchRow run_bench(const BenchCase& what, SolverChoice solver, const BenchOption
 std::string bench_json(const std::vector<BenchRow>& rows);
 /// The same and IPOPT's columns, as a Markdown table.
 std::string bench_table(const std::vector<BenchRow>& rows);
+/// Times of paced updates, as a Markdown table.
+std::string paced_table(const std::vector<BenchRow>& rows);
 
 }  // namespace sightline

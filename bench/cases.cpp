@@ -169,6 +169,8 @@ BenchCase pair(std::string name, paper::Variant variant, std::vector<double> x0)
 
 }  // namespace
 
+std::vector<std::string> paced_case_names() { return {"pair", "chain_64", "cascade_64", "chain_256"}; }
+
 std::vector<std::string> bench_case_names() {
   std::vector<std::string> names = {"pair", "pair_masked"};
   for (const int length : chain_lengths) {

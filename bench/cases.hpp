@@ -41,6 +41,9 @@ inline constexpr Horizon bench_horizon{.T = 1.0, .N = 20, .dt = 0.01};
 /// The names of the cases flown by default, in the order of the table.
 std::vector<std::string> bench_case_names();
 
+/// The names of the cases that are paced by default: one in and three beyond the nearest caches.
+std::vector<std::string> paced_case_names();
+
 /// M of "FAMILY_M", 8 to 1024; none for another name.
 std::optional<int> team_size(std::string_view name, std::string_view family);
 

@@ -28,6 +28,9 @@ fi
 load=$(cut -d' ' -f1 /proc/loadavg)
 time_prototype
 taskset -c "$core" build/release/bin/sightline bench >"$work/table.md"
+for seconds in 0 0.001; do
+  taskset -c "$core" build/release/bin/sightline bench --paced --warm-up $seconds >"$work/paced_$seconds.md"
+done
 time_prototype
 
 # A case's median [us], ours and IPOPT's; a line's lower median, the prototype's.
@@ -96,6 +99,21 @@ chain_64;team W8 M 64 JOINT k2 stop [^:]*
 chain_64_masked;team W8 M 64 MASK k2 stop [^:]*
 CASES
   fi
+  cat <<'TEXT'
+
+## In a flight at 100 Hz
+
+As `run --realtime` has them, updates begin each 10 ms, and others use the caches between. *Cold*: as they come; else
+the solver fills the caches just before, `[loop] warm_up`.
+
+| case | back to back p50 us | cold p50 us | cold p99 us | p50 us | p99 us | p99.9 us |
+|---|---|---|---|---|---|---|
+TEXT
+  paced() { awk -F'|' -v name=" $2 " -v column="$3" '$2 == name { print $column + 0 }' "$work/paced_$1.md"; }
+  for name in pair chain_64 cascade_64; do
+    printf '| %s | %s | %s | %s | %s | %s | %s |\n' "$name" "$(median "$name")" "$(paced 0 "$name" 5)" "$(paced 0 "$name" 6)" \
+      "$(paced 0.001 "$name" 5)" "$(paced 0.001 "$name" 6)" "$(paced 0.001 "$name" 7)"
+  done
   cat <<TEXT
 
 ## Over the number of robots

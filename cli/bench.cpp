@@ -9,6 +9,7 @@
 #include "cli/allocations.hpp"
 #include "cli/arguments.hpp"
 #include "cli/output.hpp"
+#include "sightline/run/realtime.hpp"
 #include "sightline/scenario.hpp"
 #ifdef SIGHTLINE_BENCH
 #include "bench/barrier.hpp"
@@ -25,7 +26,8 @@ struct BenchCommand {
   std::optional<std::string> name;
   std::string solver = "newton_riccati";
   int threads = 1, updates = 6000;
-  bool json = false, times_only = false;
+  bool json = false, times_only = false, paced = false;
+  double warm_up = 1e-3;
 };
 
 #ifdef SIGHTLINE_BENCH
@@ -38,7 +40,9 @@ int bench(const BenchCommand& command, char** /*argv*/) {
     solver = solver_named(command.solver);
     pool = std::make_shared<ThreadPool>(command.threads);
     share_updates(solver, pool);
-    for (const std::string& name : command.name ? std::vector{*command.name} : bench_case_names()) {
+    for (const std::string& name : command.name    ? std::vector{*command.name}
+                                   : command.paced ? paced_case_names()
+                                                   : bench_case_names()) {
       const bool is_alone = is_barrier_case(name) || name == event_case_name || name == estimate_case_name;
       if (is_alone && command.threads > 1)
         throw std::invalid_argument(
@@ -46,6 +50,9 @@ int bench(const BenchCommand& command, char** /*argv*/) {
       if ((is_alone || is_swarm_case(name)) && command.solver != SolverChoice{}.name)
         throw std::invalid_argument(fmt::format("--solver = {} of {}, expected {}: no other is timed in it",
                                                 command.solver, name, SolverChoice{}.name));
+      if ((is_alone || is_swarm_case(name)) && command.paced)
+        throw std::invalid_argument(
+            fmt::format("--paced of {}, expected a case of updates: pair, chain_64", name));
       if (!is_alone && !is_swarm_case(name)) cases.push_back(bench_case(name));
     }
   } catch (const std::invalid_argument& error) {
@@ -54,6 +61,7 @@ int bench(const BenchCommand& command, char** /*argv*/) {
   }
 
   if (command.threads == 1) pin_to_core();
+  if (command.paced) print_message("{}\n", become_realtime(control_priority).sentence());
   std::vector<BenchRow> rows;
   const auto reporting = [&](std::string_view what) {
     return BenchOptions{.updates = command.updates,
@@ -75,14 +83,16 @@ int bench(const BenchCommand& command, char** /*argv*/) {
                                   [](int update) {
                                     if (update % 500 == 0) print_message(".");
                                   },
-                              .judged = !command.times_only}));
+                              .judged = !command.times_only && !command.paced,
+                              .paced = command.paced,
+                              .warm_up = command.warm_up}));
     const BenchRow& row = rows.back();
     print_message(" {:.2f} us\n", row.median_us);
     if (row.unconverged > 0)
       print_message("{}: the optimum of {} updates is not known to 1e-10\n", row.name, row.unconverged);
     if (row.ipopt_failed > 0) print_message("{}: IPOPT failed {} times\n", row.name, row.ipopt_failed);
   }
-  print("{}", command.json ? bench_json(rows) : bench_table(rows));
+  print("{}", command.json ? bench_json(rows) : command.paced ? paced_table(rows) : bench_table(rows));
   return 0;
 }
 
@@ -115,6 +125,14 @@ Execute describe_bench(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(100, 10'000'000));
   app.add_flag("--times", command->times_only, "Times alone, not compared with the optimum");
+  CLI::Option* const paced =
+      app.add_flag("--paced", command->paced,
+                   "Times at 100 Hz with sleep between, as in a flight, by SCHED_FIFO where allowed");
+  app.add_option("--warm-up", command->warm_up,
+                 "Longest time before an update in which the solver fills the caches [s]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 5e-3))
+      ->needs(paced);
   return [command](const Registry&, char** argv) { return bench(*command, argv); };
 }
 

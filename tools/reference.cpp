@@ -94,7 +94,7 @@ std::string reference() {
          section("Estimates", {keys("[estimate], [agent.NAME.estimate]", FilterOptions{}),
                                keys("[estimate.broadcast] simulated", Radio{}),
                                keys("[estimate.broadcast] received", BroadcastOptions{})}) +
-         section("Log", {keys("[log]", LogOptions{})}) +
+         section("Loop and log", {keys("[loop]", LoopKeys{}), keys("[log]", LogOptions{})}) +
          section("Campaign",
                  {keys("[campaign]", CampaignPlan{}), keys("[campaign.evasion]", EvasionPlan{})}) +
          kinds("Links", "[agent.NAME.link]", LinkKind{}) +

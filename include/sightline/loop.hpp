@@ -627,6 +627,8 @@ struct LoopOptions {
   double duration = 60.0;      ///< [s]; round(duration / period) periods
   double period = 0.01;        ///< [s], that of each controller's horizon
   double path_interval = 0.1;  ///< between two samples with a predicted path [s]; 0: no paths
+  /// Longest time before a period in which solvers warm up, if the clock waits [s]; 0: they do not.
+  double warm_up = 0.0;
   /// Number of allocations of the calling thread so far; null: not counted.
   std::int64_t (*allocations)() noexcept = nullptr;
   /// If true, the loop ends at the next period.
@@ -724,6 +726,9 @@ class Clock {
   /// Waits until period k begins.
   /// @return the current period: k, or a later one if k is already over
   virtual std::int64_t wait(std::int64_t k) noexcept = 0;
+  /// Waits until `ahead` [s] before period k begins. @return whether that time lies ahead; no, if
+  /// it has passed, or if periods begin at once
+  virtual bool wait_before(std::int64_t /*k*/, double /*ahead*/) noexcept { return false; }
   /// Whether time stands still while the log catches up.
   virtual bool waits_for_log() const noexcept = 0;
   /// When a team that was requested before period k takes over.
@@ -748,6 +753,7 @@ class SteadyClock final : public Clock {
  public:
   void start(double period) noexcept override;
   std::int64_t wait(std::int64_t k) noexcept override;
+  bool wait_before(std::int64_t k, double ahead) noexcept override;
   bool waits_for_log() const noexcept override { return false; }
 
  private:

@@ -437,6 +437,15 @@ struct LogOptions {
   }
 };
 
+struct LoopKeys {
+  double warm_up = 1e-3;
+  static constexpr auto parameters() {
+    return std::tuple{parameter("warm_up", &LoopKeys::warm_up, "s", {0.0, 5e-3, "0 to 0.005"},
+                                "longest time before a period of real time in which solvers fill the caches; "
+                                "0: they do not; at most half of the period")};
+  }
+};
+
 /// Limits of the input.
 inline constexpr std::size_t agents_max = 1024;   // robots; same limit for targets plus obstacles
 inline constexpr double updates_max = 1e9;        // duration / period
@@ -470,6 +479,7 @@ struct ScenarioSpec {
   std::optional<Safety> safety{};
   std::vector<CertifiedView> certified_views{};  ///< with their certificates
   LogOptions log{};
+  LoopKeys loop{};
   std::shared_ptr<const Links> links{};      ///< to its robots, if they are not simulated; null: none
   std::vector<GoalOptions> goal_options{};   ///< of the robots that accept goals in flight
   std::optional<PartitionPlan> partition{};  ///< of the whole team; if one part is planned here, `team` is

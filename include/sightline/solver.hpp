@@ -146,6 +146,11 @@ class Solver {
   /// Solvers whose uses_uncertainty() is false use the mean.
   virtual void set_view_uncertainty(std::span<const ViewUncertainty> /*of_bodies*/) noexcept {}
 
+  /// Reads and writes what the next update will, so that its code and data are in the caches; no
+  /// later result changes, but predicted states and derivatives of the last update are lost.
+  /// Default: nothing.
+  virtual void warm_up() noexcept {}
+
   /// Projected KKT infinity norm of the current iterate at these states, without the solver's own
   /// relaxations; infinity if not a number. For acceptance figures, outside the timed part.
   virtual double kkt(double time, std::span<const double> states) noexcept = 0;

@@ -658,6 +658,7 @@ class NewtonRiccati final : public Solver, public TeamPlanner {
   void set_applied(const AppliedInputs& applied) noexcept override;
   void set_view_uncertainty(std::span<const ViewUncertainty> of_bodies) noexcept override;
   bool uses_uncertainty() const noexcept override { return true; }
+  void warm_up() noexcept override;
   double kkt(double time, std::span<const double> states) noexcept override;
   void planned(double time, std::span<double> u) const noexcept override;
   void restart() noexcept override;

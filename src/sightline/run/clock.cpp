@@ -16,4 +16,11 @@ std::int64_t SteadyClock::wait(std::int64_t k) noexcept {
   return std::max(k, (monotonic_now() - start_ns_) / period_ns_);
 }
 
+bool SteadyClock::wait_before(std::int64_t k, double ahead) noexcept {
+  const std::int64_t until = start_ns_ + k * period_ns_ - std::llround(1e9 * ahead);
+  if (monotonic_now() > until) return false;
+  sleep_until(until);
+  return true;
+}
+
 }  // namespace sightline

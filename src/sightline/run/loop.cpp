@@ -28,6 +28,8 @@ LoopOptions checked(LoopOptions o, const Controllers& controllers) {
     throw_invalid("loop.duration = {}, expected > 0 s and at most 1e9 periods", o.duration);
   }
   if (!(o.path_interval >= 0)) throw_invalid("loop.path_interval = {}, expected >= 0 s", o.path_interval);
+  if (!(o.warm_up >= 0 && o.warm_up < o.period))
+    throw_invalid("loop.warm_up = {}, expected >= 0 s and shorter than the period", o.warm_up);
   if (controllers.empty()) throw_invalid("the loop has no controller, expected at least one");
   std::stable_sort(o.signals.begin(), o.signals.end(),
                    [](const TimedSignal& a, const TimedSignal& b) { return a.at < b.at; });
@@ -132,6 +134,7 @@ LoopOutcome Loop::run() noexcept {
   const std::int64_t periods = std::llround(s.options.duration / s.options.period);
   s.clock.start(s.options.period);
   for (std::int64_t next = 0;; ++next) {
+    s.solve.warm_up(s.clock, next);
     p.k = std::min(s.clock.wait(next), periods);
     p.t = static_cast<double>(p.k) * s.options.period;
     if (const std::int64_t missed = p.k - next; missed > 0) {

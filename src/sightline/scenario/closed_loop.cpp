@@ -199,6 +199,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, World& world, const Controllers
             {.duration = scenario.simulation.duration,
              .period = scenario.horizon.dt,
              .path_interval = scenario.log.prediction_period,
+             .warm_up = std::min(scenario.loop.warm_up, 0.5 * scenario.horizon.dt),
              .allocations = allocations,
              .stop = stop,
              .guard = guard_ ? &*guard_ : nullptr,

@@ -49,9 +49,10 @@ class Reader {
   Reader(const TomlDocument& document, ScenarioSpec& scenario) : root_(document), scenario_(scenario) {}
 
   void read() {
-    root_.expect_only({"horizon", "solver", "agent", "target", "obstacle", "couple", "shape", "keep_apart",
-                       "constrain", "event", "world", "simulation", "safety", "log", "fleet", "campaign",
-                       "estimate", "partition", "certify_view"});
+    root_.expect_only({"horizon", "solver",     "agent",      "target",    "obstacle",
+                       "couple",  "shape",      "keep_apart", "constrain", "event",
+                       "world",   "simulation", "safety",     "log",       "loop",
+                       "fleet",   "campaign",   "estimate",   "partition", "certify_view"});
     read_keys(root_.table_or_empty("horizon"), {}, scenario_.horizon);
     scenario_.solver = read_solver(root_.table_or_empty("solver"), scenario_.horizon);
     read_world();
@@ -99,6 +100,7 @@ class Reader {
   void read_log() {
     const TomlTable at = root_.table_or_empty("log");
     read_keys(at, {}, scenario_.log);
+    read_keys(root_.table_or_empty("loop"), {}, scenario_.loop);
     constexpr double predictions_max = 1000.0;  // per second, of all robots together
     if (!at.has("prediction_period"))
       scenario_.log.prediction_period =

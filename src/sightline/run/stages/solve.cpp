@@ -11,6 +11,7 @@ namespace sightline::stages {
 Solve::Solve(const World& world, const Controllers& controllers, const LoopOptions& options, const Period& p)
     : team_(world.team()),
       options_(options),
+      warm_up_(options.warm_up),
       use_applied_(options.compensation != nullptr),
       u_min_(p.u.size()),
       u_max_(p.u.size()),
@@ -83,6 +84,12 @@ void Solve::run(Period& p) noexcept {
     std::copy_n(&p.u[robot.u], robot.nu, &sample.raw_u[robot.u]);
     p.planned_at[size(robot.body.index)] = p.t;
   }
+}
+
+void Solve::warm_up(Clock& clock, std::int64_t k) noexcept {
+  warm_up_.before(clock, k, [this]() noexcept {
+    for (Controller& controller : controllers()) controller.solver->warm_up();
+  });
 }
 
 std::span<Controller> Solve::controllers() noexcept {

@@ -5,6 +5,7 @@
 #include "sightline/loop.hpp"
 #include "sightline/run/controller.hpp"
 #include "sightline/run/stages/period.hpp"
+#include "sightline/run/warm_up.hpp"
 
 namespace sightline::stages {
 
@@ -16,6 +17,8 @@ class Solve {
   Solve(const World& world, const Controllers& controllers, const LoopOptions& options, const Period& period);
 
   void run(Period& period) noexcept;
+  /// Between two periods: brings the solvers into the caches before period k.
+  void warm_up(Clock& clock, std::int64_t k) noexcept;
 
  private:
   void check_steered(const std::vector<Presence>& presence) const;
@@ -30,9 +33,10 @@ class Solve {
   const Team& team_;  // of the world
   const LoopOptions& options_;
   std::vector<Controller> controllers_;  // if the team does not change
-  bool use_applied_;                     // solvers receive the applied inputs
-  std::vector<double> u_min_, u_max_;    // of one robot
-  std::vector<double> plan_;             // inputs of one stage of a plan
+  WarmUp warm_up_;
+  bool use_applied_;                   // solvers receive the applied inputs
+  std::vector<double> u_min_, u_max_;  // of one robot
+  std::vector<double> plan_;           // inputs of one stage of a plan
 };
 
 }  // namespace sightline::stages

@@ -15,6 +15,8 @@ Solution NewtonRiccati::solve(double time, std::span<const double> states) noexc
   return newton::update(*workspace_, time, states);
 }
 
+void NewtonRiccati::warm_up() noexcept { newton::warm_up(*workspace_); }
+
 double NewtonRiccati::kkt(double time, std::span<const double> states) noexcept {
   return newton::kkt(*workspace_, time, states);
 }

@@ -146,6 +146,22 @@ Solution update(Workspace& w, double time, std::span<const double> states) noexc
           .elapsed = std::chrono::duration<double>(Clock::now() - w.begin).count()};
 }
 
+/// A step from the plan that is not taken. What a substitution keeps for the next one stays cold.
+void warm_up(Workspace& w) noexcept {
+  if (!w.started || w.globalising) return;
+  const FlushSubnormals guard;
+  w.begin = Clock::now();
+  w.states = States::none;
+  w.factorised = false;
+  std::swap(w.H_u, w.u_start);  // keeps H_u of the last update for the next extrapolation
+  const bool begins = w.krylov.can_begin(*w.couplings);
+  const bool damped = solve_groups(w, true, begins);  // with the neighbours of the last update
+  Krylov::Completion coupled;
+  if (w.influence.kind == Influence::mutual) coupled = couple(w, false, damped, begins);
+  (void)evaluate_step(w, coupled);
+  std::swap(w.H_u, w.u_start);
+}
+
 double kkt(Workspace& w, double time, std::span<const double> states) noexcept {
   const FlushSubnormals guard;
   w.states = States::none;

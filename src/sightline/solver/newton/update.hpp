@@ -10,6 +10,7 @@
 namespace sightline::newton {
 
 Solution update(Workspace& w, double time, std::span<const double> states) noexcept;
+void warm_up(Workspace& w) noexcept;
 double kkt(Workspace& w, double time, std::span<const double> states) noexcept;
 void planned(const Workspace& w, double time, std::span<double> u) noexcept;
 void plan(const Workspace& w, int k, std::span<double> u) noexcept;
