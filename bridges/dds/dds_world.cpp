@@ -226,6 +226,14 @@ Joining DdsWorld::prepare(BodyId body) noexcept {
   return robot.holds ? Joining::ready : Joining::waits;
 }
 
+void DdsWorld::call_off(BodyId body) noexcept {
+  Robot& robot = robots_[at(body)];
+  if (robot.role != Role::joins) return;
+  robot.rises_at = std::numeric_limits<double>::infinity();
+  robot.called_off = robot.machine.in_our_hands();
+  robot.role = robot.called_off ? Role::leaves : Role::grounded;
+}
+
 LinkOrder DdsWorld::order_of(Robot& robot, LinkOrder order, double t) const noexcept {
   if (robot.role != Role::joins) robot.fit_at = t;
   if (order >= LinkOrder::land) return order;
@@ -318,6 +326,7 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
     robot.holds = risen && robot.placed &&
                   (norm(shown.last.motion.v) < standing || t - robot.risen_since >= stands_within);
     published_[i].joins = robot.role == Role::joins;
+    published_[i].called_off = robot.called_off;
     published_[i].reason = shown.reason;
     published_[i].state = shown.state;
     if (output.setpoint == Setpoint::task)
@@ -374,7 +383,9 @@ void DdsWorld::report_states(const PrintMessage& print) {
     const bool fails = reason != LinkReason::as_requested;
     print(fmt::format("{}: {}{}{}{}", robots_[i].name, to_string(state), fails ? ", " : "",
                       fails ? to_string(reason) : "",
-                      fails && published_[i].joins ? ": it does not join, the others fly on" : ""));
+                      fails && published_[i].joins ? ": it does not join, the others fly on"
+                      : state == LinkState::landing && published_[i].called_off ? ": its event is ignored"
+                                                                                : ""));
   }
 }
 

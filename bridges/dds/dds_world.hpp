@@ -41,6 +41,7 @@ class DdsWorld final : public LinkedWorld {
   void set_presence(std::span<const Presence> presence) noexcept override;
   bool absent_robots_stay() const noexcept override { return true; }
   Joining prepare(BodyId robot) noexcept override;
+  void call_off(BodyId robot) noexcept override;
   Measured measure(double t) noexcept override;
   bool apply(double t, std::span<const double> estimated, const sightline::Command& u, double period,
              std::int64_t periods) noexcept override;
@@ -69,7 +70,7 @@ class DdsWorld final : public LinkedWorld {
     grounded,  ///< absent: it stays on the ground
     joins,     ///< takes off and holds
     flies,     ///< in the team
-    leaves,    ///< has left the team: it lands
+    leaves,    ///< has left the team, or has risen for an event that is ignored: it lands
   };
 
   struct Robot {
@@ -87,15 +88,16 @@ class DdsWorld final : public LinkedWorld {
     double rises_at = std::numeric_limits<double>::infinity();  // in the task, ahead of its event [s]
     double risen_since = 0.0, fit_at = 0.0;                     // monotonic clock [s]
     JoiningPlace place;
-    bool placed = false;  // where it joins
-    bool holds = false;   // there, at the height of its start, at rest
+    bool placed = false;      // where it joins
+    bool holds = false;       // there, at the height of its start, at rest
+    bool called_off = false;  // in the air, its event is ignored
   };
 
   /// State of a robot for other threads.
   struct Published {
     std::atomic<LinkState> state{LinkState::waiting};
     std::atomic<LinkReason> reason{LinkReason::as_requested};
-    std::atomic<bool> joins{false};
+    std::atomic<bool> joins{false}, called_off{false};
   };
 
   std::vector<Robot> made_robots(PublishMode publish) const;

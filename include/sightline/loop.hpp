@@ -936,6 +936,9 @@ class TeamSwitcher {
   bool takes_tuned(double t) noexcept;
   void report_of(double t, std::size_t event) noexcept;
   void ignore(double t, std::size_t event) noexcept;
+  /// Calls `act` with each robot that an event adds and that is absent or lands.
+  template <class Act>
+  void each_added(const TeamEvent& event, const Act& act) const noexcept;
   Joining joining(double t, const TeamEvent& event) noexcept;
   bool waits_for_another(const TeamEvent& event, std::size_t waiting) const noexcept;
   void request_awaited(double t) noexcept;

@@ -351,6 +351,8 @@ class World {
   /// Requests that a robot which is absent or lands takes off. Called each period while an event
   /// that adds the robot waits; the answer is constant within a period.
   virtual Joining prepare(BodyId /*robot*/) noexcept { return Joining::at_once; }
+  /// Ends that request, since the event is ignored: a robot that has taken off for it lands.
+  virtual void call_off(BodyId /*robot*/) noexcept {}
   /// Applies changes that events make around the team, from now on. A world that is not simulated
   /// ignores them.
   virtual void surround(const Surroundings& /*around*/) noexcept {}

@@ -244,6 +244,27 @@ TEST(ChangingFleet, ARobotThatIsLostWhileItClimbsDoesNotJoinAndTheOthersFlyOn) {
   for (const std::size_t i : {0u, 1u}) EXPECT_FALSE(rig.vehicle(i).armed()) << i;
 }
 
+TEST(ChangingFleet, WhereOneRobotOfAnEventIsLostTheOneThatRoseWithItLandsAtOnceAndTheOthersFlyOn) {
+  Rig rig(
+      row_of({"1.16", "1.16", "1.16"}, 10.0,
+             "[[simulation.signal]]\nname = \"go\"\n[[event]]\nsignal = \"go\"\nadd = [\"uav1\", \"uav2\"]\n",
+             "model", "on", 1));
+  bool landed = false;
+  const LoopOutcome outcome = rig.fly(0.3, [&] {
+    rig.switcher->signal("go");
+    EXPECT_TRUE(test::eventually([&] { return rig.vehicle(2).motion().p.z > 0.3; }, std::chrono::seconds(6)));
+    rig.faults(1).begin(Kind::silent);
+    landed = test::eventually([&] { return !rig.vehicle(2).armed(); }, std::chrono::seconds(6));
+  });
+  const std::string said = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(landed) << said;
+  EXPECT_GE(outcome.updates + outcome.missed, 1000) << said;
+  EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav1: nothing came from it any more"));
+  EXPECT_THAT(rig.reported, Contains("uav2: landing: its event is ignored")) << said;
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1) << said;
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 0) << said;
+}
+
 TEST(ChangingFleet, ARobotThatIsLostAfterItLeftDoesNotEndTheFlight) {
   Rig rig(row_of({"1.16", "1.16"}, 10.0,
                  "[[event]]\nat = 0.5\nremove = { agent = \"uav0\", then = \"land\" }\n"));

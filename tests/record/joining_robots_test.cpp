@@ -20,7 +20,8 @@ namespace {
 
 using testing::ElementsAre;
 
-/// The simulated world of a scenario, but the take-off of an added robot lasts for `duration` [s].
+/// The simulated world of a scenario, but the take-off of an added robot lasts for `duration` [s]. Of
+/// several robots only the second body is refused.
 class TakeOffWorld final : public World {
  public:
   TakeOffWorld(const Scenario& scenario, double duration, Joining outcome)
@@ -30,10 +31,12 @@ class TakeOffWorld final : public World {
   std::span<const double> start() const noexcept override { return world_->start(); }
   void set_presence(std::span<const Presence> presence) noexcept override { world_->set_presence(presence); }
   bool absent_robots_stay() const noexcept override { return true; }
-  Joining prepare(BodyId) noexcept override {
+  Joining prepare(BodyId robot) noexcept override {
     if (began_ < 0) began_ = t_;
-    return t_ - began_ < duration_ - 1e-9 ? Joining::waits : outcome_;
+    const bool waits = outcome_ == Joining::refused && robot.index != 1;
+    return waits || t_ - began_ < duration_ - 1e-9 ? Joining::waits : outcome_;
   }
+  void call_off(BodyId robot) noexcept override { called_off.push_back(robot.index); }
   Measured measure(double t) noexcept override {
     t_ = t;
     return world_->measure(t);
@@ -43,6 +46,8 @@ class TakeOffWorld final : public World {
     return world_->apply(t, estimated, u, period, periods);
   }
   std::span<const double> truth() const noexcept override { return world_->truth(); }
+
+  std::vector<int> called_off;
 
  private:
   std::unique_ptr<World> world_;
@@ -55,6 +60,7 @@ struct FlightWithTakeOff {
   Scenario scenario;
   test::Folder folder{"joining_robots"};
   Recording run;
+  std::vector<int> called_off;
 
   FlightWithTakeOff(const std::string& text, std::optional<double> duration, Joining outcome = Joining::ready)
       : scenario(parse_scenario(text, "joining.toml")) {
@@ -68,6 +74,7 @@ struct FlightWithTakeOff {
                    {.world = world ? &*world : nullptr, .team_switcher = controls.team_switcher()});
     EXPECT_TRUE(flight.logged);
     run = read_recording(folder.path());
+    if (world) called_off = world->called_off;
   }
 
   /// What happened to events and their robots: "1.50 robot_ready 1".
@@ -139,6 +146,18 @@ TEST(JoiningRobots, LaterEventsOfARobotThatCannotJoinGoOnInTheirOrder) {
       joins_and_leaves, Joining::refused,
       {"1.00 event_happened 0", "1.20 event_happened 1", "1.30 event_happened 2", "1.50 robot_refused 1",
        "1.50 event_ignored 0", "1.51 event_ignored 1", "1.52 event_in_force 2"});
+}
+
+TEST(JoiningRobots, AnEventOfWhichOneRobotCannotJoinIsIgnoredAsAWholeAndNoneWaitsForIt) {
+  const FlightWithTakeOff flight("[simulation]\nduration = 2.5\n" + hovering_robot("a", "[0.0, 0.0, 1.0]") +
+                                     hovering_robot("b", "[2.0, 0.0, 1.0]", "present = false") +
+                                     hovering_robot("c", "[4.0, 0.0, 1.0]", "present = false") +
+                                     "[[event]]\nat = 1.0\nadd = [\"b\", \"c\"]\n",
+                                 0.5, Joining::refused);
+  EXPECT_THAT(flight.occurred(),
+              ElementsAre("1.00 event_happened 0", "1.50 robot_refused 1", "1.50 event_ignored 0"));
+  EXPECT_THAT(flight.called_off, ElementsAre(1, 2));
+  flight.expect_same_commands_again();
 }
 
 TEST(JoiningRobots, ARobotThatLandsCannotJoinAgain) {

@@ -117,6 +117,16 @@ TeamSwitcher::~TeamSwitcher() {
   thread_.join();
 }
 
+template <class Act>
+void TeamSwitcher::each_added(const TeamEvent& event, const Act& act) const noexcept {
+  for (const Action& action : event.actions) {
+    const auto* const add = std::get_if<AddBody>(&action);
+    if (add == nullptr || !world_.is_agent(add->body)) continue;
+    const Presence now = present_->membership.presence[at(add->body)];
+    if (now == Presence::absent || now == Presence::land) act(add->body);
+  }
+}
+
 void TeamSwitcher::emit(double t, EventKind kind, std::size_t event) noexcept {
   if (reported_.size() < reported_.capacity()) reported_.push_back({t, kind, 0, static_cast<double>(event)});
 }
@@ -153,8 +163,9 @@ void TeamSwitcher::report_of(double t, std::size_t event) noexcept {
   emit(t, refused ? EventKind::event_ignored : EventKind::event_in_force, event);
 }
 
-/// Reports an ignored event of the script, once.
+/// Reports an ignored event of the script, once. The robots that it adds do not wait for it.
 void TeamSwitcher::ignore(double t, std::size_t event) noexcept {
+  if (flown_in_ != nullptr) each_added(script_.events[event], [this](BodyId r) { flown_in_->call_off(r); });
   if (std::exchange(ignored_[event], 1) == 0) emit(t, EventKind::event_ignored, event);
 }
 
@@ -162,18 +173,10 @@ void TeamSwitcher::ignore(double t, std::size_t event) noexcept {
 Joining TeamSwitcher::joining(double t, const TeamEvent& event) noexcept {
   Joining worst = Joining::at_once;
   if (flown_in_ == nullptr) return worst;
-  const auto each_added = [&](auto&& act) {
-    for (const Action& action : event.actions) {
-      const auto* const add = std::get_if<AddBody>(&action);
-      if (add == nullptr || !world_.is_agent(add->body)) continue;
-      const Presence now = present_->membership.presence[at(add->body)];
-      if (now == Presence::absent || now == Presence::land) act(add->body);
-    }
-  };
-  each_added([&](BodyId robot) { worst = std::max(worst, flown_in_->prepare(robot)); });
+  each_added(event, [&](BodyId robot) { worst = std::max(worst, flown_in_->prepare(robot)); });
   if (worst == Joining::at_once || worst == Joining::waits) return worst;
   const EventKind kind = worst == Joining::ready ? EventKind::robot_ready : EventKind::robot_refused;
-  each_added([&](BodyId robot) {
+  each_added(event, [&](BodyId robot) {
     if (flown_in_->prepare(robot) == worst) emit(t, kind, at(robot));
   });
   return worst;
