@@ -222,7 +222,7 @@ struct ViewBounds {
   double speed = 0.5;              ///< W, greatest horizontal speed of the target [m/s]
   double climb = 0.3;              ///< W_z, greatest vertical speed of the target [m/s]
   double acceleration = infinity;  ///< A, horizontal; finite: the target's velocity is measured [m/s^2]
-  double age = 0.0;                ///< greatest age of the target's position [s]
+  double age = 0.0;                ///< greatest age of the states of target and observer [s]
   double error = 0.0;              ///< greatest error of a measured position of the target [m]
   double spread = 0.0;             ///< distance from the known point to the farthest of several targets [m]
   double wind = 0.0;               ///< greatest horizontal acceleration by wind [m/s^2]
@@ -235,7 +235,8 @@ struct ViewBounds {
         parameter("climb_max", &B::climb, "m/s", from_zero, "greatest vertical speed of the target"),
         parameter("acceleration_max", &B::acceleration, "m/s^2", above_zero,
                   "greatest horizontal acceleration of a target whose velocity is measured"),
-        parameter("age", &B::age, "s", age_range, "greatest age of the target's measured position"),
+        parameter("age", &B::age, "s", age_range,
+                  "greatest age of the measured states of target and observer"),
         parameter("error", &B::error, "m", from_zero, "greatest error of a measured position of the target"),
         parameter("spread", &B::spread, "m", from_zero, "greatest distance of further targets from this one"),
         parameter("wind", &B::wind, "m/s^2", from_zero, "greatest horizontal acceleration by wind")};
@@ -260,9 +261,10 @@ enum class ViewReserve {
   low,       ///< the same of the least height
   sideward,  ///< sideward speed; of robots with lags, also vertical speed and yaw rate
   command,   ///< no command within the present limits, or none that other limits leave, keeps the set
-  age,       ///< a measurement is older than ViewBounds::age, or missing
+  age,       ///< a measurement is older than ViewBounds::age, or missing, or not predicted to now
   error,     ///< three standard deviations of the estimated positions exceed ViewBounds::error
   speed,     ///< the target was faster than ViewBounds::speed or climb
+  motion,    ///< the robot moved otherwise than its model and ViewBounds::wind allow
 };
 std::string_view to_string(ViewReserve reserve) noexcept;
 

@@ -44,6 +44,7 @@ TEST(ViewFilter, NoMoveOfTheTargetLeavesTheSetInOnePeriod) {
   expect_invariant(Multirotor{}, {.speed = 0.0, .climb = 0.0}, cone_limits());
   expect_invariant(Multirotor{}, {.speed = 0.97}, cone_limits());
   expect_invariant(Multirotor{}, {.speed = 0.9, .wind = 0.1}, cone_limits());
+  expect_invariant(Multirotor{}, {.speed = 0.5, .age = 0.1, .wind = 0.3}, cone_limits());
   expect_invariant(Multirotor{}, {.speed = 0.5}, test::pyramid_limits());
   expect_invariant(Multirotor{}, {.speed = 0.5}, cone_limits(0.5, MountFrame::body));
 }
@@ -220,6 +221,51 @@ TEST(ViewFilter, ItsSlowEstimateStaysWithinTheRadiusOfTheTarget) {
     EXPECT_LE(above, known.height + 1e-9);
     EXPECT_LE(farthest, known.speed + 1e-9);
     EXPECT_LE(steepest, known.climb + 1e-9);
+  }
+}
+
+// The wind pushes the robot, and no prediction from a measurement has the wind of its time.
+TEST(ViewFilter, ItsSlowStateStaysBesideRobotAndPrediction) {
+  constexpr double dt = 0.01;
+  constexpr int oldest = 8;
+  const Model model(Multirotor{});
+  Random random(12);
+  for (int flight = 0; flight < 20; ++flight) {
+    const double wind = flight == 0 ? 0.0 : uniform(random, 0.1, 1.0);
+    const ViewTask task = view_task(Multirotor{}, {.age = oldest * dt, .wind = wind});
+    const ViewPrediction most = view_prediction(task.bounds, dt);
+    const double c = task.motion.along.drag, E = (1 - std::exp(-c * dt)) / c, F = (dt - E) / c;
+    SlowState slow(model, task);
+    std::vector<std::vector<double>> truth = {test::state_of(model, {})}, commands;
+    slow.begin(truth[0]);
+    int measured = 0;
+    double push = 0.0;
+    for (int k = 1; k < 1500; ++k) {
+      std::vector<double> u(4);
+      for (double& value : u) value = uniform(random, -1, 1);
+      commands.push_back(u);
+      std::vector<double> x = truth.back();
+      if (k % 60 == 0) push = uniform(random, -4, 4);
+      const Vec2<double> along = rotate<double>({x[3], -x[4]}, {std::cos(push), std::sin(push)});
+      model.step(x.data(), u.data(), dt);
+      x[0] += wind * F * std::cos(push), x[1] += wind * F * std::sin(push);
+      x[5] += wind * E * along.x, x[6] += wind * E * along.y;
+      truth.push_back(x);
+      // A measurement arrives now and then, younger or older than the last one was.
+      if (k - measured == oldest + 1 || random() % 4 == 0)
+        measured = std::max(measured, k - static_cast<int>(random() % (oldest + 1)));
+      std::vector<double> predicted = truth[static_cast<std::size_t>(measured)];
+      for (int i = measured; i < k; ++i)
+        model.step(predicted.data(), commands[static_cast<std::size_t>(i)].data(), dt);
+      std::vector<double> before(slow.state().begin(), slow.state().end());
+      slow.follow(u, predicted, measured < k);
+      model.step(before.data(), u.data(), dt);
+      const std::span<const double> now = slow.state();
+      if (measured < k || k > 100)
+        EXPECT_LE(std::hypot(now[0] - before[0], now[1] - before[1]), most.speed * dt + wind * F + 1e-6);
+      EXPECT_LE(slow.lag(), most.lag + 1e-6);
+      EXPECT_LE(std::hypot(now[0] - x[0], now[1] - x[1]), most.radius + 1e-6) << flight << " " << k;
+    }
   }
 }
 

@@ -166,6 +166,48 @@ TEST(CertifiedViews, AreNotCertifiedFromMeasurementsOlderThanStated) {
   EXPECT_EQ(stated.lost, 0);
 }
 
+// The supervisor predicts the own state to now. In wind that the bounds have, the view is kept; more
+// wind leaves the filter's state behind.
+TEST(CertifiedViews, OfAnObserverWhoseOwnStateIsLateNeedAgeSupervisorAndBoundedWind) {
+  const auto late = [](const std::string& bounds, double wind, const std::string& supervisor) {
+    return fly(
+        leaving_robot(0.9, "[-4.0, 0.0, 1.5]",
+                      fmt::format("{}{}[[simulation.fault]]\nkind = \"delay\"\nbody = \"uav0\"\ndelay = "
+                                  "0.05\nfrom = 0.5\n[simulation.disturbance]\nwind = [{}, 0.0, 0.0]\n{}",
+                                  certified, bounds, wind, supervisor)));
+  };
+  constexpr const char* supervisor = "[safety.supervisor]\n";
+  const Flown stated = late("age = 0.06\nwind = 0.3\n", 0.29, supervisor);
+  EXPECT_EQ(stated.certified, stated.updates);
+  EXPECT_EQ(stated.lost, 0);
+  EXPECT_GT(stated.active, 0);
+  for (const Flown& flown : {late("", 0.0, supervisor), late("age = 0.06\nwind = 0.3\n", 0.29, "")}) {
+    EXPECT_LT(flown.certified, flown.updates / 2);
+    EXPECT_EQ(flown.missed, ViewReserve::age);
+    EXPECT_TRUE(flown.announced);
+  }
+  const Flown windy = late("age = 0.06\nwind = 0.05\n", 0.6, supervisor);
+  EXPECT_LT(windy.certified, windy.updates / 2);
+  EXPECT_EQ(windy.missed, ViewReserve::motion);
+  EXPECT_TRUE(windy.announced);
+}
+
+TEST(CertifiedViews, OfAFleetStateTheAgeOfWhatComesOverLinks) {
+  const auto desk = [](const std::string& keys) {
+    return read_scenario(SIGHTLINE_SOURCE_DIR "/fleets/desk.toml", with_links(),
+                         {R"(certify_view=[{observer="uav0",target="uav1",speed_max=0.2)" + keys + "}]"});
+  };
+  EXPECT_TRUE(
+      refusal_of<ScenarioError>([&] { desk(""); })
+          .ends_with("certify_view[0].age is missing, expected above 0 beside a [fleet], whose states "
+                     "arrive late"));
+  const Scenario scenario = desk(",age=0.05,wind=0.2");
+  EXPECT_EQ(
+      warnings_of_views(scenario).front(),
+      "the certified view of uav1 by uav0 assumes that the vehicle accelerates within wind = 0.2 m/s^2 of "
+      "its model");
+}
+
 // A body that comes as near as it can: the hard distance has priority.
 TEST(CertifiedViews, GiveWayToTheHardDistanceAndReportItFirst) {
   const std::string ram =

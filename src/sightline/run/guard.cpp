@@ -188,7 +188,7 @@ void Guard::keep_distances(double t, const ValidStates& x, std::span<const doubl
       emit({t, EventKind::barrier_conflict, 0, static_cast<double>(robot.index)});
   }
   if (!view_) return;
-  view_->judge(now, u);
+  view_->judge(u);
   for (const TeamView::Change& change : view_->changes()) {
     emit({t, change.certified ? EventKind::view_certified : EventKind::view_uncertified, 0,
           static_cast<double>(change.robot.index)});

@@ -9,7 +9,8 @@
 namespace sightline {
 namespace {
 
-constexpr double nearly = 1e-6;  // [m], [s], [m/s] by which a bound may be missed
+constexpr double nearly = 1e-6;   // [m], [s], [m/s] by which a bound may be missed
+constexpr double settling = 0.5;  // after the robot moved otherwise than the bounds allow [s]
 
 /// Greatest way from an estimate to a measurement, if the target keeps its bounds.
 ViewBounds::Known followed_within(ViewBounds bounds, double dt) {
@@ -49,6 +50,8 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .next = std::vector<double>(nu),
                           .limits = &agent.limits,
                           .estimate = SlowEstimate(view.bounds, options_.period),
+                          .own = SlowState(agent.model, view.filter->certificate().task),
+                          .most_lag = view_prediction(view.bounds, options_.period).lag,
                           .known = view.bounds.known(options_.period),
                           .followed = followed_within(view.bounds, options_.period)});
   }
@@ -81,8 +84,22 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   of.target = {of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
 
   const ViewBounds& bounds = of.view->bounds;
-  const double delay = options_.command_delays.empty() || is_agent ? 0.0 : options_.command_delays[at(robot)];
-  if (own_age > nearly || age + delay > bounds.age + nearly) return;
+  const double delay = options_.command_delays.empty() ? 0.0 : options_.command_delays[at(robot)];
+  const std::span<const double> own = now.x.subspan(of.x, of.nx);
+  if (follows)
+    of.own.follow(of.next, own, own_age + delay > nearly);
+  else
+    of.own.begin(own);
+  const bool is_present = own_age <= nearly || options_.supervisor.has_value();
+  if (!is_present || std::max(own_age, is_agent ? 0.0 : age) + delay > bounds.age + nearly ||
+      age > bounds.age + nearly)
+    return;
+  of.missed = ViewReserve::motion;
+  if (of.own.lag() > of.most_lag + nearly) {
+    of.own.begin(own);
+    of.left_at = t;
+  }
+  if (t - of.left_at < settling) return;
   of.missed = ViewReserve::error;
   if (3 * norm(now.sigmas[at(robot)], now.sigmas[at(target)]) > bounds.error) return;
   of.missed = ViewReserve::command;
@@ -111,21 +128,22 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     const std::span<double> applied = u.subspan(of.u, of.nu);
     std::copy(applied.begin(), applied.end(), of.next.begin());
     const ViewFilterResult result =
-        of.view->filter->filter(now.x.subspan(of.x, of.nx), of.target, of.u_min, of.u_max, of.next);
+        of.view->filter->filter(of.own.state(), of.target, of.u_min, of.u_max, of.next);
     if (result.reserve < -nearly && of.view->outside == OutsideView::solver) continue;
     record.active = result.active;
     std::copy(of.next.begin(), of.next.end(), applied.begin());
   }
 }
 
-void TeamView::judge(const TeamSituation& now, std::span<const double> u) noexcept {
+void TeamView::judge(std::span<const double> u) noexcept {
   changes_.clear();
   for (Observer& of : observers_) {
     ViewRecord& record = records_[of.robot];
+    std::copy_n(u.begin() + static_cast<std::ptrdiff_t>(of.u), of.nu, of.next.begin());
     record.least = of.missed;
     if (of.is_known) {
       const ViewFilterResult result =
-          of.view->filter->judge(now.x.subspan(of.x, of.nx), of.target, u.subspan(of.u, of.nu));
+          of.view->filter->judge(of.own.state(), of.target, u.subspan(of.u, of.nu));
       record.reserve = result.reserve;
       record.certified = result.certified && of.missed == ViewReserve::command;
       if (of.missed == ViewReserve::command && (result.certified || result.reserve < 0))

@@ -27,7 +27,7 @@ class TeamView {
   /// Changes u (nu) to inputs that keep the states in their sets.
   void keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept;
   /// Judges the inputs u (nu) that the robots receive, after keep_views().
-  void judge(const TeamSituation& now, std::span<const double> u) noexcept;
+  void judge(std::span<const double> u) noexcept;
 
   /// One record for each robot.
   std::span<const ViewRecord> records() const noexcept { return records_; }
@@ -38,9 +38,12 @@ class TeamView {
   struct Observer {
     const CertifiedView* view;
     std::size_t robot, x, u, nx, nu;         // index among the robots; offsets and lengths
-    std::vector<double> u_min, u_max, next;  // limits now; a command
+    std::vector<double> u_min, u_max, next;  // limits now; a command, at last the applied one
     const InputLimits* limits;               // in force
     SlowEstimate estimate;
+    SlowState own;               // of the robot, as the filter uses it
+    double most_lag;             // of `own` behind the predicted state [m]
+    double left_at = -infinity;  // when `own` was farther behind the last time [s]
     ViewBounds::Known known;     // greatest motion of the estimate
     ViewBounds::Known followed;  // greatest way from the estimate to a measurement
     bool is_known = false;       // the target has a position in this period

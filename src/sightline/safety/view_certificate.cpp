@@ -42,7 +42,11 @@ struct Limits {
 class Sets {
  public:
   Sets(const ViewTask& task, const ViewSection& section, ViewLimit ignored)
-      : task_(task), section_(section), known_(task.bounds.known(task.dt)), ignored_(ignored) {}
+      : task_(task),
+        section_(section),
+        known_(task.bounds.known(task.dt)),
+        own_(view_prediction(task.bounds, task.dt)),
+        ignored_(ignored) {}
 
   /// @return false if no set exists for any distances
   bool prepare(const Limits& limits);
@@ -61,6 +65,7 @@ class Sets {
   ViewTask task_;
   const ViewSection& section_;
   ViewBounds::Known known_;
+  ViewPrediction own_;
   ViewLimit ignored_;
   Limits limits_{};
   double across_ = 0, held_ = 0, sine_ahead_ = 0, sine_back_ = 0, sine_between_ = 0;
@@ -84,7 +89,8 @@ bool Sets::prepare(const Limits& limits) {
   // Between samples a velocity may exceed its values at both by what the target and wind change it.
   const double turned = robot.is_level ? 2 * turn * b * dt : 0.0;
   const double varied = (bounds.wind + turned + (measured ? bounds.acceleration : 0.0)) * dt;
-  const double w = measured ? 0.0 : known_.speed, tangent = (sideward + varied) * std::tan(between);
+  const double w = own_.speed + (measured ? 0.0 : known_.speed),
+               tangent = (sideward + varied) * std::tan(between);
   const double W_e = w / std::cos(between) + tangent;
   // Thrust that wind, the target's drag and acceleration, and a turn in V may use up.
   const auto used = [&](double drag) {
@@ -112,7 +118,7 @@ bool Sets::prepare(const Limits& limits) {
   // The longest interval of distances with heights.
   const double above = inset + known_.height + robot.climb.lag * climb;
   for (int k = 0; k < ViewSection::distances; ++k) {
-    const ViewSection::Heights all = section_.heights(k, theta + late, known_.radius);
+    const ViewSection::Heights all = section_.heights(k, theta + late, known_.radius + own_.radius);
     heights_[size(k)] = {all.low + above, all.high - above};
   }
   first_ = last_ = 0;
@@ -290,6 +296,12 @@ ViewBounds::Known ViewBounds::known(double dt) const {
   const double faster = estimate_rate * speed, up = estimate_rate * climb;
   const double radius = estimate_radius(error, speed * dt, faster * dt);
   return {faster, up, spread + radius + faster * age, error + climb * dt + up * age};
+}
+
+ViewPrediction view_prediction(const ViewBounds& bounds, double dt) {
+  if (bounds.age == 0) return {};
+  const double late = bounds.age + dt, lag = bounds.wind * bounds.age * late;
+  return {2 * bounds.wind * late, 0.5 * bounds.wind * square(bounds.age) + lag, lag};
 }
 
 ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean) {

@@ -106,6 +106,15 @@ struct ViewTask {
   double dt = 0.01;  ///< period of the commands [s]
 };
 
+/// What `age` costs an observer whose own state is predicted, from a measurement of that age, by its
+/// model and its commands. The wind of that time is missing in the prediction. All are 0 without.
+struct ViewPrediction {
+  double speed = 0.0;   ///< at which the point that the filter follows is corrected [m/s]
+  double radius = 0.0;  ///< from that point to the robot, at most [m]
+  double lag = 0.0;     ///< from that point to the predicted position, at most [m]
+};
+ViewPrediction view_prediction(const ViewBounds& bounds, double dt);
+
 /// A condition of the theorem that can limit the certified speed.
 enum class ViewLimit { none, range, yaw, height, thrust };
 std::string_view to_string(ViewLimit limit) noexcept;

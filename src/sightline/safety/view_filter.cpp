@@ -6,12 +6,15 @@
 #include <cstddef>
 #include <numbers>
 
+#include "sightline/model/state_roles.hpp"
+
 namespace sightline {
 namespace {
 
 constexpr double rate = 4.0;     // greatest decay rate of a reserve [1/s]
 constexpr double strict = 1e-5;  // below this a reserve may not fall [m]
 constexpr double rounding = 1e-7;
+constexpr double exact = 1e-6;  // of predictions by the same model [m], [m/s]
 
 /// (1 - e^{-c t}) / c and its integral over t, by their series.
 std::array<double, 2> responses(double c, double t) {
@@ -21,6 +24,14 @@ std::array<double, 2> responses(double c, double t) {
     term *= -c * t / (k + 1);
   }
   return {t * E, t * t * F};
+}
+
+/// Greatest change of the velocity by the wind in a period [m/s].
+double pushed(const ViewTask& task) {
+  const ViewMotion& robot = task.motion;
+  const double drag =
+      robot.across.input < 0 ? robot.along.drag : std::min(robot.along.drag, robot.across.drag);
+  return task.bounds.wind * responses(drag, task.dt)[0];
 }
 
 /// What a reserve must be at the next sample: at least a part of what it is, or S itself.
@@ -35,8 +46,9 @@ Need need_of(double reserve, double keep) {
 }  // namespace
 
 std::string_view to_string(ViewReserve reserve) noexcept {
-  constexpr std::array<std::string_view, 11> names = {"near",     "far",     "left", "right", "high", "low",
-                                                      "sideward", "command", "age",  "error", "speed"};
+  constexpr std::array<std::string_view, 12> names = {"near", "far",   "left",     "right",
+                                                      "high", "low",   "sideward", "command",
+                                                      "age",  "error", "speed",    "motion"};
   return names[static_cast<std::size_t>(reserve)];
 }
 
@@ -50,6 +62,44 @@ const Vec3<double>& SlowEstimate::follow(const Vec3<double>& measured) noexcept 
   const double distance = norm(off.x, off.y), part = distance > step_ ? step_ / distance : 1.0;
   p_ = {p_.x + part * off.x, p_.y + part * off.y, p_.z + std::clamp(measured.z - p_.z, -climb_, climb_)};
   return p_;
+}
+
+SlowState::SlowState(const Model& model, const ViewTask& task)
+    : model_(model),
+      dt_(task.dt),
+      most_v_(pushed(task)),
+      most_p_(view_prediction(task.bounds, task.dt).speed * task.dt),
+      x_(size(model.nx())) {
+  assert(x_.size() <= ViewFilter::most_states && "the filter of a view has as many states at most");
+  const StateRoles roles = roles_of(model);
+  for (const int k : std::span(roles.position).first(2))
+    if (k >= 0) position_.push_back(size(k));
+  for (const int k : roles.velocities)
+    if (k != roles.velocity_G[2]) velocity_.push_back(size(k));
+}
+
+void SlowState::begin(std::span<const double> x) noexcept {
+  std::copy(x.begin(), x.end(), x_.begin());
+  is_late_ = false, lag_ = 0.0;
+}
+
+void SlowState::follow(std::span<const double> u, std::span<const double> x, bool predicted) noexcept {
+  is_late_ = is_late_ || predicted;
+  if (!is_late_) return begin(x);
+  std::array<double, ViewFilter::most_states> moved;
+  std::copy(x_.begin(), x_.end(), moved.begin());
+  model_.step(moved.data(), u.data(), dt_);
+  std::copy(x.begin(), x.end(), x_.begin());
+  // A distance beyond the greatest correction remains.
+  const auto keep = [&](std::span<const std::size_t> states, double most) {
+    double off = 0.0;
+    for (const std::size_t k : states) off = norm(off, moved[k] - x[k]);
+    const double rest = off > most + exact ? (off - most) / off : 0.0;
+    for (const std::size_t k : states) x_[k] += rest * (moved[k] - x[k]);
+    return rest * off;
+  };
+  keep(velocity_, most_v_);
+  lag_ = keep(position_, most_p_);
 }
 
 /// The target in coordinates of the certificate.
@@ -116,10 +166,11 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
   keep_ = 1 - rate * dt;
   if (task.bounds.is_velocity_measured()) {
     const double A = task.bounds.acceleration;
-    moves_ = 0.5 * A * dt * dt + wind * F, speeds_ = A * dt + wind * E;
+    moves_ = 0.5 * A * dt * dt + wind * F, speeds_ = A * dt + pushed(task);
   } else {
-    moves_ = known.speed * dt + wind * F, speeds_ = wind * E;
+    moves_ = known.speed * dt + wind * F, speeds_ = pushed(task);
   }
+  moves_ += view_prediction(task.bounds, dt).speed * dt;
 }
 
 ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const double> u,

@@ -10,7 +10,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "sightline/barrier.hpp"
 #include "sightline/base.hpp"
@@ -38,6 +40,31 @@ class SlowEstimate {
   double step_, climb_;  // greatest motion in a period; infinite without errors [m]
   bool has_begun_ = false;
   Vec3<double> p_{};
+};
+
+/// The observer's state that the filter uses where predictions of it contradict each other by the wind:
+/// it moves by the model, and is corrected by no more than the wind of a period. Then it stays within
+/// ViewPrediction::lag of the predicted position.
+class SlowState {
+ public:
+  SlowState(const Model& model, const ViewTask& task);
+  /// Takes a state (nx) as it is.
+  void begin(std::span<const double> x) noexcept;
+  /// Moves by the command u (nu) for a period, and towards the state x (nx). Until a first state is
+  /// `predicted`, from an earlier measurement, it takes x as it is.
+  void follow(std::span<const double> u, std::span<const double> x, bool predicted) noexcept;
+
+  std::span<const double> state() const noexcept { return x_; }
+  /// Distance to the predicted position at the last follow() [m].
+  double lag() const noexcept { return lag_; }
+
+ private:
+  Model model_;
+  double dt_, most_v_, most_p_;                   // greatest corrections of a period [m/s], [m]
+  std::vector<std::size_t> position_, velocity_;  // horizontal ones among the states
+  bool is_late_ = false;
+  double lag_ = 0.0;
+  std::vector<double> x_;
 };
 
 /// Reserves of S in the order of ViewReserve, all >= 0 in S. Bearings are multiplied by r, so all but

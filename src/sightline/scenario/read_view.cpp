@@ -68,6 +68,12 @@ CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
     if (of.robot == view.observer)
       at.throw_invalid("observer", "a robot with localization = \"global\", whose own state is measured");
   }
+  if (scenario.links) {
+    if (!scenario.safety || !scenario.safety->supervisor)
+      at.throw_invalid("observer",
+                       "a robot with safety.supervisor, which predicts its state, beside a [fleet]");
+    if (view.bounds.age == 0) at.throw_invalid("age", "above 0 beside a [fleet], whose states arrive late");
+  }
   for (const RobotCompensation& of : scenario.compensations) {
     if (of.robot != view.observer) continue;
     if (of.disturbance_time > 0)
@@ -119,8 +125,10 @@ std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
     const std::string who =
         fmt::format("the certified view of {} by {}", team.name(view.target), team.name(view.observer));
     const ViewFilter& filter = *view.filter;
-    if (vehicle_of(scenario, view.observer) != nullptr)
-      sentences.push_back(who + " holds for the model of the robot, which its vehicle follows with lags");
+    if (scenario.links || vehicle_of(scenario, view.observer) != nullptr)
+      sentences.push_back(
+          fmt::format("{} assumes that the vehicle accelerates within wind = {} m/s^2 of its model", who,
+                      view.bounds.wind));
     for (const UncooperativeBody& of : scenario.uncooperative) {
       const double speed = of.motion ? top_speed(*of.motion) : 0.0;
       if (of.body == view.target && speed > view.bounds.speed)
