@@ -147,6 +147,9 @@ std::string words_of(const RunDraw& run, const RunResult& result, const Campaign
     words += fmt::format(", least distance {:.3f} m", result.min_distance);
   if (result.barrier_conflict > 0)
     words += fmt::format(", barrier in conflict {:.1f} % of the time", 100 * result.barrier_conflict);
+  for (const RobotView& view : result.views)
+    words += fmt::format(", view of {} by {} certified {:.1f} % of the time", view.target, view.observer,
+                         100 * view.certified);
   if (!result.reason.empty()) words += fmt::format("\n{:24}  {}", "failed by", result.reason);
   words += '\n';
   const std::vector<std::string> names = drawn_names(plan);

@@ -44,6 +44,14 @@ struct RobotResult {
   double rms_heading_error = no_value;   ///< from rms_from on [rad]
 };
 
+/// Certified view of one observer in a run.
+struct RobotView {
+  std::string observer, target;
+  double certified = 0.0;        ///< share of the updates in which it was certified
+  double active = 0.0;           ///< share of the updates in which its filter changed the command
+  std::int64_t uncertified = 0;  ///< number of events view_uncertified
+};
+
 /// Results of one run: its row in the table of a campaign. NaN: no data.
 struct RunResult {
   Outcome outcome = Outcome::failed;
@@ -64,6 +72,7 @@ struct RunResult {
                                       ///< within a robot's distances and walls; NaN: no barrier
   double longest_out_of_view = 0.0;   ///< of a target after its observer saw it first [s]
   std::vector<RobotLocalization> localizations{};  ///< of the vision-localized robots
+  std::vector<RobotView> views{};                  ///< in the order of [[certify_view]]
   std::string reason{};                            ///< first fault of a failed run, as a sentence; else empty
 };
 

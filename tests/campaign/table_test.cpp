@@ -265,6 +265,30 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
   EXPECT_FALSE(rows.step());
 }
 
+TEST(RunTable, OfACertifiedViewARowHasItsShareAndItsEvents) {
+  const fs::path file = test::fresh_folder() / "a.sqlite";
+  const Scenario scenario =
+      read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml", built_in_registry(),
+                    {"campaign.duration=8.0", R"(certify_view=[{observer="uav0",target="uav1"}])"});
+  const Variants variants(scenario, *scenario.campaign);
+  RunWorker pilot(variants, *scenario.campaign);
+  const RunDraw run = draw_run(*scenario.campaign, 9, 0);
+  const RunResult result = pilot.fly(run);
+  ASSERT_EQ(result.views.size(), 1U);
+  {
+    RunTable table(file, scenario, *scenario.campaign, 9);
+    table.add(run, result);
+  }
+  Database database(file, Database::Open::as_it_is);
+  Database::Statement row(
+      database, "SELECT \"uav0.view_certified\", \"uav0.view_active\", \"uav0.view_uncertified\" FROM runs");
+  ASSERT_TRUE(row.step());
+  EXPECT_EQ(row.number(0), result.views[0].certified);
+  EXPECT_EQ(row.number(1), result.views[0].active);
+  EXPECT_EQ(row.number(2), static_cast<double>(result.views[0].uncertified));
+  EXPECT_GE(*row.number(2), 1) << "it starts outside the set";
+}
+
 TEST(RunTable, OfARobotThatIsLocalizedByViewARowHasErrorAndConsistency) {
   const fs::path file = test::fresh_folder() / "a.sqlite";
   const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml",

@@ -503,6 +503,10 @@ speed_max = 0.3
   EXPECT_EQ(view.at("speed_max"), 0.3);
   EXPECT_EQ(view.at("certified"), 0.75);
   EXPECT_EQ(view.at("active"), 0.25);
+  EXPECT_EQ(view.at("uncertified"), 0);
+  ASSERT_EQ(summary->views().size(), 1U);
+  EXPECT_EQ(summary->views()[0].observer, "b");
+  EXPECT_EQ(summary->views()[0].certified, 0.75);
   EXPECT_EQ(view.at("reserve"), 0.1);
   const auto lines = safety_lines(summary->json());
   EXPECT_EQ(lines.back().first, "view of o");

@@ -110,6 +110,20 @@ std::vector<CampaignLine> lines_of(Runs& runs) {
              quantile(fmt::format("(SELECT avg({}) FROM runs)", anees), 0.0, ""), quantile(anees, 1.0, ""),
              quantile(unseen, 1.0, "s"), runs.count(fmt::format("{} IS NULL", rmse)))});
   }
+  for (const std::string& column : runs.ending_in(view_endings[0])) {
+    const std::string observer = column.substr(0, column.size() - view_endings[0].size());
+    const std::string certified = sql_name(column),
+                      active = sql_name(observer + std::string(view_endings[1])),
+                      ended = sql_name(observer + std::string(view_endings[2]));
+    lines.push_back(
+        {observer + " certifies its view",
+         fmt::format(
+             "share of the time: median {}, least {}; the filter acts: median {}, at most {}; {} times "
+             "uncertified, in {} runs",
+             quantile(certified, 0.5, ""), quantile(certified, 0.0, ""), quantile(active, 0.5, ""),
+             quantile(active, 1.0, ""), quantile(fmt::format("(SELECT sum({}) FROM runs)", ended), 0.0, ""),
+             runs.count(fmt::format("{} > 0", ended)))});
+  }
   const auto restless = [&](const char* column, std::string_view unit, std::string_view what) {
     const std::int64_t these = runs.count(fmt::format("{} > 0", column));
     lines.push_back({column, these == 0 ? "none"

@@ -76,6 +76,8 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   for (const Agent& agent : scenario.team.agents()) add_endings(agent.name, robot_endings);
   for (const LocalizedRobot& one : scenario.localization.robots)
     add_endings(scenario.team.name(one.robot), localization_endings);
+  for (const CertifiedView& view : scenario.certified_views)
+    add_endings(scenario.team.name(view.observer), view_endings);
   columns.push_back(fmt::format("{} TEXT NOT NULL", sql_name(row_digest_column)));
   return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
 }
@@ -132,6 +134,9 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
     for (const double value : {robot.energy, robot.rms_position_error, robot.rms_heading_error}) real(value);
   for (const RobotLocalization& one : result.localizations)
     for (const double value : {one.rmse, one.anees, one.longest_without_sight}) real(value);
+  for (const RobotView& view : result.views)
+    for (const double value : {view.certified, view.active, static_cast<double>(view.uncertified)})
+      real(value);
   Digest digest;
   for (const Database::Value& value : row) digest.add(value);
   row.emplace_back(digest.text());

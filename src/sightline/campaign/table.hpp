@@ -124,6 +124,10 @@ inline constexpr std::array<std::string_view, 3> robot_endings = {".energy", ".r
 inline constexpr std::array<std::string_view, 3> localization_endings = {".rmse", ".anees",
                                                                          ".longest_without_sight"};
 
+/// The same for the observer of a certified view, as in RobotView.
+inline constexpr std::array<std::string_view, 3> view_endings = {".view_certified", ".view_active",
+                                                                 ".view_uncertified"};
+
 /// The columns of `runs` that do not depend on the draws.
 std::vector<std::string> fixed_columns();
 

@@ -176,6 +176,7 @@ RunResult RunEvaluator::result(const LoopOutcome& outcome, std::string ended) co
     result.longest_without_plan = std::max(result.longest_without_plan, gaps.any().longest);
   result.barrier_conflict = safety_.conflict_share();
   result.localizations = localization_.robots();
+  result.views = safety_.views();
   result.reason = reason(std::move(ended), outcome.finite && updates_ == periods);
   result.outcome = !result.reason.empty() ? Outcome::failed
                    : safety_.too_close()  ? Outcome::too_close

@@ -167,6 +167,9 @@ void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sig
   for (int i = 0; i < sample.event_count; ++i) {
     const Event& event = sample.events[static_cast<std::size_t>(i)];
     if (event.kind == EventKind::missed_period && !sample.truth_known) unseen_ += std::llround(event.value);
+    if (event.kind != EventKind::view_uncertified) continue;
+    for (View& view : views_)
+      if (view.observer.index == static_cast<int>(event.value)) ++view.uncertified;
   }
   if (sample.of != Sample::Of::update) return;
   ++samples_;
@@ -323,11 +326,15 @@ std::string SafetySummary::broken_zone(const Bound& bound) const {
                      for_how_long(bound.limit.broken_for()));
 }
 
+double SafetySummary::share(std::int64_t updates) const {
+  return samples_ > 0 ? static_cast<double>(updates) / static_cast<double>(samples_) : 0.0;
+}
+
 double SafetySummary::conflict_share() const {
   if (mode_ == BarrierMode::off || samples_ == 0) return no_value;
   std::int64_t most = 0;
   for (const Robot& robot : robots_) most = std::max(most, robot.conflicts);
-  return static_cast<double>(most) / static_cast<double>(samples_);
+  return share(most);
 }
 
 std::string SafetySummary::json() const {
@@ -376,9 +383,6 @@ std::string SafetySummary::json() const {
     add_times(one, bound.limit);
   }
   json["agents"_key] = Json::array();
-  const auto share = [&](std::int64_t part) {
-    return samples_ > 0 ? static_cast<double>(part) / static_cast<double>(samples_) : 0.0;
-  };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     json["agents"_key].push_back({{"name"_key, names_[i]},
                                   {"barrier_active"_key, share(robots_[i].active)},
@@ -389,10 +393,22 @@ std::string SafetySummary::json() const {
                                  {"target"_key, names_[at(view.target)]},
                                  {"speed_max"_key, view.speed},
                                  {"certified"_key, share(view.certified)},
+                                 {"uncertified"_key, view.uncertified},
                                  {"active"_key, share(view.active)},
                                  {"reserve"_key, std::isfinite(view.least) ? Json(view.least) : Json()}});
   }
   return json_text(json);
+}
+
+std::vector<RobotView> SafetySummary::views() const {
+  std::vector<RobotView> all;
+  for (const View& view : views_)
+    all.push_back({.observer = names_[at(view.observer)],
+                   .target = names_[at(view.target)],
+                   .certified = share(view.certified),
+                   .active = share(view.active),
+                   .uncertified = view.uncertified});
+  return all;
 }
 
 std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view text) {
@@ -453,11 +469,13 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
                     100 * active, conflict > 0 ? fmt::format(", in conflict {:.1f} %", 100 * conflict) : ""));
   }
   for (const Json& view : json.value("views", Json::array())) {
+    const auto ended = view.value("uncertified", std::int64_t{0});
     lines.emplace_back(
         "view of " + view.at("target").get<std::string>(),
-        fmt::format("by {}: certified {:.1f} % of the time for {} m/s, its filter acted {:.1f} %",
+        fmt::format("by {}: certified {:.1f} % of the time for {} m/s, its filter acted {:.1f} %{}",
                     view.at("observer").get<std::string>(), 100 * view.at("certified").get<double>(),
-                    view.at("speed_max").get<double>(), 100 * view.at("active").get<double>()));
+                    view.at("speed_max").get<double>(), 100 * view.at("active").get<double>(),
+                    ended > 0 ? fmt::format(", uncertified {} times", ended) : ""));
   }
   return lines;
 }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "sightline/judge.hpp"
 #include "sightline/judge/sampled_motion.hpp"
 #include "sightline/judge/time_in_force.hpp"
 #include "sightline/loop.hpp"
@@ -119,6 +120,8 @@ class SafetySummary {
 
   /// Largest share, over the robots, of updates with a barrier conflict [-]; NaN without a barrier.
   double conflict_share() const;
+  /// Of the certified views, in the order of the scenario.
+  std::vector<RobotView> views() const;
 
   /// Value of `safety` in summary.json; empty if the scenario sets no limit and no barrier.
   std::string json() const;
@@ -132,8 +135,10 @@ class SafetySummary {
     std::size_t robot;                                       // index
     double speed;                                            // that is certified [m/s]
     std::int64_t certified = 0, active = 0;                  // updates
+    std::int64_t uncertified = 0;                            // events
     double least = std::numeric_limits<double>::infinity();  // reserve while certified [m]
   };
+  double share(std::int64_t updates) const;  // of all updates
   std::vector<Pair> by_margin() const;
   std::vector<Bound> by_excess() const;
   std::string broken_zone(const Bound& bound) const;

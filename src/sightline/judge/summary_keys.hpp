@@ -55,6 +55,7 @@ inline constexpr std::string_view summary_keys = R"(| key | meaning [unit] |
 | `safety.agents[].barrier_active`, `.barrier_conflict` | share of the updates in which the barrier changed the command; in which no command satisfied all conditions |
 | `safety.views[].observer`, `.target`, `.speed_max` | a certified view, and the speed of the target for which it is [m/s] |
 | `safety.views[].certified`, `.active`, `.reserve` | share of the updates in which it was certified; in which its filter changed the command; least reserve of its set while certified, null if never [m] |
+| `safety.views[].uncertified` | number of events `view_uncertified` |
 | `real_time.periods`, `.missed`, `.wake_us`, `.arrival_us`, `.cpu` | of a flight over links, [flying.md](flying.md) [µs, cores] |
 )";
 
