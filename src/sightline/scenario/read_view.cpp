@@ -9,6 +9,7 @@
 
 #include "sightline/potential/protection.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/safety/view_cost.hpp"
 #include "sightline/safety/view_filter.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/read_safety.hpp"
@@ -17,8 +18,12 @@ namespace sightline {
 namespace {
 
 /// The limits of a pair that say where the target must be: sensors and distances.
-std::vector<Potential> limits_of(const Team& team, BodyId observer, BodyId target) {
-  std::vector<Potential> limits;
+struct ViewLimits {
+  std::vector<Potential> all;
+  double weight = 0.0;  // the greatest of those that act on the observer
+};
+ViewLimits limits_of(const Team& team, BodyId observer, BodyId target) {
+  ViewLimits limits;
   for (const Coupling& coupling : team.couplings()) {
     const Potential& potential = coupling.term.potential;
     const auto is_between = [&](BodyId first, BodyId second) {
@@ -26,30 +31,39 @@ std::vector<Potential> limits_of(const Team& team, BodyId observer, BodyId targe
     };
     const bool is_symmetric = potential.mount() == nullptr;
     if (!is_between(observer, target) && !(is_symmetric && is_between(target, observer))) continue;
-    if (observes(potential) || keeps_apart(potential) || potential.d_min() || potential.d_max())
-      limits.push_back(potential);
+    if (!observes(potential) && !keeps_apart(potential) && !potential.d_min() && !potential.d_max()) continue;
+    limits.all.push_back(potential);
+    const auto& felt_by = coupling.felt_by;
+    if (std::find(felt_by.begin(), felt_by.end(), observer) != felt_by.end())
+      limits.weight = std::max(limits.weight, coupling.term.weight);
   }
   return limits;
 }
 
-/// The certificate of a view, its filter and the largest speed.
-void certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
+/// The certificate of a view, its filter and the largest speed; the set becomes a part of the cost.
+void certify(const TomlTable& at, ScenarioSpec& scenario, CertifiedView& view) {
   const Team& team = scenario.team;
   const Model& model = team.model(view.observer);
-  std::vector<Potential> limits = limits_of(team, view.observer, view.target);
-  if (std::none_of(limits.begin(), limits.end(), [](const Potential& limit) { return observes(limit); }))
+  ViewLimits limits = limits_of(team, view.observer, view.target);
+  if (std::none_of(limits.all.begin(), limits.all.end(),
+                   [](const Potential& limit) { return observes(limit); }))
     at.throw_invalid("target",
                      fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
     const ViewTask task = {view_motion(model, u_min, u_max), view.bounds, scenario.horizon.dt};
-    const ViewSection section(view_region(std::move(limits), task.motion.lean));
+    const ViewSection section(view_region(std::move(limits.all), task.motion.lean));
     const CertifiedSpeed most = certified_speed(task, section);
     view.speed_most = most.speed, view.limited_by = to_string(most.limit);
     const ViewCertificate certificate = certify_view(task, section);
     if (certificate.exists()) view.filter = std::make_shared<const ViewFilter>(model, certificate);
   });
-  if (view.filter) return;
+  if (view.filter) {
+    if (limits.weight == 0) return;
+    scenario.team.couple({ViewCost::weight * limits.weight, ViewCost(view.filter->certificate())},
+                         {view.observer, view.target}, {AgentId{view.observer}});
+    return scenario.coupling_places.push_back(at.where());
+  }
   const double rounded = std::floor(100 * view.speed_most) / 100;
   if (rounded == 0)
     at.throw_invalid(fmt::format("another view: not even a target at rest can be certified, {} limits it",
@@ -58,7 +72,7 @@ void certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& v
                                             view.limited_by));
 }
 
-CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
+CertifiedView read_view(const TomlTable& at, ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   CertifiedView view;
   read_keys(at, {}, view.bounds, view);
@@ -94,7 +108,7 @@ CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
 
 }  // namespace
 
-std::vector<CertifiedView> read_certified_views(const TomlTable& root, const ScenarioSpec& scenario) {
+std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioSpec& scenario) {
   std::vector<CertifiedView> views;
   for (const TomlTable& at : root.tables("certify_view")) {
     views.push_back(read_view(at, scenario));

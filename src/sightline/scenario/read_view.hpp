@@ -9,9 +9,10 @@
 
 namespace sightline {
 
-/// Reads the certified views of a scenario whose team, events and compensations are read.
+/// Reads the certified views of a scenario whose team, events and compensations are read, and adds
+/// their sets to the couplings as soft limits.
 /// @throws ScenarioError for a view that cannot be certified, with the largest speed that can
-std::vector<CertifiedView> read_certified_views(const TomlTable& root, const ScenarioSpec& scenario);
+std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioSpec& scenario);
 
 /// Lines for the user: the largest certified speed, what limits it, and the set.
 std::string describe(const CertifiedView& view, const Team& team);
