@@ -15,7 +15,9 @@ namespace {
 using testing::HasSubstr;
 using View = Drawing::Grid::View;
 
-std::vector<Drawing> pictures(const Potential& p) { return drawings_of(p, judge(p, {.samples = 2000})); }
+std::vector<Drawing> pictures(const Potential& p) {
+  return drawings_of(p, judge(p, {.samples = 2000}), nullptr);
+}
 
 const Drawing& named(const std::vector<Drawing>& all, std::string_view what) {
   const auto found = std::find_if(all.begin(), all.end(),
@@ -67,6 +69,15 @@ TEST(PotentialFigures, TheUnitStepIsZeroOrOneAndThePapersConeIsNarrowerThanItsLi
   };
   EXPECT_NEAR(static_cast<double>(inside(1)) / static_cast<double>(inside(0)), std::sin(0.5) / std::tan(0.5),
               0.03);
+}
+
+TEST(PotentialFigures, TheUnitStepShowsTheBoundaryOfASetBesideTheSensor) {
+  const Potential sensor = SensorCone{}, set = KeepOut{.d_min = 1.0};
+  const Drawing d = named(drawings_of(sensor, judge(sensor, {.samples = 2000}), &set), "unit step");
+  const Drawing::Curve& dots = d.panels[0].curves.back();
+  EXPECT_EQ(dots.title, "certified set");
+  EXPECT_GT(dots.x.size(), 50U);
+  for (std::size_t i = 0; i < dots.x.size(); ++i) EXPECT_NEAR(std::hypot(dots.x[i], dots.y[i]), 1.0, 0.03);
 }
 
 /// Distances of the cloud's points from the robot.

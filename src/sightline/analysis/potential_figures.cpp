@@ -45,8 +45,8 @@ Grid grid_over(const Plane& plane, const Value& value, int across, Grid::View vi
 
 class Pictures {
  public:
-  Pictures(const Potential& potential, const Verdict& verdict)
-      : potential_(potential), verdict_(verdict), mount_(potential.mount()), field_(potential) {
+  Pictures(const Potential& potential, const Verdict& verdict, const Potential* set)
+      : potential_(potential), verdict_(verdict), set_(set), mount_(potential.mount()), field_(potential) {
     name_ = potential.name();
     if (const auto own = potential.kappa_A()) {
       sharpnesses_ = {0.5 * *own, *own, 5 * *own};
@@ -121,7 +121,31 @@ class Pictures {
       drawing.panels.push_back(map("formula is 0", sensor_plane(), step, "ε [-]", map_side));
       drawing.caption += " On the right by the region of the formula, where its step is not 0.";
     }
+    if (set_ != nullptr) {
+      drawing.panels[0].curves.push_back(boundary_of_set());
+      drawing.caption +=
+          " Dots: the boundary of the set in which the view is certified, for a robot at rest.";
+    }
     drawings_.push_back(std::move(drawing));
+  }
+
+  /// Where the limit `set_` changes along the lines of a grid in the plane of the sensor.
+  Curve boundary_of_set() const {
+    constexpr int lines = 80, steps = 240;
+    Curve dots{"certified set", 1, Mark::points};
+    for (int axis = 0; axis < 2; ++axis) {
+      for (int i = 0; i < lines; ++i) {
+        const double u = window * (2.0 * i / (lines - 1) - 1);
+        bool before = false;
+        for (int k = 0; k < steps; ++k) {
+          const double w = window * (2.0 * k / (steps - 1) - 1), x = axis == 0 ? w : u, y = axis == 0 ? u : w;
+          const Station s = seen_at({x, y, 0}, mount_);
+          const bool in = set_->violation(observer_of(s), target_of(s)) <= 0;
+          if (std::exchange(before, in) != in && k > 0) dots.x.push_back(x), dots.y.push_back(y);
+        }
+      }
+    }
+    return dots;
   }
 
   /// Points where `is_out` changes along the lines of a grid, in the frame of `place`.
@@ -390,6 +414,7 @@ class Pictures {
 
   Potential potential_;
   const Verdict& verdict_;
+  const Potential* set_;  // a limit to be shown beside, or nullptr
   const SensorMount* mount_;
   Field field_;
   std::string name_;
@@ -399,8 +424,8 @@ class Pictures {
 
 }  // namespace
 
-std::vector<Drawing> drawings_of(const Potential& potential, const Verdict& verdict) {
-  return Pictures(potential, verdict).all();
+std::vector<Drawing> drawings_of(const Potential& potential, const Verdict& verdict, const Potential* set) {
+  return Pictures(potential, verdict, set).all();
 }
 
 }  // namespace sightline

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "sightline/analysis/verdict_text.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/report/page.hpp"
+#include "sightline/safety/view_cost.hpp"
 
 namespace sightline {
 namespace {
@@ -18,6 +20,16 @@ namespace {
 std::optional<Vec3<double>> place_of(const Team& team, const Coupling& c, std::span<const double> x0) {
   if (x0.empty() || !sees_place(c.term.potential)) return {};
   return place_at(team, c.between.first, x0);
+}
+
+/// The set of a certified view, if the coupling is the sensor of that view; or nullptr.
+const Potential* certified_set(const std::vector<Coupling>& couplings, const Coupling& sensor) {
+  if (sensor.term.potential.mount() == nullptr) return nullptr;
+  const auto found = std::find_if(couplings.begin(), couplings.end(), [&](const Coupling& other) {
+    return other.term.potential.as<ViewCost>() != nullptr && other.between.first == sensor.between.first &&
+           other.between.second == sensor.between.second;
+  });
+  return found != couplings.end() ? &found->term.potential : nullptr;
 }
 
 }  // namespace
@@ -76,7 +88,8 @@ std::string potential_html(const Scenario& scenario, const std::vector<JudgedCou
     page += "</ul>\n</details>\n";
     const Potential& potential = couplings[one.coupling].term.potential;
     const auto& around = one.verdict.around;
-    page += page_figures(drawings_of(around ? moved_to(*around, potential) : potential, one.verdict));
+    page += page_figures(drawings_of(around ? moved_to(*around, potential) : potential, one.verdict,
+                                     certified_set(couplings, couplings[one.coupling])));
   }
   return page + page_end();
 }
