@@ -72,7 +72,7 @@ TEST(PotentialFigures, TheUnitStepIsZeroOrOneAndThePapersConeIsNarrowerThanItsLi
 }
 
 TEST(PotentialFigures, TheUnitStepShowsTheBoundaryOfASetBesideTheSensor) {
-  const Potential sensor = SensorCone{}, set = KeepOut{.d_min = 1.0};
+  const Potential sensor = SensorCone{.mount = {.pitch = 0.0, .offset = 0.0}}, set = KeepOut{.d_min = 1.0};
   const Drawing d = named(drawings_of(sensor, judge(sensor, {.samples = 2000}), &set), "unit step");
   const Drawing::Curve& dots = d.panels[0].curves.back();
   EXPECT_EQ(dots.title, "certified set");

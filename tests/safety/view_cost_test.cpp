@@ -63,13 +63,12 @@ TEST(ViewCost, RisesFromTheMiddleOfTheSetToItsBoundary) {
                  rest = z.brake.distance(0.0);
     const Placed amid = placed(middle, 0, h, {});
     const double least = cost(amid.robot, amid.target);
-    if (speed < 0.5) EXPECT_LT(least, 0.5) << speed;
+    EXPECT_TRUE(speed >= 0.5 || least < 0.5) << speed;
     for (int k = 0; k < 2000; ++k) {
       const double r = uniform(random, z.near + rest + z.step(), z.far - rest - z.step());
       const Placed s = placed(r, 1.5 * uniform(random, -z.theta, z.theta),
                               uniform(random, z.at(z.low, r) - 0.2, z.at(z.high, r) + 0.2), {});
-      const double l = cost(s.robot, s.target);
-      if (cost.violation(s.robot, s.target) > 0) EXPECT_GE(l, 1.0);
+      EXPECT_TRUE(cost.violation(s.robot, s.target) <= 0 || cost(s.robot, s.target) >= 1.0) << k;
     }
   }
 }

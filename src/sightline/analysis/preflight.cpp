@@ -4,6 +4,7 @@
 #include "sightline/analysis/observation.hpp"
 #include "sightline/analysis/potential_page.hpp"
 #include "sightline/analysis/view_band.hpp"
+#include "sightline/safety/view_cost.hpp"
 
 namespace sightline {
 
@@ -12,7 +13,9 @@ Preflight preflight(const Scenario& scenario) {
   if (!p.refusals.empty()) return p;
   std::vector<std::string> potentials, cycles;
   for (const JudgedCoupling& one : judge_couplings(scenario.team, {}, {}, scenario.x0)) {
-    const std::string_view name = scenario.team.couplings()[one.coupling].term.potential.name();
+    const Potential& potential = scenario.team.couplings()[one.coupling].term.potential;
+    if (potential.as<ViewCost>() != nullptr) continue;  // the user has no say in its form
+    const std::string_view name = potential.name();
     for (const std::string& sentence : one.verdict.warnings)
       potentials.push_back(fmt::format("couple[{}] {}: {}", one.coupling, name, sentence));
   }
