@@ -1,0 +1,112 @@
+// Certified views of vehicles with rotors, in wind, of a target that turns at will and at the robot.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tests/support/campaign.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sampled_flight.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+struct RotorView {
+  const char* preset;
+  double command_delay, start, d_min, d_max, speed;
+};
+
+/// @param wind  acceleration in G [m/s^2]
+Scenario rotor_view(const RotorView& of, Random& random, const Vec2<double>& wind) {
+  return test::scenario_of(fmt::format(R"(
+[world]
+kind = "rotors"
+[simulation]
+duration = 15.0
+seed = {}
+[simulation.disturbance]
+wind = [{}, {}, 0.0]
+[agent.uav0]
+robot = "hover_multirotor"
+parameters = {{ preset = "{}" }}
+command_delay = {}
+vehicle = {{ preset = "{}" }}
+start = {{ p = [{}, 0.0, 1.6], heading = 0.0 }}
+sensor = {{ pitch = 0.5, offset = 0.17 }}
+Q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.7, 0.7]
+[target.ball]
+p = [0.0, 0.0, 0.6]
+motion = {{ adversary = {{ agent = "uav0", speed = {}, every = {}, aim = {} }} }}
+[[couple]]
+potential = {{ bearing = {{ alpha = 0.5, width = 0.1, tilt = 0.2 }} }}
+between = ["uav0", "ball"]
+weight = 4.0
+[[couple]]
+potential = {{ too_near = {{ d_min = {}, kappa = 10.0 }} }}
+between = ["uav0", "ball"]
+weight = 4.0
+[[couple]]
+potential = {{ too_far = {{ d_max = {}, kappa = 10.0 }} }}
+between = ["uav0", "ball"]
+weight = 8.0
+[[certify_view]]
+observer = "uav0"
+target = "ball"
+speed_max = {}
+climb_max = 0.1
+wind = 1.0
+outside = "return"
+)",
+                                       random() % 100000, wind.x, wind.y, of.preset, of.command_delay,
+                                       of.preset, -of.start, of.speed, uniform(random, 0.2, 3.0),
+                                       uniform(random, 0.0, 1.0), of.d_min, of.d_max, of.speed));
+}
+
+TEST(RotorViewCampaign, NoVehicleLosesAViewThatItCertifies) {
+  for (const RotorView& of :
+       {RotorView{"x500", 0.16, 2.0, 1.0, 3.0, 0.3}, RotorView{"crazyflie", 0.114, 1.6, 0.8, 2.5, 0.3}}) {
+    const int flights = runs(1000, 200);
+    Random random(7);
+    int lost = 0, unannounced = 0;
+    long certified = 0, active = 0, updates = 0;
+    std::array<long, 12> missed{};
+    for (int flight = 0; flight < flights; ++flight) {
+      const double from = uniform(random, -4, 4), push = uniform(random, 0.0, 1.0);
+      const Scenario scenario = rotor_view(of, random, {push * std::cos(from), push * std::sin(from)});
+      const Team& team = scenario.team;
+      bool is_lost = false, was_announced = false;
+      for (const Sample& sample : test::samples_of(scenario)) {
+        const Sight<double> robot = true_sight(team, BodyId{0}, sample),
+                            ball = true_sight(team, BodyId{1}, sample);
+        for (std::size_t k = 0; k < 3; ++k)
+          is_lost |= team.couplings()[k].term.potential.violation(robot, ball) > 0;
+        unannounced += is_lost && !was_announced;
+        if (sample.of != Sample::Of::update) continue;
+        const ViewRecord& record = sample.views[0];
+        was_announced |= !record.certified;
+        ++updates, certified += record.certified, active += record.active;
+        if (!record.certified) ++missed[static_cast<std::size_t>(record.least)];
+      }
+      lost += is_lost;
+    }
+    std::printf("%-10s flights %d, lost %d, certified %.4f, acts in %.3f, uncertified by", of.preset, flights,
+                lost, static_cast<double>(certified) / static_cast<double>(updates),
+                static_cast<double>(active) / static_cast<double>(updates));
+    for (std::size_t k = 0; k < missed.size(); ++k)
+      if (missed[k] > 0)
+        std::printf(" %s %ld", std::string(to_string(static_cast<ViewReserve>(k))).c_str(), missed[k]);
+    std::printf("\n");
+    EXPECT_EQ(lost, 0) << of.preset;
+    EXPECT_EQ(unannounced, 0) << of.preset;
+    EXPECT_GT(10 * certified, 9 * updates) << of.preset;
+  }
+}
+
+}  // namespace
+}  // namespace sightline
