@@ -159,6 +159,7 @@ py::array_t<double> planned(GuardedSolver& of, double time) {
 struct KeptGradient {
   py::array_t<double> states, previous;
   py::dict parameters;
+  int without_derivative = 0;  // updates of a flight
 };
 
 py::dict named(const std::vector<InputGradient::Parameter>& parameters, std::span<const double> values) {
@@ -221,11 +222,12 @@ KeptGradient differentiate(GuardedLoop& of, const Numbers& by_x, const std::opti
   if (of.periods == 0) throw std::invalid_argument("differentiate: no flight, expected fly() before");
   const auto states = view(by_x, "by_x", of.periods + 1, of.nx);
   const auto inputs = by_u ? view(*by_u, "by_u", of.periods, of.nu) : std::span<const double>();
+  int without = 0;
   {
     const py::gil_scoped_release others_run;
-    of.loop.differentiate(states, inputs);
+    without = of.loop.differentiate(states, inputs);
   }
-  return {array(of.loop.by_start()), {}, named(of.loop.parameters(), of.loop.by_parameters())};
+  return {array(of.loop.by_start()), {}, named(of.loop.parameters(), of.loop.by_parameters()), without};
 }
 
 /// The simulated world with its access flag.
@@ -271,7 +273,9 @@ void bind_gradient(py::module_& module) {
                     "By the inputs in force before the update (nu); of a flight empty.")
       .def_readonly("parameters", &KeptGradient::parameters,
                     "By each weight, reference and parameter of a potential: name to number, as uav0.Q[3], "
-                    "uav0.x_ref[2] (a shift of the reference), couple[0].weight, couple[0].d_min.");
+                    "uav0.x_ref[2] (a shift of the reference), couple[0].weight, couple[0].d_min.")
+      .def_readonly("without_derivative", &KeptGradient::without_derivative,
+                    "Updates of a flight that have no derivative: their inputs count as constant.");
 }
 
 }  // namespace

@@ -523,7 +523,8 @@ class RotorWorld final : public VehicleWorld {
 //   lambda_k = J_x(k) + F_x' lambda_{k+1} + (du_k/dx_k)' g_k,   g_k = J_u(k) + F_u' lambda_{k+d+1}
 //   dJ/dtheta = sum of (du_k/dtheta)' g_k
 //
-// with the products from InputGradient. No noise, disturbance or filter takes part.
+// with the products from InputGradient. Noise, disturbances and filters take part only as follow()
+// describes.
 
 class LoopGradient {
  public:
@@ -535,11 +536,16 @@ class LoopGradient {
   /// @throws std::invalid_argument for periods < 1 or another length of x0
   /// @return false if a state is not finite or a heading (0, 0)
   bool fly(std::span<const double> x0, int periods);
+  /// Takes the states of a flight in another world, from t = 0: x_{k+1} = F(x_k, u_{k-d}) + w_k.
+  /// The deviations w_k are constants; u_k is the optimum at x_k. Allocates.
+  /// @param x  (K+1 x nx)
+  /// @throws std::invalid_argument for another length than of at least two states
+  void follow(std::span<const double> x);
   /// Of the last flight, k = 0 .. K (nx), and k = 0 .. K - 1 (nu).
   std::span<const double> x(int k) const { return periods_[at(k)].x; }
   std::span<const double> u(int k) const { return periods_[at(k)].u; }
 
-  /// Derivatives of J over the last flight that fly() completed. An update without a derivative
+  /// Derivatives of J over the last flight that fly() completed, or of follow(). An update without a derivative
   /// (InputGradient) counts as one with constant inputs.
   /// @param by_x  J_x  (K+1 x nx)
   /// @param by_u  J_u  (K x nu); empty: 0
@@ -568,6 +574,7 @@ class LoopGradient {
     std::vector<double> x, u, plan, by_u;
   };
 
+  void plan(int k);
   void evaluate(Step& step, const Period& from, std::span<const double> u) const;
   std::span<const double> applied(int k) const;
 

@@ -74,6 +74,9 @@ class Gradient:
     @property
     def states(self) -> npt.NDArray[np.float64]:
         """By the measured states of all bodies, or their start (nx)."""
+    @property
+    def without_derivative(self) -> int:
+        """Updates of a flight that have no derivative: their inputs count as constant."""
 
 class Horizon:
     """T: length [s]; N: stages; dt: control period [s]."""

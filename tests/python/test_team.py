@@ -133,10 +133,19 @@ def test_the_gradient_of_a_closed_loop_is_its_central_difference():
         difference = (flown(x0 + shift)[1] ** 2 - flown(x0 - shift)[1] ** 2).sum() / 4e-4
         assert gradient.states[i] == pytest.approx(difference, rel=1e-5)
     assert gradient.parameters["couple[0].weight"] != 0
+    assert gradient.without_derivative == 0
     with pytest.raises(ValueError, match="by_x has 3 numbers in 1 dimensions, expected 21 x 14"):
         loop.differentiate([1, 2, 3])
     with pytest.raises(ValueError, match="periods = 0, expected >= 1"):
         loop.fly(x0, 0)
+
+
+def test_updates_of_a_flight_without_a_derivative_are_counted():
+    team = sl.Team()  # the reference looks away by 2.8 rad: it is turned, which has no derivative
+    team.add(sl.multirotor(), Q=[1, 1, 1, 1, 1, 0, 0], x_ref=[0, 0, 1, np.cos(2.8), np.sin(2.8), 0, 0])
+    loop = sl.LoopGradient(team, T=1.0, N=10, dt=0.05)
+    states, _ = loop.fly([0, 0, 1, 1, 0, 0, 0], 40)
+    assert 0 < loop.differentiate(states).without_derivative < 40
 
 
 def test_the_example_with_torch_learns_or_says_that_there_is_none():

@@ -7,6 +7,7 @@
 #include "sightline/worlds.hpp"
 #include "tests/support/changed_team.hpp"
 #include "tests/support/paper_team.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
@@ -92,6 +93,62 @@ TEST(LoopGradient, IsTheCentralDifferenceOfFlights) {
 }
 
 TEST(LoopGradient, CountsTheDelayOfCommands) { expect_slopes(paper::Variant::joint, 2); }
+
+TEST(LoopGradient, FollowsItsOwnFlightToTheSameDerivatives) {
+  const Team team = paper::team(paper::Variant::joint);
+  const Values x0 = {-0.6, -0.3, 0.6, 1, 0, 0, 0, 0, 0, 0.5, 1, 0, 0, 0};
+  LoopGradient own(Ocp(team, horizon)), following(Ocp(team, horizon));
+  ASSERT_TRUE(own.fly(x0, loop_periods));
+  Values states, by_x((loop_periods + 1) * x0.size()),
+      by_u(static_cast<std::size_t>(loop_periods * team.nu()));
+  for (int k = 0; k <= loop_periods; ++k) states.insert(states.end(), own.x(k).begin(), own.x(k).end());
+  following.follow(states);
+  cost_of(own, by_x, by_u);
+  EXPECT_EQ(own.differentiate(by_x, by_u), 0);
+  EXPECT_EQ(following.differentiate(by_x, by_u), 0);
+  for (std::size_t p = 0; p < own.by_parameters().size(); ++p)
+    EXPECT_EQ(own.by_parameters()[p], following.by_parameters()[p]) << own.parameters()[p].name;
+}
+
+TEST(LoopGradient, HoldsTheDisturbancesOfAFlightThatItFollows) {
+  const Values x0 = {-0.6, -0.3, 0.6, 1, 0, 0, 0, 0, 0, 0.5, 1, 0, 0, 0};
+  constexpr const char* name = "couple[0].weight";
+  const auto follow = [&](const Team& team, LoopGradient& loop) {
+    NewtonRiccatiOptions options;
+    options.max_newton_steps = 30, options.start_steps = 100, options.tolerance = 1e-9;
+    NewtonRiccati solver(Ocp(team, horizon), options);
+    Plant plant(team, x0, {.disturbances = {.wind = {-0.3, 0.1, 0.0}}});
+    Values states = x0;
+    for (int k = 0; k < loop_periods; ++k) {
+      EXPECT_TRUE(plant.step(solver.solve(k * horizon.dt, plant.x()).u, horizon.dt));
+      states.insert(states.end(), plant.x().begin(), plant.x().end());
+    }
+    loop.follow(states);
+  };
+  const auto cost_at = [&](double by) {
+    const Team team = changed_team(paper::team(paper::Variant::joint), name, by);
+    LoopGradient loop{Ocp(team, horizon)};
+    follow(team, loop);
+    Values by_x((loop_periods + 1) * x0.size()), by_u(static_cast<std::size_t>(loop_periods * team.nu()));
+    return cost_of(loop, by_x, by_u);
+  };
+  const Team team = paper::team(paper::Variant::joint);
+  LoopGradient loop{Ocp(team, horizon)};
+  follow(team, loop);
+  Values by_x((loop_periods + 1) * x0.size()), by_u(static_cast<std::size_t>(loop_periods * team.nu()));
+  cost_of(loop, by_x, by_u);
+  EXPECT_EQ(loop.differentiate(by_x, by_u), 0);
+  const double measured = (cost_at(1e-3) - cost_at(-1e-3)) / 2e-3;
+  for (std::size_t p = 0; p < loop.parameters().size(); ++p)
+    if (loop.parameters()[p].name == name)
+      EXPECT_NEAR(loop.by_parameters()[p], measured, 0.02 * std::fabs(measured));
+}
+
+TEST(LoopGradient, RefusesAPartOfAState) {
+  LoopGradient loop(Ocp(paper::team(paper::Variant::joint), horizon));
+  EXPECT_EQ(refusal_of([&] { loop.follow(Values(15)); }),
+            "follow: x has 15 numbers, expected at least two states of 14");
+}
 
 }  // namespace
 }  // namespace sightline

@@ -86,22 +86,28 @@ void LoopGradient::evaluate(Step& step, const Period& from, std::span<const doub
   step.out = sightline::evaluate(step.program, z);
 }
 
+/// Solves for the inputs of a period, from the plan of the one before.
+void LoopGradient::plan(int k) {
+  const std::size_t nu = resting_.size();
+  const int N = solver_.ocp().horizon().N;
+  Period& now = periods_[at(k)];
+  const Solution solution = solver_.solve(k * dt_, now.x);
+  now.u.assign(solution.u.begin(), solution.u.end());
+  now.plan.resize(at(N) * nu);
+  for (int stage = 0; stage < N; ++stage)
+    solver_.plan(stage, std::span(now.plan).subspan(at(stage) * nu, nu));
+}
+
 bool LoopGradient::fly(std::span<const double> x0, int periods) {
   if (periods < 1) throw_invalid("fly: periods = {}, expected >= 1", periods);
   if (x0.size() != by_start_.size())
     throw_invalid("fly: x0 has {} numbers, expected {}", x0.size(), by_start_.size());
-  const std::size_t nu = resting_.size();
-  const int N = solver_.ocp().horizon().N;
   periods_.assign(at(periods) + 1, {});
   periods_[0].x.assign(x0.begin(), x0.end());
   solver_.restart();
   for (int k = 0; k < periods; ++k) {
-    Period& now = periods_[at(k)];
-    const Solution solution = solver_.solve(k * dt_, now.x);
-    now.u.assign(solution.u.begin(), solution.u.end());
-    now.plan.resize(at(N) * nu);
-    for (int stage = 0; stage < N; ++stage)
-      solver_.plan(stage, std::span(now.plan).subspan(at(stage) * nu, nu));
+    plan(k);
+    const Period& now = periods_[at(k)];
     std::vector<double>& next = periods_[at(k) + 1].x;
     next.resize(x0.size());
     for (Step& step : steps_) {
@@ -111,6 +117,19 @@ bool LoopGradient::fly(std::span<const double> x0, int periods) {
     }
   }
   return true;
+}
+
+void LoopGradient::follow(std::span<const double> x) {
+  const std::size_t nx = by_start_.size(), states = x.size() / nx;
+  if (states < 2 || x.size() % nx != 0)
+    throw_invalid("follow: x has {} numbers, expected at least two states of {}", x.size(), nx);
+  periods_.assign(states, {});
+  solver_.restart();
+  for (std::size_t k = 0; k < states; ++k) {
+    const std::span<const double> here = x.subspan(k * nx, nx);
+    periods_[k].x.assign(here.begin(), here.end());
+    if (k + 1 < states) plan(static_cast<int>(k));
+  }
 }
 
 int LoopGradient::differentiate(std::span<const double> by_x, std::span<const double> by_u) {
