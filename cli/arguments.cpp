@@ -32,6 +32,7 @@ constexpr std::array all_commands = {
     of("analysis", "potential", describe_potential),
     of("analysis", "explain", describe_explain),
     of("campaign", "campaign", describe_campaign),
+    of("campaign", "tune", describe_tune),
     Command{"parts", describe_parts},
     Command{"version", describe_version},
     Command{"bench", describe_bench},
