@@ -140,8 +140,9 @@ TEST(LoopGradient, HoldsTheDisturbancesOfAFlightThatItFollows) {
   EXPECT_EQ(loop.differentiate(by_x, by_u), 0);
   const double measured = (cost_at(1e-3) - cost_at(-1e-3)) / 2e-3;
   for (std::size_t p = 0; p < loop.parameters().size(); ++p)
-    if (loop.parameters()[p].name == name)
+    if (loop.parameters()[p].name == name) {
       EXPECT_NEAR(loop.by_parameters()[p], measured, 0.02 * std::fabs(measured));
+    }
 }
 
 TEST(LoopGradient, RefusesAPartOfAState) {
