@@ -11,8 +11,8 @@
 namespace sightline {
 namespace {
 
-constexpr double rate = 4.0;     // greatest decay rate of a reserve [1/s]
-constexpr double strict = 1e-5;  // below this a reserve may not fall [m]
+constexpr double decay_rate = 4.0;  // greatest decay rate of a reserve [1/s]
+constexpr double strict = 1e-5;     // below this a reserve may not fall [m]
 constexpr double rounding = 1e-7;
 constexpr double exact = 1e-6;  // of predictions by the same model [m], [m/s]
 
@@ -163,7 +163,7 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
   const ViewBounds::Known known = task.bounds.known(dt);
   climbs_ = known.climb * dt;
   E_ = E, F_ = F, E_across_ = responses(task.motion.across.drag, dt)[0];
-  keep_ = 1 - rate * dt;
+  keep_ = 1 - decay_rate * dt;
   if (task.bounds.is_velocity_measured()) {
     const double A = task.bounds.acceleration;
     moves_ = 0.5 * A * dt * dt + wind * F, speeds_ = A * dt + pushed(task);
