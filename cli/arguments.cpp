@@ -29,6 +29,7 @@ constexpr std::array all_commands = {
     of("server", "view", describe_view),
     Command{"replay", describe_replay},
     of("analysis", "identify", describe_identify),
+    of("analysis", "localize", describe_localize),
     of("analysis", "potential", describe_potential),
     of("analysis", "explain", describe_explain),
     of("campaign", "campaign", describe_campaign),

@@ -73,5 +73,6 @@ void bind_flight(py::module_& module);     ///< run, replay, report
 void bind_world(py::module_& module);      ///< World, period by period
 void bind_campaign(py::module_& module);   ///< campaign
 void bind_recording(py::module_& module);  ///< Log
+void bind_localize(py::module_& module);   ///< localize
 
 }  // namespace sightline::python

@@ -34,4 +34,5 @@ PYBIND11_MODULE(_sightline, module) {
   python::bind_world(module);
   python::bind_campaign(module);
   python::bind_recording(module);
+  python::bind_localize(module);
 }

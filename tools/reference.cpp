@@ -9,6 +9,7 @@
 #include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/fleet/link_fault.hpp"
 #include "cli/arguments.hpp"
+#include "sightline/estimate/team_filter.hpp"
 #include "sightline/estimator.hpp"
 #include "sightline/judge/summary_keys.hpp"
 #include "sightline/record/log_table.hpp"
@@ -93,7 +94,8 @@ std::string reference() {
               keys("[[certify_view]]", CertifiedView{}), keys("[[certify_view]]", ViewBounds{})}) +
          section("Estimates", {keys("[estimate], [agent.NAME.estimate]", FilterOptions{}),
                                keys("[estimate.broadcast] simulated", Radio{}),
-                               keys("[estimate.broadcast] received", BroadcastOptions{})}) +
+                               keys("[estimate.broadcast] received", BroadcastOptions{}),
+                               keys("[localize] of recorded teams", TeamNoise{})}) +
          section("Loop and log", {keys("[loop]", LoopKeys{}), keys("[log]", LogOptions{})}) +
          section("Campaign",
                  {keys("[campaign]", CampaignPlan{}), keys("[campaign.evasion]", EvasionPlan{})}) +

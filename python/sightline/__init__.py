@@ -122,6 +122,18 @@ def replay(folder, solver=None, set=()):  # type: ignore[no-redef]
     return _json.loads(_sightline.replay(folder, solver, list(set)))
 
 
+def localize(recording, out=None, landmarks="all", robots="all", anchor="", start="known", identities=True, noise="", set=(),
+             identify_noise=False, seed=1):
+    """Localizes a recorded team, as `sightline localize`. The summary, a dict.
+
+    recording, out: folder of the recording; of the results, out/RECORDING/localize if not given
+    landmarks, robots: robots that see them, "all", "none" or names with commas; anchor: robot with a known pose
+    noise, set: file with [localize], KEY=VALUE of it; other options as those of the command
+    """
+    return _json.loads(_sightline.localize_recording(recording, "" if out is None else out, landmarks, robots, anchor, start,
+                                                     identities, noise, list(set), identify_noise, seed))
+
+
 class Campaign:
     """The runs of a campaign: its table campaign.sqlite, a row a run."""
 

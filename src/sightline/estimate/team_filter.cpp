@@ -29,13 +29,15 @@ void TeamNoise::check() const {
 }
 
 TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landmarks, const TeamNoise& noise,
-                       double t0)
+                       double t0, int antennas)
     : noise_(noise),
       landmarks_(std::move(landmarks)),
       heights_(std::move(heights)),
       robots_(static_cast<int>(heights_.size())),
-      capacity_(robots_ * (robot_states + 2 * pairs_per_robot)),
-      n_(robots_ * robot_states),
+      antennas_(antennas),
+      first_pair_(robots_ * (robot_states + antennas_)),
+      capacity_(first_pair_ + robots_ * 2 * pairs_per_robot),
+      n_(first_pair_),
       x_(at(capacity_)),
       P_(at(capacity_) * at(capacity_)),
       decay_(at(capacity_), 1.0),
@@ -59,6 +61,8 @@ TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landma
                                        {delta, noise_.clock_offset},
                                        {mu, noise_.sensor_turn}})
       P(k + state, k + state) = square(sigma);
+    for (int a = 0; a < antennas_; ++a)
+      P(antenna_index(i, a), antenna_index(i, a)) = square(noise_.antenna_error);
   }
 }
 
@@ -103,7 +107,7 @@ void TeamFilter::step(double dt) noexcept {
 void TeamFilter::fade(double dt) noexcept {
   const std::array a = {exp(-dt / noise_.range_error_time), exp(-dt / noise_.bearing_error_time)};
   const std::array sigma = {noise_.range_error, noise_.bearing_error};
-  const int first = robots_ * robot_states;
+  const int first = first_pair_;
   for (int i = first; i < n_; ++i) decay_[at(i)] = a[at((i - first) % 2)];
   for (int i = first; i < n_; ++i) {
     x_[at(i)] *= decay_[at(i)];
@@ -223,7 +227,7 @@ int TeamFilter::pair_for(const TeamSighting& z) noexcept {
 
 /// Removes a pair; the last one takes its place.
 void TeamFilter::drop_pair(int pair) noexcept {
-  const int to = robots_ * robot_states + 2 * pair, from = n_ - 2;
+  const int to = first_pair_ + 2 * pair, from = n_ - 2;
   if (to != from) {
     for (int a = 0; a < 2; ++a) {
       x_[at(to + a)] = x_[at(from + a)];
@@ -257,8 +261,8 @@ TeamFilter::Row TeamFilter::row_of(const TeamSighting& z, int pair) noexcept {
     height = mark.z - height;
   }
   if (pair >= 0) {
-    state[In::rho] = robots_ * robot_states + 2 * pair + rho;
-    state[In::eta] = robots_ * robot_states + 2 * pair + eta;
+    state[In::rho] = first_pair_ + 2 * pair + rho;
+    state[In::eta] = first_pair_ + 2 * pair + eta;
   }
   for (std::size_t l = 0; l < width; ++l)
     if (state[l] >= 0) in[l] = x_[at(state[l])];
@@ -274,12 +278,21 @@ TeamFilter::Row TeamFilter::row_of(const TeamSighting& z, int pair) noexcept {
     input_of[at(row.used)] = l;
     row.columns[at(row.used++)] = state[l];
   }
-  const double range = expected.value[0];
+  double range = expected.value[0];
+  const int linearised = row.used;
+  if (z.of == Sighted::range)
+    for (const auto& [robot, antenna] : {std::pair{z.observer, z.antenna}, {z.subject, z.other_antenna}}) {
+      if (antenna < 0) continue;
+      const int state_of_antenna = antenna_index(robot, antenna);
+      row.H(0, row.used) = 1.0;
+      row.columns[at(row.used++)] = state_of_antenna;
+      range += x_[at(state_of_antenna)];
+    }
   for (int a = 0; a < 2; ++a) {
     if (z.of == Sighted::range && a == 1) continue;
     if (z.of == Sighted::bearing && a == 0) continue;
     const int m = row.m++;
-    for (int l = 0; l < row.used; ++l) row.H(m, l) = expected.H(a, static_cast<int>(input_of[at(l)]));
+    for (int l = 0; l < linearised; ++l) row.H(m, l) = expected.H(a, static_cast<int>(input_of[at(l)]));
     row.y(m, 0) = a == 0 ? z.range - range : wrap(z.bearing - expected.value[1]);
     row.R(m, m) = a == 0 ? square(noise_.range_noise) + square(noise_.range_share * range)
                          : square(noise_.bearing_noise);
@@ -320,6 +333,7 @@ TeamFit TeamFilter::apply(const Row& row) noexcept {
   const Column<3> white = factor.forward(row.y);
   for (int a = 0; a < row.m; ++a) {
     fit.squared += square(white(a, 0));
+    fit.log_det += 2 * log(factor.L(a, a));
     if (a < 2) fit.y[at(a)] = row.y(a, 0), fit.white[at(a)] = white(a, 0);
   }
   const double gate = row.m == 1   ? chi_squared_gate<1>
@@ -351,7 +365,7 @@ TeamFit TeamFilter::apply(const Row& row) noexcept {
 /// Wheels slip, so the heading jumps by more than the noise of the odometry. Where that is the
 /// likelier reason of a bearing than chance (99 %), the variance of the heading grows by the
 /// excess, up to a slip that is possible at all.
-void TeamFilter::admit_slip(const Row& row, int robot) noexcept {
+bool TeamFilter::admit_slip(const Row& row, int robot) noexcept {
   constexpr double slip_max = 0.3, likely = 6.635;  // [rad], chi^2 of one degree of freedom
   const int bearing = row.m - 1;
   double S = row.R(bearing, bearing);
@@ -360,10 +374,10 @@ void TeamFilter::admit_slip(const Row& row, int robot) noexcept {
       S += row.H(bearing, k) * P(row.columns[at(k)], row.columns[at(l)]) * row.H(bearing, l);
   const double squared = square(row.y(bearing, 0));
   const double excess = std::min(squared - S, square(slip_max));
-  if (squared > likely * S && squared < likely * (S + excess)) {
-    const int k = robot * robot_states + psi;
-    P(k, k) += excess;
-  }
+  if (!(squared > likely * S && squared < likely * (S + excess))) return false;
+  const int k = robot * robot_states + psi;
+  P(k, k) += excess;
+  return true;
 }
 
 /// y^T S^-1 y of a measurement; infinite where S is not positive definite.
@@ -396,14 +410,16 @@ void TeamFilter::widen(int robot) noexcept {
 bool TeamFilter::is_usable(const TeamSighting& z) const noexcept {
   return (z.of == Sighted::bearing || (std::isfinite(z.range) && z.range > 0)) &&
          (z.of == Sighted::range || std::isfinite(z.bearing)) && is_finite(z.sensor) && is_finite(z.point) &&
-         z.observer >= 0 && z.observer < robots_ && z.subject < bodies() && z.subject != z.observer;
+         z.observer >= 0 && z.observer < robots_ && z.subject < bodies() && z.subject != z.observer &&
+         z.antenna < antennas_ && z.other_antenna < antennas_ && (z.other_antenna < 0 || z.subject < robots_);
 }
 
 TeamFit TeamFilter::take(const TeamSighting& z) noexcept {
   if (!is_usable(z) || z.subject < 0) return {FitVerdict::unusable, z.subject};
   const int pair = pair_for(z);
-  if (z.of != Sighted::range) admit_slip(row_of(z, pair), z.observer);
+  const bool slipped = z.of != Sighted::range && admit_slip(row_of(z, pair), z.observer);
   TeamFit fit = apply(row_of(z, pair));
+  fit.slipped = slipped;
   fit.subject = z.subject;
   if (fit.verdict == FitVerdict::accepted) {
     odometry_[at(z.observer)].refused = 0;

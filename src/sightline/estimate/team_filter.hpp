@@ -50,6 +50,7 @@ struct TeamNoise {
   double range_share = 0.012;
   double range_error = 0.042;
   double range_error_time = 9.2;
+  double antenna_error = 0.0;
   double bearing_noise = 0.0095;
   double bearing_error = 0.0092;
   double bearing_error_time = 10.3;
@@ -84,6 +85,8 @@ struct TeamNoise {
         parameter("range_error", &N::range_error, "", from_zero, "lasting error of a pair, per range"),
         parameter("range_error_time", &N::range_error_time, "s", above_zero,
                   "correlation time of that error"),
+        parameter("antenna_error", &N::antenna_error, "m", from_zero,
+                  "constant error of an antenna's ranges, where sightings name antennas"),
         parameter("bearing_noise", &N::bearing_noise, "rad", above_zero, "white noise of a bearing"),
         parameter("bearing_error", &N::bearing_error, "rad", from_zero, "lasting error of a pair"),
         parameter("bearing_error_time", &N::bearing_error_time, "s", above_zero,
@@ -102,7 +105,7 @@ enum class Sighted { range_and_bearing, range, bearing };
 
 /// A sighting: range and bearing of one body in the sensor frame of a robot.
 struct TeamSighting {
-  static constexpr int unidentified = -1;
+  static constexpr int unidentified = -1, no_antenna = -1;
 
   double stamp = 0.0;          ///< [s]
   int observer = 0;            ///< a robot
@@ -110,14 +113,18 @@ struct TeamSighting {
   Sighted of = Sighted::range_and_bearing;
   double range = 0.0, bearing = 0.0;  ///< [m], [rad]
   Vec3<double> sensor{}, point{};     ///< places on the observer and on the subject [m]
+  /// Antennas of a range on the observer and on the subject, a robot, from 0; their errors add.
+  int antenna = no_antenna, other_antenna = no_antenna;
 };
 
 /// Result of a sighting.
 struct TeamFit {
   FitVerdict verdict = FitVerdict::waiting;
   int subject = TeamSighting::unidentified;  ///< the associated body
+  bool slipped = false;                      ///< the heading became uncertain to explain the bearing
   int dimension = 0;                         ///< of the innovation; 0: there is none
   double squared = 0.0;                      ///< y^T S^-1 y
+  double log_det = 0.0;                      ///< ln det S, ranges in m, bearings in rad
   std::array<double, 2> y{};                 ///< innovation: range [m], bearing [rad], in this order
   /// L^-1 y with S = L L^T; standard normal and white in time if the filter is consistent
   std::array<double, 2> white{};
@@ -151,6 +158,7 @@ inline constexpr int robot_states = 9;
 ///                    b           bias of the yaw rate                                   random walk
 ///                    delta       clock offset: the motion at t is the odometry's at t - delta
 ///                    mu          mounting error of its sensor                              constant
+///   for each antenna             error of its ranges                                  constant
 ///   for each pair    rho, eta    lasting errors of range and bearing (RangeBearing)    Gauss-Markov
 ///
 /// and its motion, with v_m, r_m of the odometry,
@@ -170,8 +178,10 @@ class TeamFilter {
 
   /// @param heights  of the robots [m]; as many as there are robots
   /// @param t0       time of the first pose [s]
+  /// @param antennas  of each robot
   /// @throws std::invalid_argument from TeamNoise::check(), or without robots
-  TeamFilter(std::vector<double> heights, std::vector<Landmark> landmarks, const TeamNoise& noise, double t0);
+  TeamFilter(std::vector<double> heights, std::vector<Landmark> landmarks, const TeamNoise& noise, double t0,
+             int antennas = 0);
 
   int robots() const noexcept { return robots_; }
   int bodies() const noexcept { return robots_ + static_cast<int>(landmarks_.size()); }
@@ -207,7 +217,7 @@ class TeamFilter {
  private:
   /// A linearised measurement of m <= 3 components: y = H dx + noise, over the used columns.
   struct Row {
-    static constexpr int width = RangeBearing::estimated;
+    static constexpr int width = RangeBearing::estimated + 2;
     int m = 0, used = 0;
     std::array<int, width> columns{};
     Mat<3, width> H{};
@@ -242,6 +252,9 @@ class TeamFilter {
 
   static std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
   static int index(int robot, RobotState k) noexcept { return robot * robot_states + static_cast<int>(k); }
+  int antenna_index(int robot, int antenna) const noexcept {
+    return robots_ * robot_states + robot * antennas_ + antenna;
+  }
   double& P(int i, int j) noexcept { return P_[at(i) * at(capacity_) + at(j)]; }
   double P(int i, int j) const noexcept { return P_[at(i) * at(capacity_) + at(j)]; }
 
@@ -256,14 +269,14 @@ class TeamFilter {
   void times_P(const Row& row, double* G) const noexcept;
   double squared_distance(const Row& row) const noexcept;
   TeamFit apply(const Row& row) noexcept;
-  void admit_slip(const Row& row, int robot) noexcept;
+  bool admit_slip(const Row& row, int robot) noexcept;
   void count_refusal(int robot) noexcept;
   void widen(int robot) noexcept;
 
   TeamNoise noise_;
   std::vector<Landmark> landmarks_;
   std::vector<double> heights_;
-  int robots_, capacity_, n_;
+  int robots_, antennas_, first_pair_, capacity_, n_;  // first_pair_: index of the state of the first pair
   std::vector<double> x_, P_, decay_;
   std::vector<double> G_, candidate_G_;  // rows of H P: 3, and 2 for each candidate of a frame
   std::vector<Robot> odometry_;

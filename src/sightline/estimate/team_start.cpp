@@ -41,6 +41,17 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
       frame.begin(), frame.end(), [&](const TeamSighting& z) { return used(z) && z.of != Sighted::bearing; });
   if (with_range == frame.end()) return {};
 
+  // k sightings that share an antenna of variance s^2: w 1 + s^2 1 1^T <= (w + k s^2) 1.
+  int sharing = 0;
+  for (const TeamSighting& z : frame)
+    if (z.antenna >= 0 && used(z))
+      sharing = std::max(
+          sharing, static_cast<int>(std::count_if(frame.begin(), frame.end(), [&](const TeamSighting& other) {
+            return used(other) && ((other.observer == z.observer && other.antenna == z.antenna) ||
+                                   (other.subject == z.observer && other.other_antenna == z.antenna));
+          })));
+  const double by_antennas = 2 * sharing * square(noise_.antenna_error);
+
   const int k = index(robot, RobotState::x);
   const std::array before = {x_[at(k)], x_[at(k + 1)], x_[at(k + 2)]};
   const std::array sigma_squared = {square(noise_.range_error), square(noise_.bearing_error)};
@@ -56,7 +67,8 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
         const int component = z.of == Sighted::bearing ? 1 : a;
         const double range = z.range - (component == 0 ? row.y(a, 0) : 0.0);
         const double s = component == 0 ? range : 1.0;
-        const double w = row.R(a, a) - sigma_squared[at(component)] * square(s), y = row.y(a, 0);
+        const double w = row.R(a, a) - sigma_squared[at(component)] * square(s) + by_antennas,
+                     y = row.y(a, 0);
         Column<3> H;
         for (int l = 0; l < row.used; ++l)
           if (const int i = row.columns[at(l)] - k; i >= 0 && i < 3) H(i, 0) = row.H(a, l);

@@ -1,0 +1,135 @@
+#include "sightline/analysis/localization/localize_recording.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+
+#include "sightline/analysis/localization/estimate_log.hpp"
+#include "sightline/analysis/localization/localization_text.hpp"
+#include "sightline/base/text_file.hpp"
+#include "sightline/scenario/read_part.hpp"
+
+namespace sightline {
+namespace {
+
+std::string names_of(const TeamRecording& recording) {
+  std::vector<std::string> names;
+  for (const TeamRecording::Robot& robot : recording.robots) names.push_back(robot.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+int robot_named(const TeamRecording& recording, std::string_view option, std::string_view name,
+                std::string_view or_else) {
+  const auto found = std::find_if(recording.robots.begin(), recording.robots.end(),
+                                  [&](const TeamRecording::Robot& one) { return one.name == name; });
+  if (found == recording.robots.end())
+    throw std::invalid_argument(
+        fmt::format("{} = {}, expected {}{}", option, name, or_else, names_of(recording)));
+  return static_cast<int>(found - recording.robots.begin());
+}
+
+/// "all", "none", or names with commas between them.
+std::vector<bool> robots_named(const TeamRecording& recording, std::string_view option,
+                               std::string_view list) {
+  std::vector<bool> chosen(recording.robots.size(), list == "all");
+  if (list == "all" || list == "none") return chosen;
+  for (std::size_t at = 0; at <= list.size();) {
+    const std::size_t end = std::min(list.find(',', at), list.size());
+    chosen[static_cast<std::size_t>(
+        robot_named(recording, option, list.substr(at, end - at), "all, none or some of "))] = true;
+    at = end + 1;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+TeamRun team_run(const TeamRecording& recording, const LocalizeOptions& options) {
+  TeamRun run{.noise = recording.noise, .seed = options.seed};
+  run.sees_landmarks = robots_named(recording, "--landmarks", options.landmarks);
+  run.sees_robots = robots_named(recording, "--robots", options.robots);
+  if (!options.anchor.empty()) {
+    if (recording.relative)
+      throw std::invalid_argument(fmt::format("--anchor = {}, expected none: poses of {} are relative to {}",
+                                              options.anchor, recording.kind, recording.robots[0].name));
+    run.anchor = robot_named(recording, "--anchor", options.anchor, "one of ");
+    if (recording.robots[static_cast<std::size_t>(run.anchor)].truth.empty())
+      throw std::invalid_argument(
+          fmt::format("--anchor = {}, expected a robot with Groundtruth.dat", options.anchor));
+  }
+  if (options.start != "known" && options.start != "unknown")
+    throw std::invalid_argument(fmt::format("--start = {}, expected known or unknown", options.start));
+  run.start_known = options.start == "known";
+  run.identities = options.identities;
+  if (!run.identities && !run.start_known)
+    throw std::invalid_argument(
+        "--no-identities, expected known poses at the start: sightings without identity find none");
+  const auto read = [&](const std::string& text, const std::string& name, bool is_table) {
+    const TomlDocument document = parse_toml(text, name);
+    const TomlTable root(document);
+    if (!is_table) {
+      read_keys(root, {}, run.noise);
+      return;
+    }
+    root.expect_only({"localize"});
+    read_keys(root.table("localize"), {}, run.noise);
+  };
+  if (!options.noise.empty()) read(read_text(options.noise), options.noise.native(), true);
+  for (const std::string& one : options.set) read(one, "--set " + one, false);
+  run.noise.check();
+  return run;
+}
+
+LocalizedFiles localize_recording(const std::filesystem::path& place, const LocalizeOptions& options,
+                                  const std::filesystem::path& folder, const std::string& command) {
+  namespace fs = std::filesystem;
+  using Steady = std::chrono::steady_clock;
+  const TeamRecording recording = read_team_recording(place);
+  TeamRun run = team_run(recording, options);
+  const fs::path named = place.filename().empty() ? place.parent_path().filename() : place.filename();
+  const FolderLock lock(folder.empty() ? fs::path("out") / named / "localize" : folder,
+                        {"summary.json", "report.html", "localize.mcap", "noise.toml"});
+  std::optional<IdentifiedNoise> identified;
+  if (options.identify_noise) {
+    identified = identify_noise(recording, run);
+    run.noise = identified->noise;
+  }
+  const auto begun = Steady::now();
+  (void)localize_team(recording, run);
+  const double wall = std::chrono::duration<double>(Steady::now() - begun).count();
+
+  const fs::path log_file = lock.folder() / "localize.mcap";
+  EstimateLog log(beside(log_file), recording,
+                  {{"version", std::string(version)},
+                   {"recording", recording.kind},
+                   {"seed", fmt::format("{}", run.seed)},
+                   {"noise", noise_text(run.noise)}});
+  LocalizationCurves curves(recording, &log);
+  const TeamLocalization result = localize_team(recording, run, &curves);
+  log.close();
+  fs::rename(beside(log_file), log_file);
+  const LocalizedRecording localized{.place = place.native(),
+                                     .command = command,
+                                     .recording = recording,
+                                     .run = run,
+                                     .result = result,
+                                     .identified = identified,
+                                     .wall_seconds = wall};
+  LocalizedFiles written{to_string(localized), to_json(localized)};
+  const auto write = [&](const char* name, const std::string& text) {
+    write_text(lock.folder() / name, text);
+    written.files.push_back(lock.folder() / name);
+  };
+  written.files.push_back(log_file);
+  write("summary.json", written.json);
+  write("report.html", curves.html(localized));
+  if (identified) write("noise.toml", noise_text(identified->noise));
+  return written;
+}
+
+}  // namespace sightline
