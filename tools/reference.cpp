@@ -15,6 +15,7 @@
 #include "sightline/record/log_table.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/csv_lists.hpp"
 #include "sightline/sensors.hpp"
 #include "sightline/solvers.hpp"
 #include "sightline/supervisor.hpp"
@@ -80,6 +81,7 @@ std::string reference() {
                               keys("[agent.NAME.vehicle] imu", Imu{}), keys("[world]", DownwashOptions{})}) +
          section("Targets and obstacles", {keys("[target.NAME], [obstacle.NAME]", UncooperativeBody{})}) +
          kinds("Motions", "motion", Motion{}) +
+         section("Paths from files", {keys("waypoints, steps, motion waypoints", ListFile{})}) +
          section("Simulation",
                  {keys("[simulation]", Simulation{}), keys("[simulation.disturbance]", Disturbances{}),
                   keys("[simulation.disturbance] airflow", Airflow{}),

@@ -476,15 +476,6 @@ constexpr auto timed_velocities() {
                                                    "for each time; left out: straight lines", false, false}};
 }
 
-/// Keys of a file that gives these lists.
-inline constexpr auto file_of_lists =
-    std::tuple{KeyText{"file", "a file (CSV)",
-                       "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists", "none"},
-               KeyText{"columns", "names", "of the columns of the file, in their order; \"-\": not used",
-                       "its first line"},
-               KeyText{"period", "> 0 s", "between the rows of a file without a column t", "none"},
-               KeyText{"begin", "a time in s", "of the first row of the file", "as in the file"}};
-
 }  // namespace detail
 
 /// Straight lines between poses at given times, or with velocities `v` there [m/s] the cubic
@@ -499,7 +490,7 @@ struct Waypoints {
 
   static constexpr auto parameters() {
     return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_headings<Waypoints>(),
-                          detail::timed_velocities<Waypoints>(), detail::file_of_lists);
+                          detail::timed_velocities<Waypoints>());
   }
   /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
   /// numbers are finite
@@ -517,8 +508,7 @@ struct Steps {
   std::vector<double> heading = {};
 
   static constexpr auto parameters() {
-    return std::tuple_cat(detail::timed_positions<Steps>(), detail::timed_headings<Steps>(),
-                          detail::file_of_lists);
+    return std::tuple_cat(detail::timed_positions<Steps>(), detail::timed_headings<Steps>());
   }
   /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
   /// numbers are finite

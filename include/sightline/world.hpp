@@ -662,8 +662,7 @@ struct PathMotion {
 /// From position to position at given times, planned or recorded.
 struct WaypointsMotion : Waypoints {
   static constexpr auto parameters() {
-    return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_velocities<Waypoints>(),
-                          detail::file_of_lists);
+    return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_velocities<Waypoints>());
   }
 };
 

@@ -19,9 +19,10 @@ namespace {
 
 using testing::HasSubstr;
 
-Scenario short_runs(std::vector<std::string> set = {}) {
-  for (const char* one : {"campaign.duration=3.0", "simulation.settle=0.5", "simulation.rms_from=0.5"})
-    set.emplace_back(one);
+Scenario short_runs(const std::vector<std::string>& further = {}) {
+  std::vector<std::string> set = {"campaign.duration=3.0", "simulation.settle=0.5",
+                                  "simulation.rms_from=0.5"};
+  set.insert(set.end(), further.begin(), further.end());
   return read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_2.toml", built_in_registry(), set);
 }
 

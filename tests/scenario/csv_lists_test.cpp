@@ -12,7 +12,7 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-std::string sentence_of(const std::string& text, std::vector<std::string> names = {}) {
+std::string csv_refusal(const std::string& text, std::vector<std::string> names = {}) {
   try {
     (void)read_csv(text, "path.csv", std::move(names));
   } catch (const ScenarioError& error) {
@@ -27,12 +27,12 @@ Kind path_in(const std::string& keys, const std::string& text) {
   TomlDocument document = parse_toml("file = \"path.csv\"\n" + keys, "folder/a.toml");
   document.from_disk = false;
   document.files["path.csv"] = text;
-  Kind path = read_part<Kind>(ListSource(TomlTable(document)));
+  Kind path = read_part<Kind>(ListSource(TomlTable(document)), parameter_keys<ListFile>());
   path.check();
   return path;
 }
 
-std::string refusal_of(const std::string& keys, const std::string& text) {
+std::string path_refusal(const std::string& keys, const std::string& text) {
   try {
     (void)path_in<Waypoints>(keys, text);
   } catch (const std::exception& error) {
@@ -57,16 +57,16 @@ TEST(CsvLists, TheSameNumbersComeFromEachWayOfWritingThem) {
 }
 
 TEST(CsvLists, EachFaultIsNamedWithItsLineAndItsValue) {
-  EXPECT_EQ(sentence_of("0,1,2,3\n"),
+  EXPECT_EQ(csv_refusal("0,1,2,3\n"),
             "path.csv:1: no names of columns before the first row, expected a line such as t,x,y,z, or the "
             "key columns");
-  EXPECT_EQ(sentence_of("t,x\n0,1\n1,2,3\n"), "path.csv:3: 3 entries, expected 2, one for each column");
-  EXPECT_EQ(sentence_of("t,x\n0,1\n1,fast\n"), "path.csv:3: x = \"fast\", expected a number");
-  EXPECT_EQ(sentence_of("t,x\n0,1\n1,nan\n"), "path.csv:3: x = \"nan\", expected a number");
-  EXPECT_EQ(sentence_of("t,x\n0,1\n1,\n"), "path.csv:3: x = \"\", expected a number");
-  EXPECT_EQ(sentence_of("t,x,t\n0,1,2\n"), "path.csv:2: two columns are called \"t\", expected one");
-  EXPECT_EQ(sentence_of("t,x\n"), "path.csv:1: no row of numbers, expected at least one");
-  EXPECT_EQ(sentence_of(""), "path.csv: no row of numbers, expected at least one");
+  EXPECT_EQ(csv_refusal("t,x\n0,1\n1,2,3\n"), "path.csv:3: 3 entries, expected 2, one for each column");
+  EXPECT_EQ(csv_refusal("t,x\n0,1\n1,fast\n"), "path.csv:3: x = \"fast\", expected a number");
+  EXPECT_EQ(csv_refusal("t,x\n0,1\n1,nan\n"), "path.csv:3: x = \"nan\", expected a number");
+  EXPECT_EQ(csv_refusal("t,x\n0,1\n1,\n"), "path.csv:3: x = \"\", expected a number");
+  EXPECT_EQ(csv_refusal("t,x,t\n0,1,2\n"), "path.csv:2: two columns are called \"t\", expected one");
+  EXPECT_EQ(csv_refusal("t,x\n"), "path.csv:1: no row of numbers, expected at least one");
+  EXPECT_EQ(csv_refusal(""), "path.csv: no row of numbers, expected at least one");
 }
 
 TEST(CsvLists, AFileGivesThePathOfItsLists) {
@@ -92,20 +92,20 @@ TEST(CsvLists, AFileGivesThePathOfItsLists) {
 
 TEST(CsvLists, WhatAFileCannotGiveIsRefused) {
   const std::string text = "t,x,y,z\n0,1,2,3\n";
-  EXPECT_EQ(refusal_of("times = [0.0]", text),
+  EXPECT_EQ(path_refusal("times = [0.0]", text),
             "folder/a.toml:2: times = [0], expected no such key beside file, which gives it");
-  EXPECT_EQ(refusal_of("period = 0.1", text),
+  EXPECT_EQ(path_refusal("period = 0.1", text),
             "folder/a.toml:2: period = 0.1, expected no such key beside a column t");
-  EXPECT_EQ(refusal_of("", "t,x,y\n0,1,2\n"),
+  EXPECT_EQ(path_refusal("", "t,x,y\n0,1,2\n"),
             "folder/path.csv:1: no column \"z\", expected the columns t, x, y, z");
-  EXPECT_EQ(refusal_of("", "x,y,z\n0,1,2\n"),
+  EXPECT_EQ(path_refusal("", "x,y,z\n0,1,2\n"),
             "folder/path.csv:1: no column \"t\", expected the columns t, x, y, z, or the key period");
-  EXPECT_EQ(refusal_of("", "t,x,y,z\n1,0,0,0\n1,0,0,0\n"),
+  EXPECT_EQ(path_refusal("", "t,x,y,z\n1,0,0,0\n1,0,0,0\n"),
             "folder/path.csv:1: t = 1 in row 2 of numbers after 1, expected times that rise [s]");
   EXPECT_EQ(
-      refusal_of("", "t,x,y,z\n1.7e9,0,0,0\n"),
+      path_refusal("", "t,x,y,z\n1.7e9,0,0,0\n"),
       "folder/path.csv:1: t = 1700000000 s in the first row, expected at most 100000 s, or the key begin");
-  EXPECT_EQ(refusal_of("speed = 1.0", text).substr(0, 27), "folder/a.toml:2: speed = 1,");
+  EXPECT_EQ(path_refusal("speed = 1.0", text).substr(0, 27), "folder/a.toml:2: speed = 1,");
 }
 
 // The velocity is the derivative, and the bound holds on it.

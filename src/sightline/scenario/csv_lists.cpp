@@ -127,9 +127,9 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
   return columns;
 }
 
-bool has_file_of_lists(const PartText& part) {
+bool has_timed_lists(const PartText& part) {
   return std::any_of(part.parameters.begin(), part.parameters.end(),
-                     [](const ParameterText& parameter) { return parameter.key == "file"; });
+                     [](const ParameterText& parameter) { return parameter.key == "times"; });
 }
 
 ListSource::ListSource(const TomlTable& at) : TableSource(at) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "sightline/scenario/read_part.hpp"
@@ -34,8 +35,21 @@ inline constexpr std::size_t csv_rows_max = 100'000, csv_columns_max = 64;
 /// number, a name that comes twice, no row, or more rows or columns than the most
 CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<std::string> names = {});
 
-/// Whether the part has lists that a file may give.
-bool has_file_of_lists(const PartText& part);
+/// Keys of a table whose lists at times a file gives.
+struct ListFile {
+  static constexpr auto parameters() {
+    return std::tuple{
+        KeyText{"file", "a file (CSV)",
+                "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists", "none"},
+        KeyText{"columns", "names", "of the columns of the file, in their order; \"-\": not used",
+                "its first line"},
+        KeyText{"period", "> 0 s", "between the rows of a file without a column t", "none"},
+        KeyText{"begin", "a time in s", "of the first row of the file", "as in the file"}};
+  }
+};
+
+/// Whether the part has lists at times, which a file may give.
+bool has_timed_lists(const PartText& part);
 
 /// A table as the source of a part whose lists `times`, `p`, `heading` and `v` a file gives, if the
 /// table has the key `file`. A view: the table must outlive it.

@@ -13,7 +13,8 @@ using FindAgent = std::function<AgentId(const TomlTable&)>;
 
 template <class Kind>
 Motion read_kind(const TomlTable& at, const FindAgent& agent) {
-  if constexpr (requires(Kind kind) { kind.times; }) return read_part<Kind>(ListSource(at));
+  if constexpr (requires(Kind kind) { kind.times; })
+    return read_part<Kind>(ListSource(at), parameter_keys<ListFile>());
   Kind motion = read_part<Kind>(TableSource(at));
   if constexpr (requires { motion.agent; }) motion.agent = agent(at);
   return motion;

@@ -137,7 +137,8 @@ Reference read_reference(const TomlTable& agent, const Model& model) {
   const std::string_view name = choice.choice(known);
   if (name == state) return choice.numbers(state, static_cast<std::size_t>(model.nx()));
   const TomlTable at = choice.table(name);
-  if (has_file_of_lists(*list.find(name))) return list.find(name)->read(ListSource(at), {});
+  if (has_timed_lists(*list.find(name)))
+    return list.find(name)->read(ListSource(at), parameter_keys<ListFile>());
   return read_named(list, name, at);
 }
 
