@@ -228,7 +228,8 @@ Joining DdsWorld::prepare(BodyId body) noexcept {
 
 void DdsWorld::call_off(BodyId body) noexcept {
   Robot& robot = robots_[at(body)];
-  if (robot.role != Role::joins) return;
+  const bool refused = robot.machine.state() >= LinkState::landing;  // itself
+  if (robot.role != Role::joins || refused) return;
   robot.rises_at = std::numeric_limits<double>::infinity();
   robot.called_off = robot.machine.in_our_hands();
   robot.role = robot.called_off ? Role::leaves : Role::grounded;
