@@ -740,6 +740,7 @@ def waypoints(*, times: npt.ArrayLike, p: npt.ArrayLike) -> Reference:
     times: when; the first pose also holds before [s], a list, rising; must be given
     p: where, for each time [m], a list; must be given
     heading: for each time; left out: free [rad], a list; may be left out
+    v: for each time; left out: straight lines [m/s], a list; may be left out
     """
 
 def write_campaign_page(scenario: Scenario, file: str | os.PathLike[str], seed: int) -> os.PathLike[str]: ...
