@@ -128,11 +128,11 @@ class TeamRunner {
       const double seen = next < all.size() ? all[next].stamp : infinity;
       const double shown =
           recording_.start + (recording_.relative ? relative_tick : tick) * static_cast<double>(ticks);
-      const double told = run_.anchor == TeamRun::no_robot ? infinity : anchored;
-      const double now = std::min({seen, shown, told});
+      const double anchor_due = run_.anchor == TeamRun::no_robot ? infinity : anchored;
+      const double now = std::min({seen, shown, anchor_due});
       if (now > recording_.end) break;
       advance(now);
-      if (told == now) {
+      if (anchor_due == now) {
         tell_anchor(now);
         anchored += 1 / TeamRun::anchor_rate;
       }
