@@ -126,6 +126,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       start_(scenario.x0),
       measured_(scenario.x0),
       stamps_(size(team_.bodies()), never_seen),
+      attitudes_(size(team_.bodies()), no_attitude),
       period_(std::llround(1e9 * scenario.horizon.dt)),
       times_(times_of_task(times, scenario_)),
       node_(fleet_of(scenario).network.node),
@@ -278,13 +279,17 @@ Measured DdsWorld::measure(double t) noexcept {
   std::fill(stamps_.begin(), stamps_.end(), t);
   for (Robot& robot : robots_) {
     SeenMotion seen;
-    // A vision-localized robot has no measured position.
-    const bool came = robot.end->look(seen) && !robot.estimated;
+    // A vision-localized robot has no measured position; its attitude is known with the place of its frame.
+    const bool there = robot.end->look(seen), came = there && !robot.estimated;
     if (came) robot.model.write(seen.motion, &measured_[robot.x]);
     stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
+    attitudes_[robot.body] = came                   ? seen.motion.q
+                             : there && robot.knows ? in_G(robot.frame, seen.motion).q
+                                                    : no_attitude;
   }
   bodies_.measure(origin_, measured_, stamps_);
   Measured all = {measured_, stamps_, {}};
+  all.attitudes = attitudes_;
   telemetry_.measure(origin_, all);
   return all;
 }
@@ -340,7 +345,8 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
         const Motion& odometry = shown.last.motion;
         const Motion at = robot.model.motion(&estimated[robot.x], &u[robot.u]);
         const double age = 1e-9 * static_cast<double>(now - shown.last.stamp);
-        command = in_local(carried_frame(odometry, age, at), command);
+        robot.frame = carried_frame(odometry, age, at);
+        command = in_local(robot.frame, command);
         shown.last.motion = {at.p, at.q, at.v, at.r};
       }
       shown.seen = shown.seen && has_estimate && robot.knows;

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "bridges/dds/simulators/ros2_rover.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/refusal.hpp"
@@ -27,6 +28,20 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+
+/// A flyer of one vehicle, whose odometry the test publishes.
+struct OneVehicle {
+  using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
+  OneVehicle() {
+    EXPECT_TRUE(test::eventually([&] { return publish.matched() > 0; }));
+  }
+
+  Scenario scenario = row_of({"1.16"}, 1.0);
+  std::shared_ptr<Domain> domain = std::make_shared<Domain>(fleet_of(scenario).network);
+  DdsWorld world{scenario, domain};
+  Writer<Odometry> publish{domain->another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,
+                           "/px4_0/fmu/out/vehicle_odometry", of_px4_output};
+};
 
 TEST(DdsWorld, AFleetOfAllReleasesTakesOffFliesItsTaskAndLands) {
   Rig rig(row_of({"1.14", "1.15", "1.16", "1.17", "1.18"}, 4.0));
@@ -349,29 +364,67 @@ TEST(DdsWorld, WithoutItsFlyerAVehicleFailsSafeASecondAfterTheLastHeartbeat) {
 
 // Numbers of any kind, in frames of any kind: what is believed of the robot is finite, and nothing of it is lost uncounted.
 TEST(DdsWorld, OfAnyPoseThatComesOnlyThoseThatAreFiniteAreBelieved) {
-  const Scenario scenario = row_of({"1.16"}, 1.0);
-  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
-  DdsWorld world(scenario, domain);
-  using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
-  Writer<Odometry> vehicle(domain->another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,
-                           "/px4_0/fmu/out/vehicle_odometry", of_px4_output);
-  ASSERT_TRUE(test::eventually([&] { return vehicle.matched() > 0; }));
+  OneVehicle vehicle;
+  DdsWorld& world = vehicle.world;
   std::mt19937_64 random(3);
   for (int k = 0; k < 20'000; ++k) {
-    Odometry m{};
+    OneVehicle::Odometry m{};
     std::array<std::uint64_t, (sizeof m + 7) / 8> bits;
     for (std::uint64_t& word : bits) word = random();
     if (k % 2 == 0) std::memcpy(&m, bits.data(), sizeof m);  // else one number alone is any
     if (k % 2 == 1)
       m.q[0] = 1, m.position[k / 2 % 3] = std::bit_cast<float>(static_cast<std::uint32_t>(bits[0]));
     if (k % 4 != 0) m.pose_frame = m.velocity_frame = 1;
-    vehicle(m);
+    vehicle.publish(m);
     const Measured seen = world.measure(0.01 * k);
     for (const double x : seen.measured) ASSERT_TRUE(std::isfinite(x)) << k;
-    ASSERT_TRUE(std::isfinite(seen.stamps[0]) || seen.measured[0] == scenario.x0[0]) << k;
+    ASSERT_TRUE(std::isfinite(seen.stamps[0]) || seen.measured[0] == vehicle.scenario.x0[0]) << k;
   }
   EXPECT_THAT(world.counts()[0], testing::Not(HasSubstr(" 0 not finite")));
   EXPECT_THAT(world.counts()[0], testing::Not(HasSubstr(" 0 in other frames")));
+}
+
+// PX4's quaternion turns FRD to NED: nose up is a backward tilt of the thrust, right side down one to the right.
+TEST(DdsWorld, AnAttitudeIsThatOfTheNewestPose) {
+  OneVehicle vehicle;
+  DdsWorld& world = vehicle.world;
+  EXPECT_EQ(world.measure(0.0).attitudes[0], no_attitude);
+  constexpr double yaw = 0.3, tilt = 0.2;
+  const auto about = [](int axis, double angle) {
+    Quaternion q = {std::cos(angle / 2), 0, 0, 0};
+    (axis == 0 ? q.x : axis == 1 ? q.y : q.z) = std::sin(angle / 2);
+    return q;
+  };
+  const auto measured = [&](const Quaternion& q) {
+    OneVehicle::Odometry m{};
+    m.timestamp = m.timestamp_sample = static_cast<std::uint64_t>(realtime_now() / 1000);
+    m.pose_frame = m.velocity_frame = px4_frame_ned;
+    const std::array<double, 4> parts = {q.w, q.x, q.y, q.z};
+    for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(parts[k]);
+    const double before = world.measure(0.0).stamps[0];
+    vehicle.publish(m);
+    EXPECT_TRUE(test::eventually([&] { return world.measure(0.0).stamps[0] > before; }));
+    return rotation(world.measure(0.0).attitudes[0]);
+  };
+  const Rotation pitched = measured(about(2, yaw) * about(1, tilt)),
+                 rolled = measured(about(2, yaw) * about(0, tilt));
+  EXPECT_NEAR(lean(pitched).x, -std::tan(tilt), 1e-6);
+  EXPECT_NEAR(lean(pitched).y, 0.0, 1e-6);
+  EXPECT_NEAR(lean(rolled).x, 0.0, 1e-6);
+  EXPECT_NEAR(lean(rolled).y, -std::tan(tilt), 1e-6);
+  for (const Rotation& R : {pitched, rolled}) {
+    const Vec2<double> d = heading(R);
+    EXPECT_NEAR(std::atan2(d.y, d.x), 0.4 + turned_over_yaw(yaw), 1e-6);  // origin.heading
+  }
+}
+
+TEST(DdsWorld, AVehicleWithRotorsIsJudgedByItsTilt) {
+  Rig rig(row_of({"1.16"}, 1.0, "[agent.uav0.vehicle]\npreset = \"x500\"\n", "rotors"));
+  EXPECT_EQ(rig.fly().max_allocations, 0) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  const Vec2<double> tilt = true_sight(rig.scenario.team, BodyId{0}, rig.last).lean;
+  EXPECT_EQ(tilt.x, lean(rotation(rig.last.attitudes[0])).x);
+  EXPECT_GT(norm(tilt.x, tilt.y), 1e-4);
+  EXPECT_LT(norm(tilt.x, tilt.y), 0.4);
 }
 
 TEST(DdsWorld, WhatItCannotFlyIsRefusedWithASentence) {

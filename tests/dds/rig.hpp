@@ -116,6 +116,7 @@ class Rig {
     outcome = loop.fly();
     other.join();
     occurred = sink.occurred;
+    last = sink.sample;
     if (dynamic_cast<Px4Vehicle*>(&vehicle_simulators.of(0)) != nullptr) after_task = told_of(0);
     land();
     return outcome;
@@ -149,6 +150,7 @@ class Rig {
   std::array<int, event_kinds> occurred{};  // events of the task, by kind
   TeamSwitcher* switcher = nullptr;         // of the task, while it is flown
   Px4VehicleCounts after_task;
+  Sample last;  // of the task
 };
 
 /// What a flyer says that must not take off, and is given up after so long [s].
