@@ -63,7 +63,7 @@ TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
   const auto domain = std::make_shared<Domain>(test::own_network());
   Link link;
   link.kind = Px4Link{.name_space = "/px4_0"};
-  Px4LinkEnd end(domain->participant(), link, Stamps::of_this_machine, 0.0, Inertial::unread);
+  Px4LinkEnd end(domain->participant(), link, Stamps::of_poses, 0.0, Inertial::unread);
   ServiceCaller caller(domain->participant(), trigger_service, "/land/trigger", [](const void* response) {
     const auto& r = *static_cast<const std_srvs_srv_dds__Trigger_Response_*>(response);
     return r.success && std::string(r.message) == "landing";
