@@ -104,6 +104,12 @@ TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
   EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.vehicle_simulators.of(0)).commands(), 0);
 }
 
+TEST(DdsWorld, TheLatenessOfPosesIsCountedWithoutPx4) {
+  Rig rig(rover_in("odom"));
+  EXPECT_TRUE(test::eventually([&] { return rig.world->timing().arrival.p99 > 1e-6; }));
+  EXPECT_LT(rig.world->timing().arrival.median, 0.1);
+}
+
 // Who is there is discovered while it is listened to: a rover has no other states in which another writer could be noticed before it moves.
 TEST(DdsWorld, AnotherWriterThatIsDiscoveredLateKeepsARoverWhereItIs) {
   Rig rig(rover_in("odom"), {.ready = 2.5});

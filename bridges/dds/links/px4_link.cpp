@@ -201,7 +201,6 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
     return;
   }
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
-  latency_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
   if (!odometry_.accepts(local, sampled, arrival.monotonic)) return;
   own_.put({local.p, m.timestamp_sample});
   anchor_.follow(local, m.reset_counter, odometry_.stamp());

@@ -65,9 +65,6 @@ class Px4LinkEnd final : public LinkEnd {
   double stamps_behind() const noexcept override {
     return aside_ && from_.source == PoseSource::odometry ? aside_->stamps_behind() : 0.0;
   }
-  const DelayHistogram* arrivals() const noexcept override {
-    return stamps_ == Stamps::of_poses ? &latency_ : nullptr;
-  }
 
  private:
   struct Status {
@@ -143,7 +140,6 @@ class Px4LinkEnd final : public LinkEnd {
   Mailbox<Ack> ack_;
   Mailbox<OwnPose> own_;
   FrameAnchor anchor_;
-  DelayHistogram latency_;
 
   std::atomic<bool> says_offboard_{false};  // according to the newest status
 
