@@ -52,8 +52,8 @@ TEST(DdsWorld, AFleetOfAllReleasesTakesOffFliesItsTaskAndLands) {
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done) << i;
-    EXPECT_EQ(rig.told_of(i).arm_requests, 1) << i;
-    EXPECT_GT(rig.told_of(i).setpoints, 350) << i;
+    EXPECT_EQ(rig.counts_of(i).arm_requests, 1) << i;
+    EXPECT_GT(rig.counts_of(i).setpoints, 350) << i;
     EXPECT_FALSE(rig.vehicle(i).armed()) << i;
     const Motion m = rig.vehicle(i).motion();  // where its circle ended
     EXPECT_NEAR(norm(m.p.x - 3.0 * static_cast<double>(i), m.p.y), 0.3, 0.2) << i;
@@ -136,7 +136,7 @@ TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
   EXPECT_FALSE(rig.take_off());
   for (std::size_t i = 0; i < flown.size(); ++i) {
     EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done);
-    EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+    EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
     EXPECT_THAT(
         rig.reported,
         Contains(HasSubstr(fmt::format("uav{}: it looks like PX4 {}, by vehicle_status", i, spoken[i]))))
@@ -150,8 +150,8 @@ TEST(DdsWorld, ADryRunArmsNothing) {
   EXPECT_THAT(rig.reported, Contains("all are ready, none is armed: a dry run"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(rig.told_of(i).arm_requests, 0);
-    EXPECT_EQ(rig.told_of(i).setpoints, 0);
+    EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
+    EXPECT_EQ(rig.counts_of(i).setpoints, 0);
   }
 }
 
@@ -163,7 +163,7 @@ TEST(DdsWorld, AnotherFlightOfTheSameVehicleIsAsTheFirst) {
     EXPECT_TRUE(rig.take_off()) << flight << fmt::format("{}", fmt::join(rig.reported, "\n"));
     rig.land();
     EXPECT_THAT(rig.world->faults(), IsEmpty()) << flight;
-    EXPECT_EQ(rig.told_of(0).arm_requests, flight);
+    EXPECT_EQ(rig.counts_of(0).arm_requests, flight);
     EXPECT_FALSE(rig.vehicle(0).armed());
   }
 }
@@ -259,8 +259,8 @@ TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   EXPECT_EQ(rig.state(1), LinkState::done);
   EXPECT_FALSE(rig.vehicle(1).armed());
   EXPECT_TRUE(rig.vehicle(0).armed());
-  EXPECT_EQ(rig.told_of(0).heartbeats, rig.after_task.heartbeats);  // nothing since
-  EXPECT_LE(rig.told_of(0).setpoints_outside, 1);                   // that was on its way
+  EXPECT_EQ(rig.counts_of(0).heartbeats, rig.after_task.heartbeats);  // nothing since
+  EXPECT_LE(rig.counts_of(0).setpoints_outside, 1);                   // that was on its way
   EXPECT_THAT(rig.world->faults(), Contains("uav0: a pilot has it"));
   EXPECT_EQ(rig.world->ended(), "uav0: a pilot has it; the others landed");
 }
@@ -288,7 +288,7 @@ TEST(DdsWorld, NoSetPointIsSentAfterAnotherModeWasHeardOf) {
   ASSERT_GT(another_mode, 0);
   ASSERT_GT(last_setpoint, 0);
   EXPECT_LT(last_setpoint - another_mode, 3'000'000);  // on its way between two threads
-  EXPECT_LE(rig.told_of(0).setpoints_outside, 8);      // within the 50 ms
+  EXPECT_LE(rig.counts_of(0).setpoints_outside, 8);    // within the 50 ms
 }
 
 TEST(DdsWorld, WhenEachIsLostTheFlightEndsInFiveSecondsWithTheirLastPlaces) {
@@ -338,7 +338,7 @@ TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {
   EXPECT_FALSE(rig.take_off());
   done = true;
   writing.join();
-  for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+  for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
   EXPECT_THAT(rig.reported,
               Contains(testing::AllOf(HasSubstr("uav0: "), HasSubstr("another program writes set-points"))));
   EXPECT_THAT(
@@ -360,12 +360,12 @@ TEST(DdsWorld, WithoutItsFlyerAVehicleFailsSafeASecondAfterTheLastHeartbeat) {
   Rig rig(row_of({"1.16"}, 20.0));
   ASSERT_TRUE(rig.take_off());
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // nobody flies
-  const Px4VehicleCounts n = rig.told_of(0);
+  const Px4VehicleCounts n = rig.counts_of(0);
   EXPECT_GE(n.failsafe_after, 1.0);
   EXPECT_LE(n.failsafe_after, 1.1);
   rig.land();  // and what comes back does not take it again
   EXPECT_EQ(rig.state(0), LinkState::pilot);
-  EXPECT_EQ(rig.told_of(0).heartbeats, n.heartbeats);
+  EXPECT_EQ(rig.counts_of(0).heartbeats, n.heartbeats);
 }
 
 // Numbers of any kind, in frames of any kind: what is believed of the robot is finite, and nothing of it is lost uncounted.

@@ -59,7 +59,7 @@ TEST(HostClock, AStepInFlightEndsNoOffboard) {
     EXPECT_GE(outcome.updates + outcome.missed, 300) << fmt::format("{}", fmt::join(rig.reported, "\n"));
     EXPECT_THAT(rig.world->faults(), testing::IsEmpty()) << step;
     for (const std::size_t i : {0u, 1u}) {
-      EXPECT_EQ(rig.told_of(i).failsafe_after, 0.0) << i;
+      EXPECT_EQ(rig.counts_of(i).failsafe_after, 0.0) << i;
       EXPECT_FALSE(rig.vehicle(i).armed()) << i;
     }
     expect_well_treated(rig);
