@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "sightline/record/packed_text.hpp"
+#include "sightline/readers/packed_file.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/recorded_team.hpp"
@@ -128,7 +128,7 @@ TEST(TeamRecording, PlacesThatHoldNoneAreRefused) {
   EXPECT_THAT(refusal_of([&] { read_team_recording(archive); }), HasSubstr("expected its folder: tar xzf"));
   std::ofstream(folder / "base-1_targ-2.csv.gz") << "\x1f\x8b\x08 damaged";
   EXPECT_THAT(refusal_of([&] { read_team_recording(folder); }),
-              HasSubstr("damaged, expected a text file, plain or packed by gzip"));
+              HasSubstr("damaged, expected a file that is plain or packed by gzip"));
 }
 
 TEST(TeamRecording, MutatedFilesAreReadOrRefusedInOneSentence) {

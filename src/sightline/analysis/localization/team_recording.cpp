@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "sightline/record/packed_text.hpp"
+#include "sightline/readers/packed_file.hpp"
 
 namespace sightline {
 namespace {
@@ -81,7 +81,7 @@ TeamRecording read_team_recording(const fs::path& place) {
     throw std::invalid_argument(
         fmt::format("{}: no recording of a known kind, {}", place.native(), expected));
   RecordingTexts texts;
-  for (const fs::path& file : files) texts[file.native()] = read_packed_text(file);
+  for (const fs::path& file : files) texts[file.native()] = read_packed_file(file);
   return mrclam.empty() ? parse_murp(texts, place.native()) : parse_mrclam(texts, place.native());
 }
 
