@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+
+#include "sightline/readers/number_table.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr std::string_view separators = ",; \t\r", unused = "-";
+constexpr std::string_view unused = "-";
 constexpr std::array<std::string_view, 3> beside_file = {"columns", "period", "begin"};
 constexpr double begin_most = 1e5;  // beyond it the times are those of a clock [s]
 constexpr std::array<std::string_view, 3> of_place = {"x", "y", "z"}, of_velocity = {"vx", "vy", "vz"};
@@ -24,32 +25,6 @@ std::string column_name(std::string_view text) {
   }
   if (name == "time") return "t";
   return name == "yaw" ? "heading" : name;
-}
-
-/// The entries of a line; those between two commas may be empty.
-std::vector<std::string_view> split(std::string_view line) {
-  const bool spaced = line.find_first_of(",;") == std::string_view::npos;
-  const auto trimmed = [](std::string_view entry) {
-    const std::size_t begin = entry.find_first_not_of(" \t\r\"");
-    if (begin == std::string_view::npos) return std::string_view();
-    return entry.substr(begin, entry.find_last_not_of(" \t\r\"") - begin + 1);
-  };
-  std::vector<std::string_view> entries;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find_first_of(spaced ? separators : ",;", begin), line.size());
-    const std::string_view entry = trimmed(line.substr(begin, end - begin));
-    if (!spaced || !entry.empty()) entries.push_back(entry);
-    begin = end + 1;
-  }
-  return entries;
-}
-
-std::optional<double> number(std::string_view entry) {
-  if (entry.starts_with('+')) entry.remove_prefix(1);
-  double value{};
-  const auto [end, error] = std::from_chars(entry.data(), entry.data() + entry.size(), value);
-  if (error != std::errc() || end != entry.data() + entry.size() || !std::isfinite(value)) return {};
-  return value;
 }
 
 void check_column_names(const std::vector<std::string>& names, std::string_view file, std::size_t line) {
@@ -75,20 +50,13 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
   CsvColumns columns;
   columns.names = std::move(names);
   const bool named = !columns.names.empty();
-  std::size_t line_number = 0, rows = 0;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    ++line_number;
-    if (line_number == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
-    const bool remark = line.starts_with('#');
-    if (remark) line.remove_prefix(1);
-    const std::vector<std::string_view> entries = split(line);
-    const bool empty =
-        std::all_of(entries.begin(), entries.end(), [](std::string_view entry) { return entry.empty(); });
-    const bool numbers = !empty && number(entries.front()).has_value();
-    if (empty || (remark && (rows > 0 || named || numbers))) continue;
+  NumberTable table(std::string(file), text);
+  std::size_t rows = 0;
+  while (table.next_or_remark()) {
+    const std::span<const std::string_view> entries = table.fields();
+    const std::size_t line_number = table.line();
+    const bool numbers = finite_number(entries.front()).has_value();
+    if (table.is_remark() && (rows > 0 || named || numbers)) continue;
     if (rows == 0 && !numbers) {
       // Of several lines of names the last before the first row counts.
       if (!named) {
@@ -115,7 +83,7 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
                           fmt::format("more than {} rows, expected at most these", csv_rows_max));
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (columns.names[i] == unused) continue;
-      const std::optional<double> value = number(entries[i]);
+      const std::optional<double> value = finite_number(entries[i]);
       if (!value)
         throw ScenarioError(file, line_number,
                             fmt::format("{} = \"{}\", expected a number", shortened(columns.names[i], 40),
@@ -123,7 +91,7 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
       columns.values[i].push_back(*value);
     }
   }
-  if (rows == 0) throw ScenarioError(file, line_number, "no row of numbers, expected at least one");
+  if (rows == 0) throw ScenarioError(file, table.line(), "no row of numbers, expected at least one");
   return columns;
 }
 
