@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace sightline {
 
@@ -15,7 +16,16 @@ inline constexpr std::size_t packed_file_max = std::size_t{1} << 30;
 ///   damaged or too long
 std::string read_packed_file(const std::filesystem::path& file);
 
-/// The same for bytes of a file that may be packed by zstd.
+/// The beginning of a file, unpacked.
+struct FileHead {
+  std::string bytes;
+  std::string_view packed_by{};  ///< "gzip", "zstd", or empty
+};
+
+/// Reads at most `size` bytes; what is damaged or cannot be read gives fewer.
+FileHead read_head(const std::filesystem::path& file, std::size_t size);
+
+/// The same as read_packed_file() for bytes of a file that may be packed by zstd.
 /// @param file  name for messages
 /// @throws std::invalid_argument if they are damaged, or unpacked too long
 std::string unpacked(std::string bytes, const std::string& file);

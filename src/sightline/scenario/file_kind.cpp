@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <system_error>
 #include <vector>
 
 #include "sightline/base.hpp"
+#include "sightline/readers/packed_file.hpp"
 
 namespace sightline {
 namespace {
@@ -149,16 +149,11 @@ FileKind text_kind(std::string_view head) {
   return yaml_kind(lines);
 }
 
-/// The beginning of a file; empty if it cannot be read.
-std::string head_of(const std::filesystem::path& file) {
-  std::string head(file_head, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
-  return head;
-}
-
 }  // namespace
+
+std::string FileKind::shown() const {
+  return packed_by.empty() ? std::string(what) : fmt::format("{}, packed by {}", what, packed_by);
+}
 
 FileKind file_kind(std::string_view head) {
   if (head.starts_with(mcap_magic)) return mcap_kind(head);
@@ -168,21 +163,38 @@ FileKind file_kind(std::string_view head) {
   return text_kind(head.substr(0, file_head));
 }
 
+FileKind kind_at(const std::filesystem::path& place) {
+  std::error_code ignored;
+  const auto has = [&](const char* file) { return std::filesystem::is_regular_file(place / file, ignored); };
+  if (std::filesystem::is_directory(place, ignored)) {
+    if (has("run.mcap")) return {"the folder of a run", scenario_file};
+    if (has("metadata.yaml")) return {"the folder of a rosbag2", no_log};
+    return {};
+  }
+  if (!std::filesystem::is_regular_file(place, ignored)) return {};
+  const FileHead head = read_head(place, file_head);
+  FileKind kind = file_kind(head.bytes);
+  kind.packed_by = head.packed_by;
+  // Of an archive of anything else it is known that it is one.
+  if (kind.what.empty() && !head.packed_by.empty())
+    kind = {head.packed_by == "zstd" ? "a zstd archive" : "a gzip archive", scenario_file};
+  return kind;
+}
+
 std::string kind_sentence(const FileKind& kind) {
-  return kind.what.empty() ? std::string() : fmt::format("this is {}, expected {}", kind.what, kind.expected);
+  return kind.what.empty() ? std::string()
+                           : fmt::format("this is {}, expected {}", kind.shown(), kind.expected);
 }
 
 std::filesystem::path log_of(const std::filesystem::path& folder) {
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(folder, ignored)) {
-    const FileKind kind = file_kind(head_of(folder));
-    throw_invalid("{}: this is {}, expected the folder of a run", folder.native(),
-                  kind.what.empty() ? "a file"sv : kind.what);
-  }
   std::filesystem::path log = folder / "run.mcap";
-  if (!std::filesystem::is_regular_file(log, ignored))
-    throw_invalid("{}: no run.mcap, expected the folder of a run", folder.native());
-  return log;
+  if (std::filesystem::is_regular_file(log, ignored)) return log;
+  const FileKind kind = kind_at(folder);
+  if (kind.what.empty() && std::filesystem::is_regular_file(folder, ignored))
+    throw_invalid("{}: this is a file, expected the folder of a run", folder.native());
+  if (kind.what.empty()) throw_invalid("{}: no run.mcap, expected the folder of a run", folder.native());
+  throw_invalid("{}: this is {}, expected the folder of a run", folder.native(), kind.shown());
 }
 
 }  // namespace sightline
