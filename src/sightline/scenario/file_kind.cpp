@@ -28,7 +28,8 @@ struct Magic {
 constexpr std::string_view mcap_magic = "\x89MCAP0\r\n"sv;
 
 constexpr std::array magics = {
-    Magic{"ULog\x01\x12\x35"sv, {"a PX4 ULog", no_log}},
+    Magic{"ULog\x01\x12\x35"sv,
+          {"a PX4 ULog", "a scenario file (TOML); identify reads such a log", false, RecordingKind::ulog}},
     Magic{"\xa3\x95\x80"sv, {"a dataflash log of ArduPilot", no_log}},
     Magic{"#ROSBAG V"sv, {"a bag of ROS 1", no_log}},
     Magic{"SQLite format 3\0"sv,
@@ -145,7 +146,7 @@ FileKind text_kind(std::string_view head) {
         "a table of values (CSV)",
         "a scenario file (TOML), in which a path is written as reference = { waypoints = { times = [...], p "
         "= [[x, y, z], ...] } }",
-        true};
+        true, RecordingKind::table};
   return yaml_kind(lines);
 }
 

@@ -10,14 +10,19 @@ namespace sightline {
 /// Number of leading bytes that file_kind() needs [bytes].
 inline constexpr std::size_t file_head = 4096;
 
+/// Recordings that a command may read.
+enum class RecordingKind { none, ulog, table };
+
 /// Result of file_kind().
 /// @param what      "a PX4 ULog"; empty if the kind is unknown
 /// @param expected  the expected file, "a scenario file (TOML)", and what to do
 /// @param is_text   a text format, so that the file may be TOML nevertheless
+/// @param recording  what reads it
 /// @param packed_by  "gzip" or "zstd", if `what` is in an archive; else empty
 struct FileKind {
   std::string_view what{}, expected{};
   bool is_text = false;
+  RecordingKind recording = RecordingKind::none;
   std::string_view packed_by{};
 
   /// "a PX4 ULog, packed by zstd"
