@@ -1,6 +1,7 @@
 #include "sightline/scenario/csv_lists.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -8,13 +9,16 @@
 #include <filesystem>
 
 #include "sightline/readers/number_table.hpp"
+#include "sightline/readers/px4_flight.hpp"
+#include "sightline/scenario/file_kind.hpp"
 
 namespace sightline {
 namespace {
 
 constexpr std::string_view unused = "-";
-constexpr std::array<std::string_view, 3> beside_file = {"columns", "period", "begin"};
-constexpr double begin_most = 1e5;  // beyond it the times are those of a clock [s]
+constexpr std::array<std::string_view, 4> beside_file = {"body", "columns", "period", "begin"};
+constexpr double rows_apart = 0.02;  // of the text of a recording [s]
+constexpr double begin_most = 1e5;   // beyond it the times are those of a clock [s]
 constexpr std::array<std::string_view, 3> of_place = {"x", "y", "z"}, of_velocity = {"vx", "vy", "vz"};
 
 /// In small letters; the names that ROS and spreadsheets use are replaced by ours.
@@ -36,6 +40,48 @@ void check_column_names(const std::vector<std::string>& names, std::string_view 
                                         names[i]) != names.begin() + static_cast<std::ptrdiff_t>(i))
       throw ScenarioError(
           file, line, fmt::format("two columns are called \"{}\", expected one", shortened(names[i], 40)));
+  }
+}
+
+constexpr std::string_view a_table = "a file of times and positions (CSV), relative to this one";
+
+/// The text of the table that the key `file` names.
+std::string table_text(const TomlTable& at, const std::string& name) {
+  if (at.from_disk()) {
+    const FileKind kind = kind_at(std::filesystem::path(at.file()).parent_path() / name);
+    if (kind.recording == RecordingKind::ulog)
+      at.throw_invalid("file", fmt::format("the key body beside {}: one of {}", kind.shown(),
+                                           fmt::join(px4_motions, ", ")));
+    if (!kind.what.empty() && kind.recording != RecordingKind::table)
+      at.throw_invalid("file", fmt::format("{}; this is {}", a_table, kind.shown()));
+  }
+  try {
+    return at.file_text(name);
+  } catch (const ScenarioError& error) {
+    at.throw_invalid("file", fmt::format("{} ({})", a_table, error.what()));
+  }
+}
+
+/// The motion of the key `body` in the recording that the key `file` names, as the text of a table.
+std::string recording_text(const TomlTable& at, const std::string& name) {
+  for (const std::string_view key : {"columns", "period"}) {
+    if (at.has(key)) at.throw_invalid(key, "no such key beside body");
+  }
+  const std::string body = at.text("body", "a topic of the recording");
+  if (std::find(px4_motions.begin(), px4_motions.end(), body) == px4_motions.end())
+    at.throw_invalid("body", fmt::format("one of {}", fmt::join(px4_motions, ", ")));
+  const auto read = [&](const std::filesystem::path& path) {
+    const FileKind kind = kind_at(path);
+    if (!kind.what.empty() && kind.recording != RecordingKind::ulog)
+      throw_invalid("this is {}", kind.shown());
+    const RecordedMotion motion = px4_motion(read_ulog(path), body);
+    if (motion.empty()) throw_invalid("no valid sample of {}", body);
+    return motion_text(motion);
+  };
+  try {
+    return at.made_text(name, fmt::format("{}.{}.csv", name, body), read);
+  } catch (const std::exception& error) {
+    at.throw_invalid("file", fmt::format("a log of PX4 (ULog), relative to this one ({})", error.what()));
   }
 }
 
@@ -95,6 +141,27 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
   return columns;
 }
 
+std::string motion_text(const RecordedMotion& motion) {
+  const bool has_heading = std::all_of(motion.begin(), motion.end(),
+                                       [](const RecordedSample& one) { return std::isfinite(one.heading); });
+  const bool has_velocity = std::all_of(motion.begin(), motion.end(), [](const RecordedSample& one) {
+    return std::isfinite(one.v.x + one.v.y + one.v.z);
+  });
+  std::string text =
+      fmt::format("t,x,y,z{}{}\n", has_heading ? ",heading" : "", has_velocity ? ",vx,vy,vz" : "");
+  double last = -infinity;
+  for (const RecordedSample& one : motion) {
+    const double t = one.t - motion.front().t;
+    if (t - last < rows_apart) continue;
+    last = t;
+    text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", t, one.p.x, one.p.y, one.p.z);
+    if (has_heading) text += fmt::format(",{:.4f}", one.heading);
+    if (has_velocity) text += fmt::format(",{:.4f},{:.4f},{:.4f}", one.v.x, one.v.y, one.v.z);
+    text += '\n';
+  }
+  return text;
+}
+
 bool has_timed_lists(const PartText& part) {
   return std::any_of(part.parameters.begin(), part.parameters.end(),
                      [](const ParameterText& parameter) { return parameter.key == "times"; });
@@ -107,18 +174,12 @@ ListSource::ListSource(const TomlTable& at) : TableSource(at) {
     }
     return;
   }
-  constexpr std::string_view expected = "a file of times and positions (CSV), relative to this one";
-  const std::string name = at.text("file", expected);
+  const std::string name = at.text("file", a_table);
   file_ = (std::filesystem::path(at.file()).parent_path() / name).lexically_normal().native();
   std::vector<std::string> names;
   if (at.has("columns")) names = at.texts("columns", TomlTable::any_length, "names of columns in quotes");
   for (std::string& one : names) one = column_name(one);
-  std::string text;
-  try {
-    text = at.file_text(name);
-  } catch (const ScenarioError& error) {
-    at.throw_invalid("file", fmt::format("{} ({})", expected, error.what()));
-  }
+  const std::string text = at.has("body") ? recording_text(at, name) : table_text(at, name);
   columns_ = read_csv(text, file_, std::move(names));
   for (const std::string_view key : {"times", "p", "heading", "v"}) {
     if (at.has(key)) at.throw_invalid(key, "no such key beside file, which gives it");

@@ -29,7 +29,8 @@ constexpr std::string_view mcap_magic = "\x89MCAP0\r\n"sv;
 
 constexpr std::array magics = {
     Magic{"ULog\x01\x12\x35"sv,
-          {"a PX4 ULog", "a scenario file (TOML); identify reads such a log", false, RecordingKind::ulog}},
+          {"a PX4 ULog", "a scenario file (TOML); identify reads it, and so does the file of a path", false,
+           RecordingKind::ulog}},
     Magic{"\xa3\x95\x80"sv, {"a dataflash log of ArduPilot", no_log}},
     Magic{"#ROSBAG V"sv, {"a bag of ROS 1", no_log}},
     Magic{"SQLite format 3\0"sv,
