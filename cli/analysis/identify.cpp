@@ -30,6 +30,7 @@ struct IdentifyCommand {
   std::optional<double> height;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> columns;
+  std::string body, commands;
   bool json = false;
 };
 
@@ -120,7 +121,8 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
     if (recording != RecordingKind::none) {
       if (!command.of.set.empty()) throw std::invalid_argument("--set of a recording, expected a scenario");
       found = in(command.of.file, [&] {
-        motion = recorded_motion(command.of.file, recording, command.agent, command.columns);
+        motion = recorded_motion(command.of.file, recording,
+                                 {command.agent, command.columns, command.body, command.commands});
         return sightline::identify(motion);
       });
       lock_in(fs::path("out") / motion.robot / "identify");
@@ -172,7 +174,8 @@ Execute describe_identify(CLI::App& app) {
   const auto command = std::make_shared<IdentifyCommand>();
   app.description("Fit the model of a multirotor to a flight that excites it, to a run, or to a recording");
   add_scenario(app, command->of, "SCENARIO",
-               "Scenario file (TOML), the folder of a run, a log of PX4 (ULog) or a table (CSV)");
+               "Scenario file (TOML), the folder of a run, a log of PX4 (ULog), a bag of ROS 2 (MCAP) or a "
+               "table (CSV)");
   app.add_option("--agent", command->agent,
                  "Robot [the only multirotor; of a recording, the name of its file]");
   app.add_option("--excitation", command->excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
@@ -185,6 +188,8 @@ Execute describe_identify(CLI::App& app) {
   app.add_option("--columns", command->columns,
                  "Names of the columns of a table, t,x,y,z,-,vx; -: not used [its first line]")
       ->delimiter(',');
+  app.add_option("--body", command->body, "Topic of the motion in a bag, /odom or /poses:cf1 [the only one]");
+  app.add_option("--commands", command->commands, "Topic of the velocity commands in a bag [the only one]");
   app.add_option("-o,--output", command->output,
                  "Folder for the results [out/NAME/identify; of a run, its own]");
   app.add_flag("--json", command->json, "JSON instead of a table");

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "sightline/analysis/identification/identify.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/support/lagging_flight.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/ros_bag.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace sightline::test {
@@ -104,11 +107,33 @@ TEST(RecordedFlightMotion, ATableHasTheSameMotionAsALog) {
       HasSubstr("no column \"ur\", expected the columns t, x, y, z, heading, vx, vy, vz, ux, uy, uz, ur"));
 }
 
+TEST(RecordedFlightMotion, ABagHasTheSameMotionAsALog) {
+  const LaggingFlight flight(8.0);
+  const std::filesystem::path file = fresh_folder() / "flight.mcap";
+  std::ofstream(file, std::ios::binary) << bag_of(flight).bytes("zstd");
+  const RosBag bag(file);
+  const FlownMotion of_bag = motion_of(bag, "uav0", "/odom", ""), of_log = motion_in(ulog_of(flight, 5));
+  ASSERT_EQ(of_bag.size(), of_log.size());
+  for (std::size_t k = 0; k < of_bag.size(); ++k) {
+    EXPECT_LE(norm(of_bag.measured[k].p - of_log.measured[k].p), 2e-3);
+    EXPECT_NEAR(of_bag.measured[k].v_f, of_log.measured[k].v_f, 0.02);
+    if (k % 35 == 0) continue;
+    EXPECT_NEAR(of_bag.u[k][0], of_log.u[k][0], 2e-3);
+    EXPECT_NEAR(of_bag.u[k][1], of_log.u[k][1], 2e-3);
+  }
+  EXPECT_EQ(refusal_of([&] { motion_of(bag, "uav0", "", "/cmd"); }),
+            "--body is missing, expected one of /odom, /pose, /poses:cf1, /tf:tag, /tf:uav0");
+  EXPECT_EQ(refusal_of([&] { recorded_motion(file, RecordingKind::bag, {.columns = {"t"}}); }),
+            "--columns of a recording that has names itself, expected none");
+  EXPECT_EQ(refusal_of([&] { recorded_motion(file, RecordingKind::ulog, {.body = "/odom"}); }),
+            "--body and --commands, expected them for a bag of ROS 2 alone");
+}
+
 TEST(RecordedFlightMotion, ALogOfPx4IsAFlightOrSaysWhyNot) {
   const std::filesystem::path brief = of_data("px4/identify_short.ulg.zst"),
                               flown = of_data("px4/flight_vision_uav0.ulg.zst");
   if (brief.empty() || flown.empty()) return;
-  const FlownMotion motion = recorded_motion(flown, RecordingKind::ulog, "", {});
+  const FlownMotion motion = recorded_motion(flown, RecordingKind::ulog, {});
   EXPECT_EQ(motion.robot, "flight_vision_uav0");
   EXPECT_NEAR(motion.seconds(), 61.8, 0.1);
   EXPECT_EQ(motion.truth.size(), motion.size());
@@ -121,7 +146,7 @@ TEST(RecordedFlightMotion, ALogOfPx4IsAFlightOrSaysWhyNot) {
   EXPECT_LE(std::sqrt(velocity / static_cast<double>(motion.size())), 0.08);
   EXPECT_LE(heading, 0.1);
   // Its offboard flight was over after 2 s.
-  EXPECT_EQ(refusal_of([&] { identify(recorded_motion(brief, RecordingKind::ulog, "uav0", {})); }),
+  EXPECT_EQ(refusal_of([&] { identify(recorded_motion(brief, RecordingKind::ulog, {.name = "uav0"})); }),
             "uav0: 2 s of flight, expected at least 5 s");
 }
 

@@ -8,6 +8,7 @@
 
 #include "tests/support/command.hpp"
 #include "tests/support/lagging_flight.hpp"
+#include "tests/support/ros_bag.hpp"
 
 namespace sightline::test {
 namespace {
@@ -51,7 +52,7 @@ TEST(IdentifyCommand, ReadsTheLogOfARun) {
   EXPECT_EQ(read_file(out / "identify.json"), done.out);
 }
 
-TEST(IdentifyCommand, ReadsALogOfPx4AndATable) {
+TEST(IdentifyCommand, ReadsALogOfPx4ABagAndATable) {
   const fs::path folder = fresh_folder(), log = folder / "lagging.ulg", table = folder / "lagging.csv";
   const LaggingFlight flight(20.0);
   std::ofstream(log, std::ios::binary) << ulog_of(flight, 5);
@@ -62,9 +63,11 @@ TEST(IdentifyCommand, ReadsALogOfPx4AndATable) {
                         r.v.y, r.v.z, r.u.x, r.u.y, r.u.z, r.u_psi);
   }
   rows.close();
+  const fs::path bag = folder / "lagging.mcap";
+  std::ofstream(bag, std::ios::binary) << bag_of(flight).bytes("");
   const std::string out = " --json -o " + (folder / "out").string();
-  for (const std::string& from :
-       {log.string(), table.string() + " --columns t,-,x,y,z,heading,vx,vy,vz,ux,uy,uz,ur"}) {
+  for (const std::string& from : {log.string(), bag.string() + " --body /pose --commands /cmd",
+                                  table.string() + " --columns t,-,x,y,z,heading,vx,vy,vz,ux,uy,uz,ur"}) {
     const auto done = sightline("identify " + from + out, folder);
     ASSERT_EQ(done.code, 0) << done.err;
     const json reported = json::parse(done.out);

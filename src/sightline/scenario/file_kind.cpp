@@ -15,7 +15,8 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view scenario_file = "a scenario file (TOML)",
+constexpr std::string_view of_bag = "a scenario file (TOML); identify reads the motion in a bag",
+                           scenario_file = "a scenario file (TOML)",
                            no_log =
                                "a scenario file (TOML); logs are read from the folder of a run, as run "
                                "and fly write it";
@@ -35,7 +36,9 @@ constexpr std::array magics = {
     Magic{"#ROSBAG V"sv, {"a bag of ROS 1", no_log}},
     Magic{"SQLite format 3\0"sv,
           {"an SQLite database, as a rosbag2 .db3 or the table of a campaign",
-           "a scenario file (TOML); campaign --resume takes the folder of a campaign"}},
+           "a scenario file (TOML); campaign --resume takes the folder of a campaign, and ros2 bag convert "
+           "with "
+           "storage_id: mcap makes a bag that identify reads"}},
     Magic{"\x89HDF\r\n"sv, {"an HDF5 file", no_log}},
     Magic{"\x1f\x8b"sv, {"a gzip archive", scenario_file}},
     Magic{"PK\x03\x04"sv, {"a zip archive", scenario_file}},
@@ -51,9 +54,7 @@ constexpr std::array magics = {
 FileKind mcap_kind(std::string_view head) {
   if (head.substr(0, 256).find("sightline") != std::string_view::npos)
     return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in"};
-  return {"an MCAP recording, as of rosbag2",
-          "a scenario file (TOML); recordings of other programs are not read, those of run and fly by the "
-          "folder of the run"};
+  return {"an MCAP recording, as of rosbag2", of_bag, false, RecordingKind::bag};
 }
 
 std::string_view trimmed_left(std::string_view line) {
@@ -170,7 +171,7 @@ FileKind kind_at(const std::filesystem::path& place) {
   const auto has = [&](const char* file) { return std::filesystem::is_regular_file(place / file, ignored); };
   if (std::filesystem::is_directory(place, ignored)) {
     if (has("run.mcap")) return {"the folder of a run", scenario_file};
-    if (has("metadata.yaml")) return {"the folder of a rosbag2", no_log};
+    if (has("metadata.yaml")) return {"the folder of a rosbag2", of_bag, false, RecordingKind::bag};
     return {};
   }
   if (!std::filesystem::is_regular_file(place, ignored)) return {};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "sightline/base/quantile.hpp"
 #include "sightline/readers/packed_file.hpp"
@@ -107,18 +108,42 @@ FlownMotion motion_of(const CsvColumns& table, const std::string& robot) {
   return motion_of(robot, commands, measured, {});
 }
 
-FlownMotion recorded_motion(const std::filesystem::path& file, RecordingKind kind, std::string robot,
-                            std::vector<std::string> columns) {
-  if (robot.empty()) {
-    robot = file.filename().native();
-    robot.resize(std::min(robot.find('.', 1), robot.size()));
+FlownMotion motion_of(const RosBag& bag, const std::string& robot, std::string body, std::string commands) {
+  const BagTopics topics = body.empty() || commands.empty() ? bag.topics() : BagTopics();
+  const auto choose = [](std::string& name, std::string_view option, const std::vector<std::string>& known) {
+    if (!name.empty()) return;
+    if (known.size() != 1)
+      throw_invalid("{} is missing, expected {}", option,
+                    known.empty() ? "a bag with one" : fmt::format("one of {}", fmt::join(known, ", ")));
+    name = known.front();
+  };
+  choose(body, "--body", topics.bodies);
+  choose(commands, "--commands", topics.commands);
+  const RecordedMotion measured = bag.motion(body);
+  std::vector<VelocityCommand> of_G;
+  for (VelocityCommand command : bag.commands(commands)) {
+    const std::optional<RecordedSample> at = sample_at(measured, command.t, samples_gap);
+    if (!at || !std::isfinite(at->heading)) continue;
+    const SinCos<double> d = sincos(at->heading);
+    const Vec2<double> v = rotate<double>({d.cos, d.sin}, {command.v.x, command.v.y});
+    command.v = {v.x, v.y, command.v.z};
+    of_G.push_back(command);
   }
-  if (kind == RecordingKind::table) {
-    const CsvColumns table = read_csv(read_packed_file(file), file.native(), std::move(columns));
-    return motion_of(table, robot);
+  return motion_of(robot, of_G, measured, {});
+}
+
+FlownMotion recorded_motion(const std::filesystem::path& file, RecordingKind kind, RecordedRobot robot) {
+  if (robot.name.empty()) {
+    robot.name = file.filename().native();
+    robot.name.resize(std::min(robot.name.find('.', 1), robot.name.size()));
   }
-  if (!columns.empty()) throw_invalid("--columns of a recording that has names itself, expected none");
-  return motion_of(read_ulog(file), robot);
+  if (kind != RecordingKind::table && !robot.columns.empty())
+    throw_invalid("--columns of a recording that has names itself, expected none");
+  if (kind != RecordingKind::bag && !(robot.body + robot.commands).empty())
+    throw_invalid("--body and --commands, expected them for a bag of ROS 2 alone");
+  if (kind == RecordingKind::bag) return motion_of(RosBag(file), robot.name, robot.body, robot.commands);
+  if (kind == RecordingKind::ulog) return motion_of(read_ulog(file), robot.name);
+  return motion_of(read_csv(read_packed_file(file), file.native(), std::move(robot.columns)), robot.name);
 }
 
 }  // namespace sightline

@@ -8,6 +8,7 @@
 #include "sightline/analysis/identification/flown_motion.hpp"
 #include "sightline/readers/recorded_motion.hpp"
 #include "sightline/readers/ulog.hpp"
+#include "sightline/record/ros_bag.hpp"
 #include "sightline/scenario/csv_lists.hpp"
 #include "sightline/scenario/file_kind.hpp"
 
@@ -35,12 +36,21 @@ FlownMotion motion_of(const ULog& log, const std::string& robot);
 /// @throws std::invalid_argument as above, for a missing column, and for times that do not rise
 FlownMotion motion_of(const CsvColumns& table, const std::string& robot);
 
-/// The flight in a recording, plain or packed, by its kind.
-/// @param robot    its name; empty: that of the file
-/// @param columns  names of the columns of a text file, as read_csv(); empty: from its first line
-/// @throws std::invalid_argument as above and as the readers, naming the file; for columns of a file
-///   without
-FlownMotion recorded_motion(const std::filesystem::path& file, RecordingKind kind, std::string robot,
-                            std::vector<std::string> columns);
+/// The same from a bag of ROS 2; its commands are in the axes of the heading, as cmd_vel is.
+/// @param body      as RosBag::motion(); empty: the only one
+/// @param commands  a topic of velocities; empty: the only one
+/// @throws std::invalid_argument as above and as RosBag, and for an empty name of several
+FlownMotion motion_of(const RosBag& bag, const std::string& robot, std::string body, std::string commands);
+
+/// What is taken of a recording, and what it is called.
+struct RecordedRobot {
+  std::string name{};                  ///< empty: that of the file
+  std::vector<std::string> columns{};  ///< of a table, as read_csv(); empty: from its first line
+  std::string body{}, commands{};      ///< of a bag
+};
+
+/// The flight in a recording by its kind; logs of PX4 and tables may be packed.
+/// @throws std::invalid_argument as above and as the readers, and for what the recording lacks
+FlownMotion recorded_motion(const std::filesystem::path& file, RecordingKind kind, RecordedRobot robot);
 
 }  // namespace sightline
