@@ -37,8 +37,7 @@ constexpr std::array magics = {
     Magic{"SQLite format 3\0"sv,
           {"an SQLite database, as a rosbag2 .db3 or the table of a campaign",
            "a scenario file (TOML); campaign --resume takes the folder of a campaign, and ros2 bag convert "
-           "with "
-           "storage_id: mcap makes a bag that identify reads"}},
+           "with storage_id: mcap makes a bag that identify reads"}},
     Magic{"\x89HDF\r\n"sv, {"an HDF5 file", no_log}},
     Magic{"\x1f\x8b"sv, {"a gzip archive", scenario_file}},
     Magic{"PK\x03\x04"sv, {"a zip archive", scenario_file}},
@@ -108,7 +107,7 @@ constexpr std::array yaml_kinds = {
              {"the tags of apriltag_ros (YAML)",
               "a scenario file (TOML), whose [agent.NAME.tags] say which tags a body has", true}},
     YamlKind{{"rosbag2_bagfile_information", "relative_file_paths", "storage_identifier"},
-             {"the metadata of a rosbag2 (YAML)", no_log, true}},
+             {"the metadata of a rosbag2 (YAML)", of_bag, true}},
 };
 
 FileKind yaml_kind(const std::vector<std::string_view>& lines) {
