@@ -10,6 +10,7 @@
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/identification/identification_text.hpp"
+#include "sightline/analysis/identification/recorded_flight_motion.hpp"
 #include "sightline/base.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
@@ -28,6 +29,8 @@ struct IdentifyCommand {
   double seconds = 20.0, radius = 3.0;
   std::optional<double> height;
   std::optional<std::uint64_t> seed;
+  std::vector<std::string> columns;
+  std::string body, commands;
   bool json = false;
 };
 
@@ -42,12 +45,13 @@ ExcitationKind kind_of(const std::string& name) {
   return static_cast<ExcitationKind>(found - excitation_names.begin());
 }
 
-/// Returns the result of `make`; errors receive the place as a prefix.
+/// Returns the result of `make`; errors receive the place as a prefix, unless they begin with it.
 template <class Make>
 auto in(const fs::path& place, Make&& make) {
   try {
     return make();
   } catch (const std::invalid_argument& error) {
+    if (std::string_view(error.what()).starts_with(place.native())) throw;
     throw std::invalid_argument(fmt::format("{}: {}", place.native(), error.what()));
   }
 }
@@ -105,6 +109,7 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
 int identify(const IdentifyCommand& command, const Registry& registry) {
   std::error_code ignored;  // the reading reports the error of an inaccessible file
   const bool of_log = fs::is_directory(command.of.file, ignored);
+  const RecordingKind recording = kind_at(command.of.file).recording;
   std::optional<FolderLock> lock;
   FlownMotion motion;
   std::optional<Identification> found;
@@ -113,7 +118,15 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
                  std::initializer_list<std::string_view>{"identify.json", "identify.html"});
   };
   try {
-    if (of_log) {
+    if (recording != RecordingKind::none) {
+      if (!command.of.set.empty()) throw std::invalid_argument("--set of a recording, expected a scenario");
+      found = in(command.of.file, [&] {
+        motion = recorded_motion(command.of.file, recording,
+                                 {command.agent, command.columns, command.body, command.commands});
+        return sightline::identify(motion);
+      });
+      lock_in(fs::path("out") / motion.robot / "identify");
+    } else if (of_log) {
       motion = flown(command, registry);
       lock_in(command.of.file);
       found = in(command.of.file, [&] { return sightline::identify(motion); });
@@ -159,9 +172,12 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
 
 Execute describe_identify(CLI::App& app) {
   const auto command = std::make_shared<IdentifyCommand>();
-  app.description("Fit the model of a multirotor to a flight that excites it, or to a run");
-  add_scenario(app, command->of, "SCENARIO", "Scenario file (TOML), or the folder of a run");
-  app.add_option("--agent", command->agent, "Robot [the only multirotor]");
+  app.description("Fit the model of a multirotor to a flight that excites it, to a run, or to a recording");
+  add_scenario(app, command->of, "SCENARIO",
+               "Scenario file (TOML), the folder of a run, a log of PX4 (ULog), a bag of ROS 2 (MCAP) or a "
+               "table (CSV)");
+  app.add_option("--agent", command->agent,
+                 "Robot [the only multirotor; of a recording, the name of its file]");
   app.add_option("--excitation", command->excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
       ->capture_default_str();
   app.add_option("--seconds", command->seconds, "Time of the excitation [s]")->capture_default_str();
@@ -169,6 +185,11 @@ Execute describe_identify(CLI::App& app) {
   app.add_option("--radius", command->radius, "Farthest from the start, level [m]")->capture_default_str();
   app.add_option("--seed", command->seed, "Seed of steps and noise, instead of the scenario's")
       ->check(CLI::Range(std::uint64_t{0}, seed_max));
+  app.add_option("--columns", command->columns,
+                 "Names of the columns of a table, t,x,y,z,-,vx; -: not used [its first line]")
+      ->delimiter(',');
+  app.add_option("--body", command->body, "Topic of the motion in a bag, /odom or /poses:cf1 [the only one]");
+  app.add_option("--commands", command->commands, "Topic of the velocity commands in a bag [the only one]");
   app.add_option("-o,--output", command->output,
                  "Folder for the results [out/NAME/identify; of a run, its own]");
   app.add_flag("--json", command->json, "JSON instead of a table");

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "sightline/record/packed_text.hpp"
+#include "sightline/readers/packed_file.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/recorded_team.hpp"
@@ -123,12 +123,18 @@ TEST(TeamRecording, PlacesThatHoldNoneAreRefused) {
   EXPECT_THAT(refusal_of([&] { read_team_recording(folder); }),
               HasSubstr("no recording of a known kind, expected a folder of MRCLAM"));
   EXPECT_THAT(refusal_of([&] { read_team_recording(folder / "none"); }), HasSubstr("not there"));
+  std::ofstream(folder / "x.ulg") << "ULog\x01\x12\x35";
+  EXPECT_EQ(
+      refusal_of([&] { read_team_recording(folder / "x.ulg"); }),
+      (folder / "x.ulg").native() +
+          ": this is a PX4 ULog, expected a folder of MRCLAM (Robot1_Odometry.dat, ...) or files of MURP "
+          "(NAME_base-1_targ-2.csv)");
   const std::filesystem::path archive = folder / "MRCLAM.tar.gz";
   std::ofstream(archive) << "x";
   EXPECT_THAT(refusal_of([&] { read_team_recording(archive); }), HasSubstr("expected its folder: tar xzf"));
   std::ofstream(folder / "base-1_targ-2.csv.gz") << "\x1f\x8b\x08 damaged";
   EXPECT_THAT(refusal_of([&] { read_team_recording(folder); }),
-              HasSubstr("damaged, expected a text file, plain or packed by gzip"));
+              HasSubstr("damaged, expected a file that is plain or packed by gzip"));
 }
 
 TEST(TeamRecording, MutatedFilesAreReadOrRefusedInOneSentence) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +7,8 @@
 #include <regex>
 
 #include "tests/support/command.hpp"
+#include "tests/support/lagging_flight.hpp"
+#include "tests/support/ros_bag.hpp"
 
 namespace sightline::test {
 namespace {
@@ -47,6 +50,38 @@ TEST(IdentifyCommand, ReadsTheLogOfARun) {
   EXPECT_NEAR(reported.at("seconds").get<double>(), 12.0, 0.02);
   EXPECT_FALSE(reported.at("missing").empty()) << "a task is no excitation";
   EXPECT_EQ(read_file(out / "identify.json"), done.out);
+}
+
+TEST(IdentifyCommand, ReadsALogOfPx4ABagAndATable) {
+  const fs::path folder = fresh_folder(), log = folder / "lagging.ulg", table = folder / "lagging.csv";
+  const LaggingFlight flight(20.0);
+  std::ofstream(log, std::ios::binary) << ulog_of(flight, 5);
+  std::ofstream rows(table);
+  for (std::size_t k = 0; k < flight.rows.size(); k += 5) {
+    const LaggingFlight::Row& r = flight.rows[k];
+    rows << fmt::format("{},9,{},{},{},{},{},{},{},{},{},{},{}\n", r.t, r.p.x, r.p.y, r.p.z, r.psi, r.v.x,
+                        r.v.y, r.v.z, r.u.x, r.u.y, r.u.z, r.u_psi);
+  }
+  rows.close();
+  const fs::path bag = folder / "lagging.mcap";
+  std::ofstream(bag, std::ios::binary) << bag_of(flight).bytes("");
+  const std::string out = " --json -o " + (folder / "out").string();
+  for (const std::string& from : {log.string(), bag.string() + " --body /pose --commands /cmd",
+                                  table.string() + " --columns t,-,x,y,z,heading,vx,vy,vz,ux,uy,uz,ur"}) {
+    const auto done = sightline("identify " + from + out, folder);
+    ASSERT_EQ(done.code, 0) << done.err;
+    const json reported = json::parse(done.out);
+    EXPECT_EQ(reported.at("robot"), "lagging");
+    EXPECT_NEAR(reported.at("best").at("numbers").at(0).at("value").get<double>(), LaggingFlight::tau, 0.02);
+    EXPECT_GT(reported.at("error").at("r2").get<double>(), 0.99);
+  }
+  EXPECT_THAT(test::refused("identify " + log.string() + " --columns t", folder),
+              HasSubstr("lagging.ulg: --columns of a recording that has names itself, expected none"));
+  EXPECT_THAT(test::refused("identify " + log.string() + " --set duration=3", folder),
+              HasSubstr("--set of a recording, expected a scenario"));
+  fs::resize_file(log, 4000);
+  std::ofstream(log, std::ios::binary | std::ios::app) << std::string(40, '\0');
+  EXPECT_THAT(test::refused("identify " + log.string(), folder), HasSubstr("lagging.ulg: byte "));
 }
 
 TEST(IdentifyCommand, RefusesInOneSentence) {

@@ -1,13 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "sightline/log.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/recorded_team.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace sightline::test {
 namespace {
@@ -21,14 +21,6 @@ fs::path recording_in(const fs::path& folder, double seconds = 30.0) {
   write_mrclam(recorded({.seconds = seconds, .noise = noise_of_recordings(), .seed = 3, .start = 1000.0}),
                place);
   return place;
-}
-
-/// A recording of the data sets; empty, with a line on stdout, where it is not there.
-fs::path of_data(const std::string& name) {
-  const fs::path place = fs::path(SIGHTLINE_SOURCE_DIR) / "../shared/data" / name;
-  if (fs::exists(place)) return place;
-  std::printf("data not there: %s\n", place.c_str());
-  return {};
 }
 
 TEST(LocalizeCommand, WritesSummaryReportAndLog) {

@@ -28,7 +28,7 @@ TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
        "the calibration of a camera (YAML)"},
       {write("path.csv", "t,x,y,z\n0,0,0,1\n"), "a table of values (CSV)"}};
   for (const auto& [file, what] : files) {
-    for (const char* command : {"check", "run", "view", "identify", "explain", "campaign", "potential"}) {
+    for (const char* command : {"check", "run", "view", "explain", "campaign", "potential"}) {
       EXPECT_THAT(test::refused(std::string(command) + " " + file, folder),
                   testing::StartsWith(file + ":1: this is " + what + ", expected a scenario file"));
     }
@@ -36,7 +36,21 @@ TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
       EXPECT_EQ(test::refused(std::string(command) + " " + file, folder),
                 file + ": this is " + what + ", expected the folder of a run\n");
     }
+    EXPECT_THAT(test::refused("localize " + file, folder),
+                testing::StartsWith(file + ": this is " + what + ", expected a folder of MRCLAM"));
   }
+  // Those that identify reads lack what it needs.
+  const auto identified = [&](std::size_t i) {
+    const std::string sentence = test::refused("identify " + files[i].first, folder);
+    EXPECT_THAT(sentence, testing::StartsWith(files[i].first + ":"));
+    return sentence.substr(files[i].first.size() + 1);
+  };
+  EXPECT_THAT(identified(0), testing::StartsWith(" no set-points of velocity"));
+  EXPECT_EQ(identified(1), " --body is missing, expected a bag with one\n");
+  EXPECT_THAT(identified(2),
+              testing::StartsWith("1: this is a crazyflies.yaml of Crazyswarm2, expected a scen"));
+  EXPECT_THAT(identified(4),
+              testing::StartsWith(" no column \"heading\", expected the columns t, x, y, z, "));
 }
 
 TEST(RefusedFiles, ALoopOfLinksIsRefusedByASentence) {

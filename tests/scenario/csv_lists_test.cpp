@@ -1,16 +1,22 @@
 #include "sightline/scenario/csv_lists.hpp"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <random>
 
 #include "sightline/world.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/lagging_flight.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace sightline {
 namespace {
 
 using Numbers = std::vector<double>;
+using testing::HasSubstr;
 
 std::string csv_refusal(const std::string& text, std::vector<std::string> names = {}) {
   try {
@@ -106,6 +112,64 @@ TEST(CsvLists, WhatAFileCannotGiveIsRefused) {
       path_refusal("", "t,x,y,z\n1.7e9,0,0,0\n"),
       "folder/path.csv:1: t = 1700000000 s in the first row, expected at most 100000 s, or the key begin");
   EXPECT_EQ(path_refusal("speed = 1.0", text).substr(0, 27), "folder/a.toml:2: speed = 1,");
+}
+
+// The text that a log keeps stands for the recording.
+TEST(CsvLists, AMotionIsTheSameFromARecordingAndFromTheTextThatALogKeeps) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const test::LaggingFlight flight(6.0);
+  std::ofstream(folder / "flight.ulg", std::ios::binary) << test::ulog_of(flight, 5);
+  const std::string keys = "file = \"flight.ulg\"\nbody = \"vehicle_local_position\"\n";
+  const auto read = [&](const TomlDocument& document) {
+    WaypointsMotion path =
+        read_part<WaypointsMotion>(ListSource(TomlTable(document)), parameter_keys<ListFile>());
+    path.check();
+    return path;
+  };
+  const TomlDocument from_disk = parse_toml(keys, (folder / "a.toml").native());
+  const WaypointsMotion path = read(from_disk);
+  for (double t = 0; t < 5.9; t += 0.07) {
+    const auto& row = flight.rows[static_cast<std::size_t>(std::lround(t / test::LaggingFlight::step))];
+    EXPECT_LE(norm(path(t).p - row.p), 2e-3) << t;
+  }
+  for (std::size_t i = 1; i < path.times.size(); ++i) EXPECT_GT(path.times[i] - path.times[i - 1], 0.0199);
+
+  TomlDocument kept = parse_toml(keys, "elsewhere/a.toml");
+  kept.from_disk = false;
+  kept.files = from_disk.files;
+  EXPECT_EQ(read(kept).times, path.times);
+  // A campaign writes the text beside the scenario.
+  std::filesystem::remove(folder / "flight.ulg");
+  for (const auto& [name, text] : from_disk.files) std::ofstream(folder / name) << text;
+  EXPECT_EQ(read(parse_toml(keys, (folder / "a.toml").native())).times, path.times);
+}
+
+TEST(CsvLists, ARecordingThatGivesNoPathIsNamed) {
+  const std::filesystem::path folder = test::fresh_folder();
+  std::ofstream(folder / "flight.ulg", std::ios::binary) << test::ulog_of(test::LaggingFlight(1.0), 5);
+  std::ofstream(folder / "cut.ulg", std::ios::binary) << "ULog\x01\x12\x35";
+  std::ofstream(folder / "bad.ulg", std::ios::binary) << test::ulog_head() << std::string(9, '\1');
+  std::ofstream(folder / "bag.db3", std::ios::binary) << std::string("SQLite format 3\0", 16);
+  std::ofstream(folder / "path.csv") << "t,x,y,z\n0,1,2,3\n1,1,2,3\n";
+  const auto refused = [&](const std::string& keys) {
+    const TomlDocument document = parse_toml(keys, (folder / "a.toml").native());
+    return refusal_of<ScenarioError>([&] { (void)ListSource(TomlTable(document)); });
+  };
+  const std::string body = "\nbody = \"vehicle_local_position\"";
+  EXPECT_THAT(refused("file = \"flight.ulg\""),
+              HasSubstr("expected the key body beside a PX4 ULog: one of vehicle_local_position, "));
+  EXPECT_THAT(
+      refused("file = \"bag.db3\""),
+      HasSubstr("expected a file of times and positions (CSV), relative to this one; this is an SQLite"));
+  EXPECT_THAT(refused("file = \"path.csv\"" + body), HasSubstr("(this is a table of values (CSV))"));
+  EXPECT_THAT(refused("file = \"bad.ulg\"" + body), HasSubstr("bad.ulg: byte 16: a message of kind 0x01"));
+  EXPECT_THAT(refused("file = \"cut.ulg\"" + body), HasSubstr("cut.ulg: no topic vehicle_local_position"));
+  EXPECT_THAT(refused("file = \"none.ulg\"" + body), HasSubstr("none.ulg: not there"));
+  EXPECT_THAT(refused("file = \"flight.ulg\"\nbody = \"pose\""),
+              HasSubstr("a.toml:2: body = \"pose\", expected one of vehicle_local_position, "));
+  EXPECT_THAT(refused("file = \"flight.ulg\"\nperiod = 0.1" + body),
+              HasSubstr("a.toml:2: period = 0.1, expected no such key beside body"));
+  EXPECT_THAT(refused("body = \"pose\""), HasSubstr("expected the key file beside it"));
 }
 
 // The velocity is the derivative, and the bound holds on it.

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
+#include <zstd.h>
 
 #include <fstream>
 
@@ -71,6 +73,44 @@ TEST(FileKind, ALogIsRecognisedHoweverLongItIs) {
   const std::filesystem::path file = test::fresh_folder() / "long.ulg";
   std::ofstream(file, std::ios::binary) << "ULog\x01\x12\x35"s + std::string(scenario_size_max + 1, '\x01');
   EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)read_scenario(file); }), HasSubstr("this is a PX4 ULog"));
+}
+
+TEST(FileKind, WhatIsPackedIsNamed) {
+  const std::filesystem::path folder = test::fresh_folder();
+  // Of bytes that do not compress: the first block is longer than the head of the file.
+  std::string log = "ULog\x01\x12\x35"s;
+  for (std::uint32_t i = 1; log.size() < 200'000; i = i * 1664525U + 1013904223U)
+    log.push_back(static_cast<char>(i >> 24));
+  std::string packed(ZSTD_compressBound(log.size()), '\0');
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), log.data(), log.size(), 3));
+  std::ofstream(folder / "a.zst", std::ios::binary) << packed;
+  std::ofstream(folder / "b.zst", std::ios::binary) << packed.substr(0, 9);
+  const auto pack = [&](const char* name, const std::string& text) {
+    const gzFile to = gzopen((folder / name).c_str(), "wb");
+    gzwrite(to, text.data(), static_cast<unsigned>(text.size()));
+    gzclose(to);
+  };
+  pack("a.gz", log);
+  pack("b.gz", "[agent.uav0]\n");
+  EXPECT_EQ(kind_at(folder / "a.zst").shown(), "a PX4 ULog, packed by zstd");
+  EXPECT_EQ(kind_at(folder / "b.zst").shown(), "a zstd archive");
+  EXPECT_EQ(kind_at(folder / "a.gz").shown(), "a PX4 ULog, packed by gzip");
+  EXPECT_EQ(kind_at(folder / "b.gz").shown(), "a gzip archive");
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)read_scenario(folder / "a.zst"); }),
+              HasSubstr(":1: this is a PX4 ULog, packed by zstd, expected a scenario file"));
+}
+
+TEST(FileKind, FoldersOfRecordingsAreNamed) {
+  const std::filesystem::path folder = test::fresh_folder();
+  EXPECT_EQ(kind_at(folder).what, "");
+  std::ofstream(folder / "metadata.yaml") << "rosbag2_bagfile_information:\n";
+  EXPECT_EQ(kind_at(folder).what, "the folder of a rosbag2");
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)read_scenario(folder); }),
+              HasSubstr(":1: this is the folder of a rosbag2, expected a scenario file"));
+  EXPECT_EQ(refusal_of([&] { (void)log_of(folder); }),
+            folder.native() + ": this is the folder of a rosbag2, expected the folder of a run");
+  std::ofstream(folder / "run.mcap") << "x";
+  EXPECT_EQ(kind_at(folder).what, "the folder of a run");
 }
 
 TEST(FileKind, AScenarioIsNoOther) {

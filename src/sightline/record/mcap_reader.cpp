@@ -305,8 +305,22 @@ bool McapReader::read_chunk(const Record& record, Span content,
   const auto crc = cursor.number<std::uint32_t>();
   const std::string_view compression = cursor.string();
   const Span compressed = cursor.take(cursor.number<std::uint64_t>());
-  if (!cursor.finished() || length > record_limit || compression != "zstd") {
-    fail(record.at, "a chunk that contradicts its own lengths or is not compressed by zstd");
+  if (!cursor.finished() || length > record_limit) {
+    fail(record.at, "a chunk that contradicts its own lengths");
+    return false;
+  }
+  if (compression == "lz4") {
+    fail(record.at, "a chunk compressed by lz4, expected zstd or none");
+    return false;
+  }
+  if (compression != "zstd" && !compression.empty()) {
+    fail(record.at, "a chunk compressed by an unknown method, expected zstd or none");
+    return false;
+  }
+  if (compression.empty()) {
+    if (compressed.size() == length && is_crc(crc, crc32_of(0, compressed)))
+      return read_records(record.at, compressed, visitor);
+    fail(record.at, "a chunk that does not match its CRC");
     return false;
   }
   chunk_.resize(length);

@@ -1,19 +1,24 @@
 #include "sightline/scenario/csv_lists.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+
+#include "sightline/readers/number_table.hpp"
+#include "sightline/readers/px4_flight.hpp"
+#include "sightline/scenario/file_kind.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr std::string_view separators = ",; \t\r", unused = "-";
-constexpr std::array<std::string_view, 3> beside_file = {"columns", "period", "begin"};
-constexpr double begin_most = 1e5;  // beyond it the times are those of a clock [s]
+constexpr std::string_view unused = "-";
+constexpr std::array<std::string_view, 4> beside_file = {"body", "columns", "period", "begin"};
+constexpr double rows_apart = 0.02;  // of the text of a recording [s]
+constexpr double begin_most = 1e5;   // beyond it the times are those of a clock [s]
 constexpr std::array<std::string_view, 3> of_place = {"x", "y", "z"}, of_velocity = {"vx", "vy", "vz"};
 
 /// In small letters; the names that ROS and spreadsheets use are replaced by ours.
@@ -24,32 +29,6 @@ std::string column_name(std::string_view text) {
   }
   if (name == "time") return "t";
   return name == "yaw" ? "heading" : name;
-}
-
-/// The entries of a line; those between two commas may be empty.
-std::vector<std::string_view> split(std::string_view line) {
-  const bool spaced = line.find_first_of(",;") == std::string_view::npos;
-  const auto trimmed = [](std::string_view entry) {
-    const std::size_t begin = entry.find_first_not_of(" \t\r\"");
-    if (begin == std::string_view::npos) return std::string_view();
-    return entry.substr(begin, entry.find_last_not_of(" \t\r\"") - begin + 1);
-  };
-  std::vector<std::string_view> entries;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find_first_of(spaced ? separators : ",;", begin), line.size());
-    const std::string_view entry = trimmed(line.substr(begin, end - begin));
-    if (!spaced || !entry.empty()) entries.push_back(entry);
-    begin = end + 1;
-  }
-  return entries;
-}
-
-std::optional<double> number(std::string_view entry) {
-  if (entry.starts_with('+')) entry.remove_prefix(1);
-  double value{};
-  const auto [end, error] = std::from_chars(entry.data(), entry.data() + entry.size(), value);
-  if (error != std::errc() || end != entry.data() + entry.size() || !std::isfinite(value)) return {};
-  return value;
 }
 
 void check_column_names(const std::vector<std::string>& names, std::string_view file, std::size_t line) {
@@ -64,6 +43,48 @@ void check_column_names(const std::vector<std::string>& names, std::string_view 
   }
 }
 
+constexpr std::string_view a_table = "a file of times and positions (CSV), relative to this one";
+
+/// The text of the table that the key `file` names.
+std::string table_text(const TomlTable& at, const std::string& name) {
+  if (at.from_disk()) {
+    const FileKind kind = kind_at(std::filesystem::path(at.file()).parent_path() / name);
+    if (kind.recording == RecordingKind::ulog)
+      at.throw_invalid("file", fmt::format("the key body beside {}: one of {}", kind.shown(),
+                                           fmt::join(px4_motions, ", ")));
+    if (!kind.what.empty() && kind.recording != RecordingKind::table)
+      at.throw_invalid("file", fmt::format("{}; this is {}", a_table, kind.shown()));
+  }
+  try {
+    return at.file_text(name);
+  } catch (const ScenarioError& error) {
+    at.throw_invalid("file", fmt::format("{} ({})", a_table, error.what()));
+  }
+}
+
+/// The motion of the key `body` in the recording that the key `file` names, as the text of a table.
+std::string recording_text(const TomlTable& at, const std::string& name) {
+  for (const std::string_view key : {"columns", "period"}) {
+    if (at.has(key)) at.throw_invalid(key, "no such key beside body");
+  }
+  const std::string body = at.text("body", "a topic of the recording");
+  if (std::find(px4_motions.begin(), px4_motions.end(), body) == px4_motions.end())
+    at.throw_invalid("body", fmt::format("one of {}", fmt::join(px4_motions, ", ")));
+  const auto read = [&](const std::filesystem::path& path) {
+    const FileKind kind = kind_at(path);
+    if (!kind.what.empty() && kind.recording != RecordingKind::ulog)
+      throw_invalid("this is {}", kind.shown());
+    const RecordedMotion motion = px4_motion(read_ulog(path), body);
+    if (motion.empty()) throw_invalid("no valid sample of {}", body);
+    return motion_text(motion);
+  };
+  try {
+    return at.made_text(name, fmt::format("{}.{}.csv", name, body), read);
+  } catch (const std::exception& error) {
+    at.throw_invalid("file", fmt::format("a log of PX4 (ULog), relative to this one ({})", error.what()));
+  }
+}
+
 }  // namespace
 
 const std::vector<double>* CsvColumns::find(std::string_view name) const {
@@ -75,20 +96,13 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
   CsvColumns columns;
   columns.names = std::move(names);
   const bool named = !columns.names.empty();
-  std::size_t line_number = 0, rows = 0;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    ++line_number;
-    if (line_number == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
-    const bool remark = line.starts_with('#');
-    if (remark) line.remove_prefix(1);
-    const std::vector<std::string_view> entries = split(line);
-    const bool empty =
-        std::all_of(entries.begin(), entries.end(), [](std::string_view entry) { return entry.empty(); });
-    const bool numbers = !empty && number(entries.front()).has_value();
-    if (empty || (remark && (rows > 0 || named || numbers))) continue;
+  NumberTable table(std::string(file), text);
+  std::size_t rows = 0;
+  while (table.next_or_remark()) {
+    const std::span<const std::string_view> entries = table.fields();
+    const std::size_t line_number = table.line();
+    const bool numbers = finite_number(entries.front()).has_value();
+    if (table.is_remark() && (rows > 0 || named || numbers)) continue;
     if (rows == 0 && !numbers) {
       // Of several lines of names the last before the first row counts.
       if (!named) {
@@ -115,7 +129,7 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
                           fmt::format("more than {} rows, expected at most these", csv_rows_max));
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (columns.names[i] == unused) continue;
-      const std::optional<double> value = number(entries[i]);
+      const std::optional<double> value = finite_number(entries[i]);
       if (!value)
         throw ScenarioError(file, line_number,
                             fmt::format("{} = \"{}\", expected a number", shortened(columns.names[i], 40),
@@ -123,8 +137,29 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
       columns.values[i].push_back(*value);
     }
   }
-  if (rows == 0) throw ScenarioError(file, line_number, "no row of numbers, expected at least one");
+  if (rows == 0) throw ScenarioError(file, table.line(), "no row of numbers, expected at least one");
   return columns;
+}
+
+std::string motion_text(const RecordedMotion& motion) {
+  const bool has_heading = std::all_of(motion.begin(), motion.end(),
+                                       [](const RecordedSample& one) { return std::isfinite(one.heading); });
+  const bool has_velocity = std::all_of(motion.begin(), motion.end(), [](const RecordedSample& one) {
+    return std::isfinite(one.v.x + one.v.y + one.v.z);
+  });
+  std::string text =
+      fmt::format("t,x,y,z{}{}\n", has_heading ? ",heading" : "", has_velocity ? ",vx,vy,vz" : "");
+  double last = -infinity;
+  for (const RecordedSample& one : motion) {
+    const double t = one.t - motion.front().t;
+    if (t - last < rows_apart) continue;
+    last = t;
+    text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}", t, one.p.x, one.p.y, one.p.z);
+    if (has_heading) text += fmt::format(",{:.4f}", one.heading);
+    if (has_velocity) text += fmt::format(",{:.4f},{:.4f},{:.4f}", one.v.x, one.v.y, one.v.z);
+    text += '\n';
+  }
+  return text;
 }
 
 bool has_timed_lists(const PartText& part) {
@@ -139,18 +174,12 @@ ListSource::ListSource(const TomlTable& at) : TableSource(at) {
     }
     return;
   }
-  constexpr std::string_view expected = "a file of times and positions (CSV), relative to this one";
-  const std::string name = at.text("file", expected);
+  const std::string name = at.text("file", a_table);
   file_ = (std::filesystem::path(at.file()).parent_path() / name).lexically_normal().native();
   std::vector<std::string> names;
   if (at.has("columns")) names = at.texts("columns", TomlTable::any_length, "names of columns in quotes");
   for (std::string& one : names) one = column_name(one);
-  std::string text;
-  try {
-    text = at.file_text(name);
-  } catch (const ScenarioError& error) {
-    at.throw_invalid("file", fmt::format("{} ({})", expected, error.what()));
-  }
+  const std::string text = at.has("body") ? recording_text(at, name) : table_text(at, name);
   columns_ = read_csv(text, file_, std::move(names));
   for (const std::string_view key : {"times", "p", "heading", "v"}) {
     if (at.has(key)) at.throw_invalid(key, "no such key beside file, which gives it");

@@ -1,6 +1,8 @@
-/// Lists of a part, positions and headings at times, from the columns of a text file:
+/// Lists of a part, positions and headings at times, from the columns of a text file, or from the
+/// motion of a body in a recording:
 ///
 ///     reference = { waypoints = { file = "path.csv" } }
+///     motion = { waypoints = { file = "flight.ulg", body = "vehicle_local_position" } }
 ///
 /// Full description: docs/robots.md.
 #pragma once
@@ -11,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "sightline/readers/recorded_motion.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -39,14 +42,21 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
 struct ListFile {
   static constexpr auto parameters() {
     return std::tuple{
-        KeyText{"file", "a file (CSV)",
-                "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists", "none"},
+        KeyText{"file", "a file (CSV, ULog)",
+                "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists, or a log of PX4",
+                "none"},
+        KeyText{"body", "a topic", "of the log: vehicle_local_position, its _groundtruth or vehicle_odometry",
+                "none"},
         KeyText{"columns", "names", "of the columns of the file, in their order; \"-\": not used",
                 "its first line"},
         KeyText{"period", "> 0 s", "between the rows of a file without a column t", "none"},
         KeyText{"begin", "a time in s", "of the first row of the file", "as in the file"}};
   }
 };
+
+/// Rows t, x, y, z, perhaps heading and vx, vy, vz, of a motion, as read_csv() reads them: from t = 0
+/// on, at least 20 ms apart, with a resolution of 0.1 mm.
+std::string motion_text(const RecordedMotion& motion);
 
 /// Whether the part has lists at times, which a file may give.
 bool has_timed_lists(const PartText& part);

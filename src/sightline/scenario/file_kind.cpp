@@ -4,18 +4,19 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <system_error>
 #include <vector>
 
 #include "sightline/base.hpp"
+#include "sightline/readers/packed_file.hpp"
 
 namespace sightline {
 namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view scenario_file = "a scenario file (TOML)",
+constexpr std::string_view of_bag = "a scenario file (TOML); identify reads the motion in a bag",
+                           scenario_file = "a scenario file (TOML)",
                            no_log =
                                "a scenario file (TOML); logs are read from the folder of a run, as run "
                                "and fly write it";
@@ -28,12 +29,15 @@ struct Magic {
 constexpr std::string_view mcap_magic = "\x89MCAP0\r\n"sv;
 
 constexpr std::array magics = {
-    Magic{"ULog\x01\x12\x35"sv, {"a PX4 ULog", no_log}},
+    Magic{"ULog\x01\x12\x35"sv,
+          {"a PX4 ULog", "a scenario file (TOML); identify reads it, and so does the file of a path", false,
+           RecordingKind::ulog}},
     Magic{"\xa3\x95\x80"sv, {"a dataflash log of ArduPilot", no_log}},
     Magic{"#ROSBAG V"sv, {"a bag of ROS 1", no_log}},
     Magic{"SQLite format 3\0"sv,
           {"an SQLite database, as a rosbag2 .db3 or the table of a campaign",
-           "a scenario file (TOML); campaign --resume takes the folder of a campaign"}},
+           "a scenario file (TOML); campaign --resume takes the folder of a campaign, and ros2 bag convert "
+           "with storage_id: mcap makes a bag that identify reads"}},
     Magic{"\x89HDF\r\n"sv, {"an HDF5 file", no_log}},
     Magic{"\x1f\x8b"sv, {"a gzip archive", scenario_file}},
     Magic{"PK\x03\x04"sv, {"a zip archive", scenario_file}},
@@ -49,9 +53,7 @@ constexpr std::array magics = {
 FileKind mcap_kind(std::string_view head) {
   if (head.substr(0, 256).find("sightline") != std::string_view::npos)
     return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in"};
-  return {"an MCAP recording, as of rosbag2",
-          "a scenario file (TOML); recordings of other programs are not read, those of run and fly by the "
-          "folder of the run"};
+  return {"an MCAP recording, as of rosbag2", of_bag, false, RecordingKind::bag};
 }
 
 std::string_view trimmed_left(std::string_view line) {
@@ -105,7 +107,7 @@ constexpr std::array yaml_kinds = {
              {"the tags of apriltag_ros (YAML)",
               "a scenario file (TOML), whose [agent.NAME.tags] say which tags a body has", true}},
     YamlKind{{"rosbag2_bagfile_information", "relative_file_paths", "storage_identifier"},
-             {"the metadata of a rosbag2 (YAML)", no_log, true}},
+             {"the metadata of a rosbag2 (YAML)", of_bag, true}},
 };
 
 FileKind yaml_kind(const std::vector<std::string_view>& lines) {
@@ -145,20 +147,15 @@ FileKind text_kind(std::string_view head) {
         "a table of values (CSV)",
         "a scenario file (TOML), in which a path is written as reference = { waypoints = { times = [...], p "
         "= [[x, y, z], ...] } }",
-        true};
+        true, RecordingKind::table};
   return yaml_kind(lines);
 }
 
-/// The beginning of a file; empty if it cannot be read.
-std::string head_of(const std::filesystem::path& file) {
-  std::string head(file_head, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
-  return head;
-}
-
 }  // namespace
+
+std::string FileKind::shown() const {
+  return packed_by.empty() ? std::string(what) : fmt::format("{}, packed by {}", what, packed_by);
+}
 
 FileKind file_kind(std::string_view head) {
   if (head.starts_with(mcap_magic)) return mcap_kind(head);
@@ -168,21 +165,38 @@ FileKind file_kind(std::string_view head) {
   return text_kind(head.substr(0, file_head));
 }
 
+FileKind kind_at(const std::filesystem::path& place) {
+  std::error_code ignored;
+  const auto has = [&](const char* file) { return std::filesystem::is_regular_file(place / file, ignored); };
+  if (std::filesystem::is_directory(place, ignored)) {
+    if (has("run.mcap")) return {"the folder of a run", scenario_file};
+    if (has("metadata.yaml")) return {"the folder of a rosbag2", of_bag, false, RecordingKind::bag};
+    return {};
+  }
+  if (!std::filesystem::is_regular_file(place, ignored)) return {};
+  const FileHead head = read_head(place, file_head);
+  FileKind kind = file_kind(head.bytes);
+  kind.packed_by = head.packed_by;
+  // Of an archive of anything else it is known that it is one.
+  if (kind.what.empty() && !head.packed_by.empty())
+    kind = {head.packed_by == "zstd" ? "a zstd archive" : "a gzip archive", scenario_file};
+  return kind;
+}
+
 std::string kind_sentence(const FileKind& kind) {
-  return kind.what.empty() ? std::string() : fmt::format("this is {}, expected {}", kind.what, kind.expected);
+  return kind.what.empty() ? std::string()
+                           : fmt::format("this is {}, expected {}", kind.shown(), kind.expected);
 }
 
 std::filesystem::path log_of(const std::filesystem::path& folder) {
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(folder, ignored)) {
-    const FileKind kind = file_kind(head_of(folder));
-    throw_invalid("{}: this is {}, expected the folder of a run", folder.native(),
-                  kind.what.empty() ? "a file"sv : kind.what);
-  }
   std::filesystem::path log = folder / "run.mcap";
-  if (!std::filesystem::is_regular_file(log, ignored))
-    throw_invalid("{}: no run.mcap, expected the folder of a run", folder.native());
-  return log;
+  if (std::filesystem::is_regular_file(log, ignored)) return log;
+  const FileKind kind = kind_at(folder);
+  if (kind.what.empty() && std::filesystem::is_regular_file(folder, ignored))
+    throw_invalid("{}: this is a file, expected the folder of a run", folder.native());
+  if (kind.what.empty()) throw_invalid("{}: no run.mcap, expected the folder of a run", folder.native());
+  throw_invalid("{}: this is {}, expected the folder of a run", folder.native(), kind.shown());
 }
 
 }  // namespace sightline

@@ -172,7 +172,10 @@ std::string read_text(const std::filesystem::path& path) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) throw fault();
   if (!S_ISREG(status.st_mode)) {
-    throw refuse(fmt::format("this is {}, expected a scenario file", kind_of(status.st_mode)));
+    const FileKind folder = kind_at(path);
+    throw refuse(folder.what.empty()
+                     ? fmt::format("this is {}, expected a scenario file", kind_of(status.st_mode))
+                     : kind_sentence(folder));
   }
   const Descriptor in{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};
   if (in.number < 0) throw fault();
@@ -187,11 +190,12 @@ std::string read_text(const std::filesystem::path& path) {
     const bool first = text.empty();
     text.append(block, static_cast<std::size_t>(n));
     if (!first && text.size() <= scenario_size_max) continue;
-    const FileKind kind = file_kind(std::string_view(text).substr(0, file_head));
+    const FileKind kind = kind_at(path);
     const bool large = std::max<std::uintmax_t>(text.size(), static_cast<std::uintmax_t>(status.st_size)) >
                        scenario_size_max;
     // Text formats are checked only if the text is not TOML.
-    if (!kind.what.empty() && (large || !kind.is_text)) throw refuse(kind_sentence(kind));
+    if (!kind.what.empty() && (large || !kind.is_text || !kind.packed_by.empty()))
+      throw refuse(kind_sentence(kind));
     if (large) throw too_large();
   }
 }

@@ -147,13 +147,19 @@ std::string TomlTable::place(std::string_view key) const {
   return path_.empty() ? shown_key(key) : fmt::format("{}.{}", path_, shown_key(key));
 }
 
-std::string TomlTable::file_text(const std::string& name) const {
-  const auto known = document_->files.find(name);
+std::string TomlTable::file_text(const std::string& name) const { return made_text(name, name, read_text); }
+
+std::string TomlTable::made_text(const std::string& name, const std::string& as,
+                                 const std::function<std::string(const std::filesystem::path&)>& read) const {
+  const auto known = document_->files.find(as);
   if (known != document_->files.end()) return known->second;
-  const std::filesystem::path path = std::filesystem::path(file()).parent_path() / name;
+  const std::filesystem::path folder = std::filesystem::path(file()).parent_path(), path = folder / name,
+                              made = folder / as;
   if (!document_->from_disk)
     throw ScenarioError(path.native(), 1, "its text is missing, expected it with the scenario's");
-  return document_->files[name] = read_text(path);
+  std::error_code ignored;
+  const bool is_made = !std::filesystem::exists(path, ignored) && std::filesystem::exists(made, ignored);
+  return document_->files[as] = is_made ? read_text(made) : read(path);
 }
 
 std::filesystem::path TomlTable::file_folder(const std::string& name) const {

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <span>
@@ -170,6 +172,10 @@ class TomlTable {
 
   /// The text of a file that this one names, relative to it. @throws ScenarioError as read_text()
   std::string file_text(const std::string& name) const;
+  /// A text that `read` makes of a file that this one names, kept as that of the file `as`. A file
+  /// `as` on the disk stands for the one that it was made of, if that is missing.
+  std::string made_text(const std::string& name, const std::string& as,
+                        const std::function<std::string(const std::filesystem::path&)>& read) const;
   /// The folder of such a file.
   std::filesystem::path file_folder(const std::string& name) const;
   /// Whether the files that it names must exist; those of a log's scenario may be missing.

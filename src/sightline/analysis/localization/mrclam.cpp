@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "sightline/analysis/localization/number_table.hpp"
 #include "sightline/analysis/localization/team_recording.hpp"
+#include "sightline/readers/number_table.hpp"
 
 namespace sightline {
 namespace {
@@ -57,7 +57,7 @@ MrclamFiles files_of(const RecordingTexts& texts) {
 /// Passes the rows of a table that begin with a time, all within a day of the first.
 template <class Take>
 void each_timed(const MrclamFiles::Table& of, std::span<const NumberColumn> columns, Take&& take) {
-  NumberTable table(of.file, of.text, ' ');
+  NumberTable table(of.file, of.text);
   std::optional<double> first;
   while (table.next()) {
     const std::vector<double> row = table.numbers(columns);
@@ -133,7 +133,7 @@ TeamRecording parse_mrclam(const RecordingTexts& texts, const std::string& place
     const std::array columns = {NumberColumn{"subject", "", any_subject}, NumberColumn{"x", "m", any_place},
                                 NumberColumn{"y", "m", any_place}, NumberColumn{"x std-dev", "m", from_zero},
                                 NumberColumn{"y std-dev", "m", from_zero}};
-    NumberTable table(files.landmarks->file, files.landmarks->text, ' ');
+    NumberTable table(files.landmarks->file, files.landmarks->text);
     while (table.next()) {
       const std::vector<double> row = table.numbers(columns);
       const int subject = static_cast<int>(row[0]);
@@ -147,7 +147,7 @@ TeamRecording parse_mrclam(const RecordingTexts& texts, const std::string& place
   }
   const std::array columns = {NumberColumn{"subject", "", any_subject},
                               NumberColumn{"barcode", "", any_subject}};
-  NumberTable table(files.barcodes->file, files.barcodes->text, ' ');
+  NumberTable table(files.barcodes->file, files.barcodes->text);
   while (table.next()) {
     const std::vector<double> row = table.numbers(columns);
     if (!subject_of_code.try_emplace(static_cast<int>(row[1]), static_cast<int>(row[0])).second)

@@ -7,8 +7,8 @@
 #include <regex>
 #include <stdexcept>
 
-#include "sightline/analysis/localization/number_table.hpp"
 #include "sightline/analysis/localization/team_recording.hpp"
+#include "sightline/readers/number_table.hpp"
 
 namespace sightline {
 namespace {
@@ -105,7 +105,7 @@ TeamRecording parse_murp(const RecordingTexts& texts, const std::string& place) 
   std::vector<double> heights(recording.robots.size());
   std::vector<std::size_t> rows(recording.robots.size());
   for (const auto& [agents, file] : files) {
-    NumberTable table(file, texts.at(file), ',');
+    NumberTable table(file, texts.at(file));
     const Header header(table, file);
     const std::size_t t = header["t"];
     const std::array columns = {AgentColumns(header, "A_"), AgentColumns(header, "B_")};

@@ -7,7 +7,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "sightline/record/packed_text.hpp"
+#include "sightline/readers/packed_file.hpp"
+#include "sightline/scenario/file_kind.hpp"
 
 namespace sightline {
 namespace {
@@ -77,11 +78,14 @@ TeamRecording read_team_recording(const fs::path& place) {
     mrclam.clear();
   }
   const std::vector<fs::path>& files = mrclam.empty() ? murp : mrclam;
-  if (files.empty())
-    throw std::invalid_argument(
-        fmt::format("{}: no recording of a known kind, {}", place.native(), expected));
+  if (files.empty()) {
+    const FileKind kind = kind_at(place);
+    throw std::invalid_argument(fmt::format(
+        "{}: {}, {}", place.native(),
+        kind.what.empty() ? "no recording of a known kind" : "this is " + kind.shown(), expected));
+  }
   RecordingTexts texts;
-  for (const fs::path& file : files) texts[file.native()] = read_packed_text(file);
+  for (const fs::path& file : files) texts[file.native()] = read_packed_file(file);
   return mrclam.empty() ? parse_murp(texts, place.native()) : parse_mrclam(texts, place.native());
 }
 

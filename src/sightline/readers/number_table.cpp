@@ -1,4 +1,4 @@
-#include "sightline/analysis/localization/number_table.hpp"
+#include "sightline/readers/number_table.hpp"
 
 #include <fmt/format.h>
 
@@ -10,13 +10,13 @@
 namespace sightline {
 namespace {
 
-constexpr std::string_view blanks = " \t\r\v\f";
+constexpr std::string_view blanks = " \t\r\v\f", around = " \t\r\v\f\"", marks = ",;";
 constexpr std::size_t shown_max = 40;
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(blanks);
+  const std::size_t first = text.find_first_not_of(around);
   if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+  return text.substr(first, text.find_last_not_of(around) - first + 1);
 }
 
 /// A field as it is shown in a message: printable, and not too long.
@@ -29,36 +29,58 @@ std::string printable(std::string_view field) {
 
 }  // namespace
 
-bool NumberTable::next() {
+std::optional<double> finite_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  return value;
+}
+
+NumberTable::NumberTable(std::string file, std::string_view text) : file_(std::move(file)), rest_(text) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+}
+
+bool NumberTable::next_or_remark() {
   while (!rest_.empty()) {
     const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    const std::string_view row = trimmed(rest_.substr(0, end));
+    std::string_view row = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
     ++line_;
-    if (row.empty() || row.front() == '#') continue;
+    row.remove_prefix(std::min(row.find_first_not_of(blanks), row.size()));
+    is_remark_ = row.starts_with('#');
+    if (is_remark_) row.remove_prefix(1);
+    const bool spaced = row.find_first_of(marks) == std::string_view::npos;
+    bool empty = true;
     fields_.clear();
     for (std::size_t at = 0; at <= row.size();) {
-      const std::size_t to =
-          std::min(separator_ == ' ' ? row.find_first_of(blanks, at) : row.find(separator_, at), row.size());
+      const std::size_t to = std::min(row.find_first_of(spaced ? blanks : marks, at), row.size());
       const std::string_view field = trimmed(row.substr(at, to - at));
-      if (separator_ != ' ' || !field.empty()) fields_.push_back(field);
+      empty = empty && field.empty();
+      if (!spaced || !field.empty()) fields_.push_back(field);
       at = to + 1;
     }
-    return true;
+    if (!empty) return true;
+  }
+  return false;
+}
+
+bool NumberTable::next() {
+  while (next_or_remark()) {
+    if (!is_remark_) return true;
   }
   return false;
 }
 
 double NumberTable::number(std::size_t field, const NumberColumn& column) const {
   const std::string_view text = fields_[field];
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size())
-    refuse(fmt::format("{} = {}, expected a number", column.name, printable(text)));
-  if (!std::isfinite(value) || !column.bounds.hold(value))
+  const std::optional<double> value = finite_number(text);
+  if (!value) refuse(fmt::format("{} = {}, expected a number", column.name, printable(text)));
+  if (!column.bounds.hold(*value))
     refuse(fmt::format("{} = {}, expected {}", column.name, printable(text),
                        column.bounds.expected(column.unit)));
-  return value;
+  return *value;
 }
 
 std::vector<double> NumberTable::numbers(std::span<const NumberColumn> columns) const {

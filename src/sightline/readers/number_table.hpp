@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sightline/base.hpp"
@@ -17,16 +19,23 @@ struct NumberColumn {
   Bounds bounds = any_finite;
 };
 
-/// Reads the rows of a text one by one; blank lines and those that begin with # are left out.
+/// The finite number that a text is, perhaps with a sign; empty if it is none.
+std::optional<double> finite_number(std::string_view text);
+
+/// Reads the rows of a text one by one. Commas or semicolons separate the fields of a row; in a row
+/// without them, blanks do. Quotes around a field are left out. Blank lines are left out, and so are
+/// remarks, which begin with #.
 class NumberTable {
  public:
-  /// @param separator  ',' or ' ', which stands for any blanks
-  NumberTable(std::string file, std::string_view text, char separator)
-      : file_(std::move(file)), rest_(text), separator_(separator) {}
+  NumberTable(std::string file, std::string_view text);
 
   /// Advances to the next row. @return false at the end
   bool next();
-  /// The fields of the row, without blanks around them.
+  /// The same, but remarks are rows, too, without their #.
+  bool next_or_remark();
+  bool is_remark() const { return is_remark_; }
+  std::size_t line() const { return line_; }  ///< of the row in the text, from 1
+  /// The fields of the row, without blanks and quotes around them.
   std::span<const std::string_view> fields() const { return fields_; }
   /// The number of a field. @throws std::invalid_argument if it is none, or out of its bounds
   double number(std::size_t field, const NumberColumn& column) const;
@@ -38,8 +47,8 @@ class NumberTable {
  private:
   std::string file_;
   std::string_view rest_;
-  char separator_;
   std::size_t line_ = 0;
+  bool is_remark_ = false;
   std::vector<std::string_view> fields_;
 };
 

@@ -1,0 +1,35 @@
+/// Motion and commands of a body as a recording has them, in the frame G.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sightline/base.hpp"
+
+namespace sightline {
+
+struct RecordedSample {
+  double t = 0.0;                                ///< [s], by the recording's clock
+  Vec3<double> p{};                              ///< [m]
+  Vec3<double> v{no_value, no_value, no_value};  ///< [m/s]; NaN: unknown
+  double heading = no_value;                     ///< [rad], without jumps by full turns; NaN: unknown
+};
+
+/// Samples at times that rise.
+using RecordedMotion = std::vector<RecordedSample>;
+
+/// A commanded velocity.
+struct VelocityCommand {
+  double t = 0.0;         ///< [s]
+  Vec3<double> v{};       ///< [m/s]
+  double yaw_rate = 0.0;  ///< [rad/s], counter-clockwise seen from above
+};
+
+/// Appends a sample; one that is not after the last, or has no finite position, is left out. The
+/// heading is unwrapped.
+void append_sample(RecordedMotion& motion, RecordedSample sample);
+
+/// The motion at a time, linear between two samples at most `gap` [s] apart; empty elsewhere.
+std::optional<RecordedSample> sample_at(const RecordedMotion& motion, double t, double gap);
+
+}  // namespace sightline

@@ -1,0 +1,244 @@
+#include "sightline/record/ros_bag.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <system_error>
+
+#include "sightline/log.hpp"
+#include "sightline/record/cdr.hpp"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
+constexpr std::size_t bodies_max = 4096, shown_max = 80;
+constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
+                           odometry_type = "nav_msgs/msg/Odometry", tf_type = "tf2_msgs/msg/TFMessage",
+                           named_type = "motion_capture_tracking_interfaces/msg/NamedPoseArray",
+                           stamped_twist_type = "geometry_msgs/msg/TwistStamped",
+                           twist_type = "geometry_msgs/msg/Twist";
+
+/// A sample of one body; `name` is empty where the topic has one body.
+struct NamedSample {
+  std::string_view name;
+  RecordedSample sample;
+};
+
+class MessageDecoder {
+ public:
+  explicit MessageDecoder(const McapMessage& message)
+      : from_(message.bytes), recorded_(nanosecond * static_cast<double>(message.log_time)) {}
+
+  /// Time of the header [s]; of the recording, where the header has none.
+  double header() {
+    const auto seconds = from_.number<std::int32_t>();
+    const auto nanoseconds = from_.number<std::uint32_t>();
+    from_.string();
+    return seconds == 0 && nanoseconds == 0 ? recorded_ : seconds + nanosecond * nanoseconds;
+  }
+  Vec3<double> vector() {
+    const auto x = from_.number<double>(), y = from_.number<double>();
+    return {x, y, from_.number<double>()};
+  }
+  Rotation attitude() {
+    const Vec3<double> axis = vector();
+    return rotation({from_.number<double>(), axis.x, axis.y, axis.z});
+  }
+  RecordedSample pose(double t) {
+    RecordedSample sample{.t = t, .p = vector()};
+    return with_heading(sample, attitude());
+  }
+  static RecordedSample with_heading(RecordedSample sample, const Rotation& R) {
+    const Vec2<double> d = heading(R);
+    sample.heading = std::atan2(d.y, d.x);
+    return sample;
+  }
+  double recorded() const { return recorded_; }
+  CdrDecoder& from() { return from_; }
+
+ private:
+  CdrDecoder from_;
+  double recorded_;
+};
+
+/// The samples of a message; empty if it is of no such type, or is damaged.
+std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
+  MessageDecoder read(message);
+  std::vector<NamedSample> samples;
+  if (message.schema == pose_type) {
+    samples.push_back({"", read.pose(read.header())});
+  } else if (message.schema == odometry_type) {
+    RecordedSample sample{.t = read.header()};
+    read.from().string();  // frame of the body, which has the velocity
+    sample.p = read.vector();
+    const Rotation R = read.attitude();
+    for (int i = 0; i < 36; ++i) read.from().number<double>();  // covariance
+    sample.v = R.to_G(read.vector());
+    samples.push_back({"", MessageDecoder::with_heading(sample, R)});
+  } else if (message.schema == tf_type) {
+    constexpr std::size_t least = 8 + 5 + 5 + 7 * sizeof(double);  // header, child, transform [bytes]
+    for (std::size_t left = read.from().length(least); left > 0 && read.from().ok(); --left) {
+      const double t = read.header();
+      const std::string_view child = read.from().string();
+      samples.push_back({child, read.pose(t)});
+    }
+  } else if (message.schema == named_type) {
+    const double t = read.header();
+    constexpr std::size_t least = 5 + 7 * sizeof(double);  // name and pose [bytes]
+    for (std::size_t left = read.from().length(least); left > 0 && read.from().ok(); --left) {
+      const std::string_view name = read.from().string();
+      samples.push_back({name, read.pose(t)});
+    }
+  }
+  if (!read.from().ok()) return {};
+  return samples;
+}
+
+std::optional<VelocityCommand> command_in(const McapMessage& message) {
+  MessageDecoder read(message);
+  VelocityCommand command{.t = read.recorded()};
+  if (message.schema == stamped_twist_type) command.t = read.header();
+  command.v = read.vector();
+  command.yaw_rate = read.vector().z;
+  if (!read.from().ok()) return {};
+  return command;
+}
+
+bool is_command(const McapMessage& message) {
+  return message.schema == stamped_twist_type || message.schema == twist_type;
+}
+
+std::string body_name(const McapMessage& message, std::string_view name) {
+  const std::string_view topic = message.topic;
+  return one_line(name.empty() ? std::string(topic) : fmt::format("{}:{}", topic, name));
+}
+
+/// Passes the messages in CDR of all files on.
+template <class Take>
+void each_message(const std::vector<fs::path>& files, Take&& take) {
+  for (const fs::path& file : files) {
+    McapReader reader(file);
+    if (reader.ok()) {
+      std::size_t index = 0;
+      reader.visit([&](const McapMessage& message) {
+        ++index;
+        if (message.encoding == "cdr" && !take(message))
+          throw_invalid("{}: message {} on {} is no sound {}", file.native(), index,
+                        one_line(shortened(message.topic, shown_max)), message.schema);
+      });
+    }
+    if (!reader.ok()) throw_invalid("{}", reader.error());
+  }
+}
+
+[[noreturn]] void refuse_unknown(const std::string& place, std::string_view key, const std::string& name,
+                                 std::vector<std::string> known) {
+  constexpr std::size_t shown = 12;
+  const bool more = known.size() > shown;
+  known.resize(std::min(known.size(), shown));
+  throw_invalid("{}: no {} {}, expected {}{}", place, key, name,
+                known.empty() ? "a bag with some" : fmt::format("one of {}", fmt::join(known, ", ")),
+                more ? ", ..." : "");
+}
+
+/// Sets each velocity to the slope of the positions around it.
+void add_velocities(RecordedMotion& motion) {
+  std::size_t first = 0, end = 0;
+  for (RecordedSample& at : motion) {
+    while (motion[first].t < at.t - slope_reach) ++first;
+    while (end < motion.size() && motion[end].t <= at.t + slope_reach) ++end;
+    const double n = static_cast<double>(end - first);
+    double time = 0.0, spread = 0.0;
+    Vec3<double> middle{}, slope{};
+    for (std::size_t i = first; i < end; ++i)
+      time += (motion[i].t - at.t) / n, middle = middle + (1 / n) * motion[i].p;
+    for (std::size_t i = first; i < end; ++i) {
+      const double off = motion[i].t - at.t - time;
+      spread += off * off;
+      slope = slope + off * (motion[i].p - middle);
+    }
+    if (spread > 0) at.v = (1 / spread) * slope;
+  }
+}
+
+}  // namespace
+
+RosBag::RosBag(const fs::path& place) : place_(place.native()) {
+  std::error_code error;
+  if (!fs::is_directory(place, error)) {
+    files_ = {place};
+    return;
+  }
+  bool sqlite = false;
+  for (fs::directory_iterator one(place, error), none; !error && one != none; one.increment(error)) {
+    if (one->path().extension() == ".mcap") files_.push_back(one->path());
+    sqlite = sqlite || one->path().extension() == ".db3";
+  }
+  if (error) throw_invalid("{}: {}, expected the folder of a rosbag2", place_, error.message());
+  if (files_.empty() && sqlite)
+    throw_invalid(
+        "{}: a rosbag2 in SQLite (.db3), expected MCAP: ros2 bag convert with storage_id: mcap writes it",
+        place_);
+  if (files_.empty()) throw_invalid("{}: no .mcap, expected the folder of a rosbag2", place_);
+  // bag_2.mcap comes before bag_10.mcap.
+  std::sort(files_.begin(), files_.end(), [](const fs::path& a, const fs::path& b) {
+    const std::string &one = a.native(), &other = b.native();
+    return one.size() != other.size() ? one.size() < other.size() : one < other;
+  });
+}
+
+BagTopics RosBag::topics() const {
+  std::set<std::string> bodies, commands;
+  each_message(files_, [&](const McapMessage& message) {
+    if (is_command(message)) {
+      commands.insert(body_name(message, ""));
+      return true;
+    }
+    const auto samples = samples_in(message);
+    if (!samples) return false;
+    for (const NamedSample& one : *samples)
+      if (bodies.size() < bodies_max) bodies.insert(body_name(message, one.name));
+    return true;
+  });
+  return {{bodies.begin(), bodies.end()}, {commands.begin(), commands.end()}};
+}
+
+RecordedMotion RosBag::motion(const std::string& body) const {
+  RecordedMotion motion;
+  each_message(files_, [&](const McapMessage& message) {
+    if (!body.starts_with(message.topic)) return true;
+    const auto samples = samples_in(message);
+    if (!samples) return false;
+    for (const NamedSample& one : *samples)
+      if (body_name(message, one.name) == body) append_sample(motion, one.sample);
+    return true;
+  });
+  if (motion.empty()) refuse_unknown(place_, "body", body, topics().bodies);
+  if (!std::isfinite(motion.front().v.x)) add_velocities(motion);
+  return motion;
+}
+
+std::vector<VelocityCommand> RosBag::commands(const std::string& topic) const {
+  std::vector<VelocityCommand> commands;
+  each_message(files_, [&](const McapMessage& message) {
+    if (message.topic != topic || !is_command(message)) return true;
+    const auto command = command_in(message);
+    if (!command) return false;
+    const bool later = commands.empty() || command->t > commands.back().t;
+    if (later && std::isfinite(command->t + command->v.x + command->v.y + command->v.z + command->yaw_rate))
+      commands.push_back(*command);
+    return true;
+  });
+  if (commands.empty()) refuse_unknown(place_, "commands", topic, topics().commands);
+  return commands;
+}
+
+}  // namespace sightline

@@ -1,0 +1,101 @@
+#include "sightline/record/ros_bag.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/folder.hpp"
+#include "tests/support/mutated_bags.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/ros_bag.hpp"
+
+namespace sightline::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+fs::path bag_file(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+  return file;
+}
+
+TEST(RosBag, EachTypeOfMessageGivesTheSameMotion) {
+  const LaggingFlight flight(6.0);
+  for (const char* compression : {"", "zstd"}) {
+    const RosBag bag(bag_file(fresh_folder() / "a.mcap", bag_of(flight).bytes(compression)));
+    EXPECT_THAT(bag.topics().bodies, ElementsAre("/odom", "/pose", "/poses:cf1", "/tf:tag", "/tf:uav0"));
+    EXPECT_THAT(bag.topics().commands, ElementsAre("/cmd"));
+    for (const char* body : {"/odom", "/pose", "/poses:cf1", "/tf:uav0"}) {
+      const RecordedMotion motion = bag.motion(body);
+      ASSERT_EQ(motion.size(), flight.rows.size() / 5 + 1);
+      for (std::size_t k = 0; k < motion.size(); ++k) {
+        const LaggingFlight::Row& row = flight.rows[5 * k];
+        EXPECT_NEAR(motion[k].t, row.t, 1e-6);
+        EXPECT_LE(norm(motion[k].p - row.p), 1e-12) << body;
+        EXPECT_NEAR(motion[k].heading, row.psi, 1e-9) << "without jumps";
+        // Of poses alone the velocity is a slope over 0.1 s, whose error is that of the acceleration.
+        EXPECT_LE(norm(motion[k].v - row.v), std::string(body) == "/odom" ? 1e-12 : 0.35) << body;
+      }
+    }
+    const std::vector<VelocityCommand> commands = bag.commands("/cmd");
+    EXPECT_EQ(commands.size(), flight.rows.size() / 5 + 1);
+    EXPECT_NEAR(commands[50].yaw_rate, flight.rows[250].u_psi, 1e-12);
+  }
+}
+
+TEST(RosBag, AFolderIsReadWhollyAndInOrder) {
+  const fs::path folder = fresh_folder();
+  LaggingFlight first(2.0), second(4.0);
+  second.rows.erase(second.rows.begin(), second.rows.begin() + 1005);
+  bag_file(folder / "bag_2.mcap", bag_of(first).bytes("zstd"));
+  bag_file(folder / "bag_10.mcap", bag_of(second).bytes("zstd"));
+  bag_file(folder / "metadata.yaml", "rosbag2_bagfile_information:\n");
+  EXPECT_EQ(RosBag(folder).motion("/pose").size(), 401U);
+}
+
+TEST(RosBag, WhatCannotBeReadIsNamed) {
+  const fs::path folder = fresh_folder();
+  const BagWriter writer = bag_of(LaggingFlight(0.1));
+  const auto refused = [&](const std::string& bytes) {
+    const fs::path file = bag_file(folder / "a.mcap", bytes);
+    return refusal_of([&] { (void)RosBag(file).topics(); });
+  };
+  EXPECT_THAT(refused(writer.bytes("lz4")),
+              HasSubstr("a.mcap: byte 35: a chunk compressed by lz4, expected zstd or none"));
+  EXPECT_THAT(refused(writer.bytes("brotli")), HasSubstr("a chunk compressed by an unknown method"));
+  EXPECT_THAT(refused("nothing"), HasSubstr("a.mcap: byte 0: the file does not begin as MCAP logs do"));
+  BagWriter damaged;
+  Cdr pose;
+  pose.stamp(1.0) << 1.0 << 2.0;
+  damaged.add("/pose", "geometry_msgs/msg/PoseStamped", 1.0, pose);
+  EXPECT_THAT(refused(damaged.bytes("")),
+              EndsWith("a.mcap: message 1 on /pose is no sound geometry_msgs/msg/PoseStamped"));
+
+  const RosBag bag(bag_file(folder / "a.mcap", writer.bytes("zstd")));
+  EXPECT_THAT(
+      refusal_of([&] { (void)bag.motion("/tf:uav7"); }),
+      EndsWith("a.mcap: no body /tf:uav7, expected one of /odom, /pose, /poses:cf1, /tf:tag, /tf:uav0"));
+  EXPECT_THAT(refusal_of([&] { (void)bag.commands("/pose"); }),
+              EndsWith("a.mcap: no commands /pose, expected one of /cmd"));
+  const fs::path old = folder / "old";
+  fs::create_directories(old);
+  EXPECT_THAT(refusal_of([&] { RosBag{old}; }), EndsWith("old: no .mcap, expected the folder of a rosbag2"));
+  bag_file(old / "old_0.db3", "SQLite format 3");
+  EXPECT_THAT(
+      refusal_of([&] { RosBag{old}; }),
+      EndsWith(
+          "a rosbag2 in SQLite (.db3), expected MCAP: ros2 bag convert with storage_id: mcap writes it"));
+}
+
+TEST(RosBag, MutatedBagsAreReadOrRefusedInOneSentence) {
+  const int accepted = read_mutated_bags(2'000, 1, fresh_folder() / "a.mcap");
+  EXPECT_GT(accepted, 20);
+  EXPECT_LT(accepted, 1'990);
+}
+
+}  // namespace
+}  // namespace sightline::test

@@ -1,0 +1,122 @@
+/// Writes bags of ROS 2 by the published formats (MCAP, CDR), for the tests of their reader. Shares no
+/// code with it.
+#pragma once
+
+#include <zstd.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "tests/support/lagging_flight.hpp"
+
+namespace sightline::test {
+
+/// One message in CDR: numbers stand at multiples of their own size.
+class Cdr {
+ public:
+  template <class T>
+  Cdr& operator<<(T number) {
+    while ((bytes_.size() - 4) % sizeof(T) != 0) bytes_.push_back('\0');
+    bytes_.append(reinterpret_cast<const char*>(&number), sizeof(T));
+    return *this;
+  }
+  Cdr& operator<<(const char* text) {
+    *this << static_cast<std::uint32_t>(std::strlen(text) + 1);
+    bytes_.append(text, std::strlen(text) + 1);
+    return *this;
+  }
+  Cdr& operator<<(const Vec3<double>& v) { return *this << v.x << v.y << v.z; }
+  Cdr& stamp(double t) {
+    const double seconds = std::floor(t);
+    return *this << static_cast<std::int32_t>(seconds)
+                 << static_cast<std::uint32_t>(std::llround(1e9 * (t - seconds))) << "map";
+  }
+  Cdr& pose(const Vec3<double>& p, double psi) {
+    return *this << p << 0.0 << 0.0 << std::sin(psi / 2) << std::cos(psi / 2);
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_ = std::string("\0\1\0\0", 4);
+};
+
+/// A bag with one chunk.
+class BagWriter {
+ public:
+  void add(const std::string& topic, const std::string& type, double t, const Cdr& message) {
+    auto [known, is_new] = channels_.try_emplace(topic, static_cast<std::uint16_t>(channels_.size() + 1));
+    const std::uint16_t id = known->second;
+    if (is_new) {
+      chunk_ += record(3, packed(id) + text(type) + text("ros2msg") + text("float64 x"));
+      chunk_ += record(4, packed(id, id) + text(topic) + text("cdr") + packed(std::uint32_t{0}));
+    }
+    const auto time = static_cast<std::uint64_t>(std::llround(1e9 * t));
+    chunk_ += record(5, packed(id) + packed(std::uint32_t{0}) + packed(time, time) + message.bytes());
+  }
+
+  /// @param compression  "zstd", or empty; any other is named, but not done
+  std::string bytes(const std::string& compression) const {
+    std::string inside = chunk_;
+    if (compression == "zstd") {
+      inside.resize(ZSTD_compressBound(chunk_.size()));
+      inside.resize(ZSTD_compress(inside.data(), inside.size(), chunk_.data(), chunk_.size(), 3));
+    }
+    const std::uint64_t none = 0, size = chunk_.size(), packed_size = inside.size();
+    return "\x89MCAP0\r\n" + record(1, text("ros2") + text("rosbag")) +
+           record(6, packed(none, none, size) + packed(std::uint32_t{0}) + text(compression) +
+                         packed(packed_size) + inside) +
+           record(15, packed(std::uint32_t{0})) + record(2, packed(none, none) + packed(std::uint32_t{0})) +
+           "\x89MCAP0\r\n";
+  }
+
+ private:
+  static std::string text(const std::string& of) {
+    return packed(static_cast<std::uint32_t>(of.size())) + of;
+  }
+  static std::string record(std::uint8_t kind, const std::string& content) {
+    return packed(kind) + packed(std::uint64_t{content.size()}) + content;
+  }
+
+  std::string chunk_;
+  std::map<std::string, std::uint16_t> channels_;
+};
+
+/// A flight as a motion capture, an odometry and a commander record it.
+inline BagWriter bag_of(const LaggingFlight& flight) {
+  BagWriter bag;
+  for (std::size_t k = 0; k < flight.rows.size(); k += 5) {
+    const LaggingFlight::Row& row = flight.rows[k];
+    const double c = std::cos(row.psi), s = std::sin(row.psi);
+    const auto level = [&](const Vec3<double>& v) {
+      return Vec3<double>{c * v.x + s * v.y, c * v.y - s * v.x, v.z};
+    };
+    const Vec3<double> zero{};
+    Cdr pose, odometry, tf, named, command;
+    pose.stamp(row.t).pose(row.p, row.psi);
+    odometry.stamp(row.t) << "body";
+    odometry.pose(row.p, row.psi);
+    for (int i = 0; i < 36; ++i) odometry << 0.5;
+    odometry << level(row.v) << Vec3<double>{0, 0, row.r};
+    for (int i = 0; i < 36; ++i) odometry << 0.25;
+    tf << std::uint32_t{2};
+    tf.stamp(row.t) << "tag";
+    tf.pose(zero, 0);
+    tf.stamp(row.t) << "uav0";
+    tf.pose(row.p, row.psi);
+    named.stamp(row.t) << std::uint32_t{1} << "cf1";
+    named.pose(row.p, row.psi);
+    command.stamp(row.t) << level(row.u) << Vec3<double>{0, 0, row.u_psi};
+    bag.add("/pose", "geometry_msgs/msg/PoseStamped", row.t, pose);
+    bag.add("/odom", "nav_msgs/msg/Odometry", row.t, odometry);
+    bag.add("/tf", "tf2_msgs/msg/TFMessage", row.t, tf);
+    bag.add("/poses", "motion_capture_tracking_interfaces/msg/NamedPoseArray", row.t, named);
+    bag.add("/cmd", "geometry_msgs/msg/TwistStamped", row.t, command);
+  }
+  return bag;
+}
+
+}  // namespace sightline::test
