@@ -93,13 +93,11 @@ struct YamlKind {
 constexpr std::array yaml_kinds = {
     YamlKind{{"robot_types", "firmware_params", "initial_position"},
              {"a crazyflies.yaml of Crazyswarm2",
-              "a scenario file (TOML), in which each robot is an [agent.NAME] with its initial_position as "
-              "start.p and link = { kind = \"crazyswarm2\" }",
+              "a scenario file (TOML); sightline import makes a fleet file of it",
               true}},
     YamlKind{{"camera_matrix", "distortion_coeffs", "distortion_coefficients"},
              {"the calibration of a camera (YAML)",
-              "a scenario file (TOML), whose [agent.NAME.camera] has the width, the height and the "
-              "field_of_view",
+              "a scenario file (TOML); sightline import makes [agent.NAME.camera] of it",
               true}},
     YamlKind{{"standalone_tags", "tag_bundles", "tag_family"},
              {"the tags of apriltag_ros (YAML)",

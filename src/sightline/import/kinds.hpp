@@ -1,0 +1,28 @@
+/// The kinds of files that import.hpp makes something of, and TOML of values.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "sightline/import/import.hpp"
+#include "sightline/import/yaml_value.hpp"
+
+namespace sightline {
+
+// Each takes a document, and the name of its file.
+// @throws ScenarioError for a value that has no meaning for us
+
+/// @param server  parameters of the server's node; null: not given
+Imported import_crazyflies(const YamlValue& robots, const std::string& file, const YamlValue* server);
+Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options);
+Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options);
+
+/// "crazyflies.yaml" of a path, for comments.
+std::string file_name(const std::string& file);
+/// A number that reads back as the same number, with a point.
+std::string toml_number(double value);
+/// "[0.1, 0.2]"
+std::string toml_numbers(std::span<const double> values);
+
+}  // namespace sightline
