@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <numbers>
 
@@ -255,6 +256,87 @@ TEST(ImportCamera, RefusesWithPlaceKeyValueAndWhatWasExpected) {
   EXPECT_THAT(refusal(ros_camera, {.agent = "a]b"}), HasSubstr("--agent"));
 }
 
+const std::string node_tags = R"(apriltag:
+  ros__parameters:
+    family: 36h11
+    size: 0.173
+    tag:
+      ids: [9, 14]
+      frames: [cart_left, "cart:right"]
+      sizes: [0.162, 0.162]
+)";
+const std::string slam_tags = R"(bodies:
+  - rig:
+      is_static: false
+      default_tag_size: 0.1
+      tags:
+        - id: 3
+        - id: 4
+          pose: { position: { x: 0.1, y: 0, z: 0 } }
+  - wall:
+      is_static: true
+)";
+
+/// The scenario of tags, with the bodies that their tables lack.
+Scenario tagged(const Imported& made) {
+  std::string text = "[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n" + made.text;
+  int x = 2;
+  for (std::size_t at = text.find("[target."); at != std::string::npos; at = text.find("[target.", at + 1)) {
+    const std::string name = text.substr(at + 8, text.find(".tags]", at) - at - 8);
+    const std::string body = fmt::format("[target.{}]\np = [{}, 0, 1]\n", name, x++);
+    text.insert(at, body);
+    at += body.size();
+  }
+  return scenario_of(text);
+}
+
+TEST(ImportTags, EachTagIsATargetOrAFaceOfOneRobot) {
+  const Scenario targets = tagged(imported(node_tags));
+  ASSERT_EQ(targets.vision.tags.size(), 2U);
+  EXPECT_EQ(targets.team.name(targets.vision.tags[1].body), "cart_right");
+  EXPECT_EQ(targets.vision.tags[1].tags.size, 0.162);
+  EXPECT_EQ(targets.vision.tags[1].tags.faces, 1);
+  EXPECT_EQ(targets.vision.tags[1].tags.distance, 0.0);
+  EXPECT_THAT(targets.vision.tag_frames[1], ElementsAre("cart:right"));
+  const Scenario robot = tagged(imported(node_tags, {.agent = "uav0"}));
+  ASSERT_EQ(robot.vision.tags.size(), 1U);
+  EXPECT_EQ(robot.vision.tags[0].tags.faces, 2);
+  EXPECT_THAT(robot.vision.tag_frames[0], ElementsAre("cart_left", "cart:right"));
+  // Without frames and sizes, those of the node.
+  const Scenario plain =
+      tagged(imported(with(with(node_tags, "      frames: [cart_left, \"cart:right\"]\n", ""),
+                           "      sizes: [0.162, 0.162]\n", "")));
+  EXPECT_THAT(plain.vision.tag_frames[1], ElementsAre("tag36h11:14"));
+  EXPECT_EQ(plain.vision.tags[1].tags.size, 0.173);
+  const Scenario first =
+      tagged(imported("standalone_tags:\n  [ {id: 1, size: 0.1, name: cart}, {id: 2, size: 0.2} ]\n"));
+  EXPECT_EQ(first.vision.tags[1].tags.size, 0.2);
+  EXPECT_EQ(first.team.name(first.vision.tags[0].body), "cart");
+}
+
+TEST(ImportTags, ABodyOfTagSlamHasItsTagsAsFaces) {
+  const Imported made = imported(slam_tags);
+  const Scenario read = tagged(made);
+  ASSERT_EQ(read.vision.tags.size(), 1U);
+  EXPECT_EQ(read.team.name(read.vision.tags[0].body), "rig");
+  EXPECT_EQ(read.vision.tags[0].tags.size, 0.1);
+  EXPECT_THAT(read.vision.tag_frames[0], ElementsAre("tag36h11:3", "tag36h11:4"));
+  EXPECT_THAT(made.notes, ElementsAre(HasSubstr("bodies[0].rig.tags[1].pose has no counterpart"),
+                                      "wall has no tags, left out"));
+}
+
+TEST(ImportTags, RefusesWithPlaceKeyValueAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(node_tags, "36h11", "25h9")),
+              StartsWith("lab/a.yaml:3: apriltag.ros__parameters.family = 25h9, expected tag36h11"));
+  EXPECT_THAT(refusal(with(node_tags, "[0.162, 0.162]", "[0.162]")), HasSubstr("one for each of the 2 ids"));
+  EXPECT_THAT(refusal(with(node_tags, "[9, 14]", "[9, 1400]")), HasSubstr("an integer from 0 to 586"));
+  EXPECT_THAT(refusal(with(node_tags, "\"cart:right\"", "cart_left")), HasSubstr("cart_left"));
+  EXPECT_THAT(refusal(with(node_tags, "[0.162, 0.162]", "[0.162, 0.1]"), {.agent = "uav0"}),
+              HasSubstr("tags of one size"));
+  EXPECT_THAT(refusal(with(slam_tags, "      default_tag_size: 0.1\n", "")),
+              HasSubstr("bodies[0].rig.tags[0].size is missing"));
+}
+
 TEST(Import, AFileOfAnotherKindIsNamed) {
   EXPECT_THAT(refusal("[agent.a]\n"), StartsWith("lab/a.yaml:1: "));
   EXPECT_THAT(refusal("<sdf version=\"1.9\"/>\n"),
@@ -322,8 +404,8 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
   Random random(11);
   int accepted = 0;
   for (int k = 0; k < 2000; ++k) {
-    const bool fleet = k % 2 == 0;
-    const std::string text = mutated(fleet ? swarm : k % 4 == 1 ? ros_camera : chain, random);
+    const std::array all = {swarm, ros_camera, chain, node_tags, swarm, slam_tags};
+    const std::string text = mutated(all[static_cast<std::size_t>(k) % all.size()], random);
     Imported made;
     try {
       made = imported(text);
@@ -335,6 +417,8 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
     ++accepted;
     if (made.text.find("[fleet]") != std::string::npos) {
       ASSERT_NO_THROW(scenario_of(made.text)) << text << made.text;
+    } else if (made.text.find(".tags]") != std::string::npos) {
+      ASSERT_NO_THROW(tagged(made)) << text << made.text;
     } else {
       ASSERT_NO_THROW(camera_of(made)) << text << made.text;
     }

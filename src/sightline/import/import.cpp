@@ -12,7 +12,9 @@ namespace sightline {
 namespace {
 
 constexpr std::string_view known_kinds =
-    "a crazyflies.yaml of Crazyswarm2, or the calibration of a camera by ROS or kalibr";
+    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS or kalibr, or the tags of "
+    "apriltag_ros or "
+    "TagSLAM";
 
 bool is_camchain(const YamlValue& document) {
   const auto all = document.entries("a mapping");
@@ -21,14 +23,27 @@ bool is_camchain(const YamlValue& document) {
   });
 }
 
-/// The parameters of a node of ROS 2, as server.yaml has them; none in another file.
+/// Whether a robot gets what the file says, by the name in the options.
+void check_agent(const ImportOptions& options, const std::string& file) {
+  if (!options.agent.empty() && !is_robot_name(options.agent))
+    throw ScenarioError(file, 0,
+                        fmt::format("--agent = {}, expected letters, digits, _ and -", options.agent));
+}
+
+}  // namespace
+
 std::optional<YamlValue> node_parameters(const YamlValue& document) {
   for (const auto& [node, value] : document.entries("a mapping"))
     if (const auto parameters = value.find("ros__parameters")) return parameters;
   return std::nullopt;
 }
 
-}  // namespace
+bool is_robot_name(std::string_view name) {
+  return !name.empty() && name.size() <= name_size_max &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '-');
+         });
+}
 
 Imported import_texts(std::span<const ImportFile> files, const ImportOptions& options) {
   if (files.empty()) throw ScenarioError("import", 0, "no file, expected one");
@@ -42,6 +57,7 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
   const bool is_yaml = first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf") != std::string::npos &&
                        first.text[first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf")] != '<';
   if (!is_yaml) throw no_kind();
+  check_agent(options, first.name);
   const YamlValue document(first.text, first.name);
   const bool is_fleet = document.find("robots").has_value();
   const std::size_t most = is_fleet ? 2 : 1;
@@ -60,6 +76,10 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
   }
   if (document.find("camera_matrix")) return import_camera_info(document, first.name, options);
   if (is_camchain(document)) return import_camchain(document, first.name, options);
+  const std::optional<YamlValue> node = node_parameters(document);
+  const bool has_tags =
+      document.find("standalone_tags") || document.find("bodies") || (node && node->find("tag"));
+  if (has_tags) return import_tags(document, first.name, options);
   throw no_kind();
 }
 

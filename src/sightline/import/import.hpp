@@ -2,6 +2,7 @@
 ///
 ///     crazyflies.yaml, server.yaml   Crazyswarm2            a fleet file
 ///     camera_info, camchain (YAML)   ROS 2, kalibr          [agent.NAME.camera]
+///     tags.yaml                      apriltag_ros, TagSLAM  [target.NAME.tags]
 #pragma once
 
 #include <filesystem>
@@ -13,8 +14,9 @@
 namespace sightline {
 
 struct ImportOptions {
-  std::string agent = "uav0";  ///< robot that gets a camera
-  std::string camera{};        ///< of a camchain, "cam1"; empty: its first
+  std::string
+      agent{};  ///< robot that gets a camera, by default uav0, or all the tags; empty: each tag a target
+  std::string camera{};  ///< of a camchain, "cam1"; empty: its first
 };
 
 /// The result: a file, or tables of one.

@@ -19,20 +19,14 @@ constexpr std::int64_t side_min = 16, side_max = 4096;
 
 /// The tables of a camera, which our reader accepts.
 Imported camera_tables(const Camera& camera, const std::string& file, const ImportOptions& options) {
-  const bool fit = !options.agent.empty() && options.agent.size() <= name_size_max &&
-                   std::all_of(options.agent.begin(), options.agent.end(), [](unsigned char c) {
-                     return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '-');
-                   });
-  if (!fit)
-    throw ScenarioError(file, 0,
-                        fmt::format("--agent = {}, expected letters, digits, _ and -", options.agent));
+  const std::string robot = options.agent.empty() ? "uav0" : options.agent;
   Imported made;
-  made.what = fmt::format("the camera of {}", options.agent);
+  made.what = fmt::format("the camera of {}", robot);
   made.text = fmt::format(
       "# Of {}, by `sightline import`: beside the [agent.{}.sensor] that says where the camera is mounted.\n"
       "[agent.{}.camera]\nwidth = {}\nheight = {}\nfocal_length = {}\nprincipal_point = {}\n",
-      file_name(file), options.agent, options.agent, camera.width, camera.height,
-      toml_numbers(camera.focal_length), toml_numbers(camera.principal_point));
+      file_name(file), robot, robot, camera.width, camera.height, toml_numbers(camera.focal_length),
+      toml_numbers(camera.principal_point));
   if (camera.distortion != Distortion::none)
     made.text += fmt::format("distortion = \"{}\"\ncoefficients = {}\n",
                              distortions[static_cast<std::size_t>(camera.distortion)],
@@ -139,7 +133,7 @@ Imported import_camchain(const YamlValue& chain, const std::string& file, const 
   for (const std::string_view key : {"T_cam_imu", "timeshift_cam_imu"})
     if (camera.find(key))
       made.notes.push_back(
-          fmt::format("{} has no counterpart here: [agent.{}.sensor] has the mounting", key, options.agent));
+          fmt::format("{} has no counterpart here: [agent.NAME.sensor] has the mounting", key));
   for (const auto& [name, unused] : all)
     if (name != chosen->first)
       made.notes.push_back(fmt::format("{} is left out, --camera chooses it", one_line(name)));

@@ -1,6 +1,7 @@
 /// The kinds of files that import.hpp makes something of, and TOML of values.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +18,14 @@ namespace sightline {
 Imported import_crazyflies(const YamlValue& robots, const std::string& file, const YamlValue* server);
 Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options);
 Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options);
+
+/// @param document  parameters of apriltag_ros, a list standalone_tags, or bodies of TagSLAM
+Imported import_tags(const YamlValue& document, const std::string& file, const ImportOptions& options);
+
+/// The parameters of a node of ROS 2, ros__parameters; none in another file.
+std::optional<YamlValue> node_parameters(const YamlValue& document);
+/// Whether a robot may have this name.
+bool is_robot_name(std::string_view name);
 
 /// "crazyflies.yaml" of a path, for comments.
 std::string file_name(const std::string& file);

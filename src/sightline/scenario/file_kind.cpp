@@ -93,15 +93,13 @@ struct YamlKind {
 constexpr std::array yaml_kinds = {
     YamlKind{{"robot_types", "firmware_params", "initial_position"},
              {"a crazyflies.yaml of Crazyswarm2",
-              "a scenario file (TOML); sightline import makes a fleet file of it",
-              true}},
+              "a scenario file (TOML); sightline import makes a fleet file of it", true}},
     YamlKind{{"camera_matrix", "distortion_coeffs", "distortion_coefficients"},
              {"the calibration of a camera (YAML)",
-              "a scenario file (TOML); sightline import makes [agent.NAME.camera] of it",
-              true}},
+              "a scenario file (TOML); sightline import makes [agent.NAME.camera] of it", true}},
     YamlKind{{"standalone_tags", "tag_bundles", "tag_family"},
              {"the tags of apriltag_ros (YAML)",
-              "a scenario file (TOML), whose [agent.NAME.tags] say which tags a body has", true}},
+              "a scenario file (TOML); sightline import makes [target.NAME.tags] of it", true}},
     YamlKind{{"rosbag2_bagfile_information", "relative_file_paths", "storage_identifier"},
              {"the metadata of a rosbag2 (YAML)", no_log, true}},
 };
