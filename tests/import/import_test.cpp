@@ -11,6 +11,7 @@
 #include "bridges/dds/fleet/link.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/sensors.hpp"
+#include "sightline/vehicle.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
@@ -337,10 +338,94 @@ TEST(ImportTags, RefusesWithPlaceKeyValueAndWhatWasExpected) {
               HasSubstr("bodies[0].rig.tags[0].size is missing"));
 }
 
+std::string sdf_rotor(int number, double x, double y) {
+  return fmt::format(
+      "<link name='rotor_{0}'><pose>{1} {2} 0.06 0 0 "
+      "0</pose><inertial><mass>0.016</mass><inertia><ixx>4e-7</ixx>"
+      "<iyy>2e-5</iyy><izz>2e-5</izz></inertia></inertial></link>\n"
+      "<joint name='joint_{0}' type='revolute'><parent>base</parent><child>rotor_{0}</child></joint>\n",
+      number, x, y);
+}
+std::string sdf_motor(int number, std::string_view turns) {
+  return fmt::format(
+      "<plugin filename='motor' "
+      "name='m{0}'><jointName>joint_{0}</jointName><turningDirection>{1}</turningDirection>"
+      "<timeConstantUp>0.0125</timeConstantUp><timeConstantDown>0.025</timeConstantDown>"
+      "<maxRotVelocity>1000.0</maxRotVelocity><motorConstant>8.5e-06</motorConstant>"
+      "<momentConstant>0.016</momentConstant><rotorDragCoefficient>8e-05</rotorDragCoefficient></plugin>\n",
+      number, turns);
+}
+/// Its base link is turned by a right angle about z, so that its first two moments change places.
+const std::string sdf_body =
+    "<?xml version='1.0'?>\n<sdf version='1.9'><model name='quad'>\n<link name='base'><inertial>"
+    "<pose>0 0 0.01 0 0 1.5707963267948966</pose><mass>2.0</mass><inertia><ixx>0.02</ixx><iyy>0.03</iyy>"
+    "<izz>0.04</izz></inertia></inertial></link>\n" +
+    sdf_rotor(0, 0.17, -0.17) + sdf_rotor(1, -0.17, 0.17) + sdf_rotor(2, 0.17, 0.17) +
+    sdf_rotor(3, -0.17, -0.17);
+const std::string sdf_motors =
+    sdf_motor(0, "ccw") + sdf_motor(1, "ccw") + sdf_motor(2, "cw") + sdf_motor(3, "cw");
+const std::string quad = sdf_body + sdf_motors + "</model></sdf>\n";
+
+Vehicle vehicle_of(const Imported& made) {
+  const Scenario read = scenario_of(
+      "[world]\nkind = \"rotors\"\n[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = "
+      "[0, 0, 1] }\n" +
+      made.text);
+  return read.vehicles.at(0).vehicle;
+}
+
+TEST(ImportSdf, TheLinksAreOneBodyAndTheMotorsItsRotors) {
+  const Imported made = imported(quad);
+  const Vehicle v = vehicle_of(made);
+  EXPECT_NEAR(v.mass, 2.064, 1e-12);
+  // By the parallel axes, about the common centre.
+  const double z = (2.0 * 0.01 + 4 * 0.016 * 0.06) / 2.064, of_rotors = 4 * 0.016;
+  const double up = 2.0 * (0.01 - z) * (0.01 - z) + of_rotors * (0.06 - z) * (0.06 - z),
+               level = of_rotors * 0.17 * 0.17;
+  EXPECT_NEAR(v.inertia.x, 0.03 + 4 * 4e-7 + level + up, 1e-9);
+  EXPECT_NEAR(v.inertia.y, 0.02 + 4 * 2e-5 + level + up, 1e-9);
+  EXPECT_NEAR(v.inertia.z, 0.04 + 4 * 2e-5 + 2 * level, 1e-9);
+  EXPECT_THAT(v.rotor_x, testing::Pointwise(testing::DoubleNear(1e-12), {0.17, -0.17, 0.17, -0.17}));
+  EXPECT_THAT(v.rotor_y, testing::Pointwise(testing::DoubleNear(1e-12), {-0.17, 0.17, 0.17, -0.17}));
+  EXPECT_THAT(v.spin, ElementsAre(1, 1, -1, -1));
+  EXPECT_EQ(v.k_f, 8.5e-6);
+  EXPECT_EQ(v.k_m, 0.016);
+  EXPECT_EQ(v.speed_max, 1000.0);
+  EXPECT_EQ(v.tau_up, 0.0125);
+  EXPECT_EQ(v.tau_down, 0.025);
+  EXPECT_EQ(v.rotor_drag, 8e-5);
+  EXPECT_THAT(made.notes, ElementsAre(HasSubstr("stay those of the x500")));
+}
+
+TEST(ImportSdf, MotorsMayBeInAnotherFileThanTheLinks) {
+  const std::vector<ImportFile> two = {
+      {"x/model.sdf", "<sdf version='1.9'><model name='x'>" + sdf_motors + "</model></sdf>"},
+      {"base/model.sdf", sdf_body + "</model></sdf>"}};
+  const std::string text = import_texts(two).text, whole = imported(quad).text;
+  EXPECT_EQ(text.substr(text.find('\n')), whole.substr(whole.find('\n')));
+  EXPECT_THAT(refusal(two[0].text), HasSubstr("expected"));
+}
+
+TEST(ImportSdf, RefusesWithPlaceElementTextAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(quad, "<mass>2.0</mass>", "<mass>-2.0</mass>")),
+              StartsWith("lab/a.yaml:3: <mass> = -2.0, expected > 0 kg"));
+  EXPECT_THAT(refusal(with(quad, "turningDirection>ccw", "turningDirection>up")),
+              HasSubstr("<turningDirection> = up, expected cw or ccw"));
+  EXPECT_THAT(refusal(with(quad, "joint_0<", "joint_9<")),
+              HasSubstr("<plugin> = joint_9, expected a link of these files"));
+  EXPECT_THAT(refusal(with(quad, "<mass>2.0</mass>", "<mass>200.0</mass>")), HasSubstr("thrust to weight"));
+  EXPECT_THAT(refusal(with(quad, "8.5e-06", "9.5e-06")), HasSubstr("the constants of the first motor"));
+  EXPECT_THAT(refusal(with(quad, "0.06 0 0 0<", "0.06 0 0.5 0<")), HasSubstr("thrusts along z"));
+  EXPECT_THAT(refusal("<robot name='a'/>"), HasSubstr("<robot> = URDF, expected SDF with motors"));
+  EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("reads MJCF as it is"));
+  EXPECT_THAT(refusal("<sdf><model>"), HasSubstr("cannot be read as XML"));
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<model>";
+  EXPECT_THAT(refusal("<sdf>" + deep), HasSubstr("cannot be read as XML"));
+}
+
 TEST(Import, AFileOfAnotherKindIsNamed) {
   EXPECT_THAT(refusal("[agent.a]\n"), StartsWith("lab/a.yaml:1: "));
-  EXPECT_THAT(refusal("<sdf version=\"1.9\"/>\n"),
-              HasSubstr("this is XML, expected a crazyflies.yaml of Crazyswarm2"));
   EXPECT_THAT(refusal("world: lab\n"), HasSubstr("this is YAML, expected"));
   EXPECT_THAT(refusal(""), HasSubstr("expected"));
   const std::vector<ImportFile> three = {{"a", swarm}, {"b", server}, {"c", server}};
@@ -404,7 +489,7 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
   Random random(11);
   int accepted = 0;
   for (int k = 0; k < 2000; ++k) {
-    const std::array all = {swarm, ros_camera, chain, node_tags, swarm, slam_tags};
+    const std::array all = {swarm, ros_camera, chain, node_tags, quad, slam_tags};
     const std::string text = mutated(all[static_cast<std::size_t>(k) % all.size()], random);
     Imported made;
     try {
@@ -417,6 +502,8 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
     ++accepted;
     if (made.text.find("[fleet]") != std::string::npos) {
       ASSERT_NO_THROW(scenario_of(made.text)) << text << made.text;
+    } else if (made.text.find(".vehicle]") != std::string::npos) {
+      ASSERT_NO_THROW(vehicle_of(made)) << text << made.text;
     } else if (made.text.find(".tags]") != std::string::npos) {
       ASSERT_NO_THROW(tagged(made)) << text << made.text;
     } else {

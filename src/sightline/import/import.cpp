@@ -12,9 +12,8 @@ namespace sightline {
 namespace {
 
 constexpr std::string_view known_kinds =
-    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS or kalibr, or the tags of "
-    "apriltag_ros or "
-    "TagSLAM";
+    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS or kalibr, the tags of "
+    "apriltag_ros or TagSLAM, or the SDF of a multirotor";
 
 bool is_camchain(const YamlValue& document) {
   const auto all = document.entries("a mapping");
@@ -54,10 +53,10 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
                          kind.what.empty() ? fmt::format("expected {}", known_kinds)
                                            : fmt::format("this is {}, expected {}", kind.what, known_kinds));
   };
-  const bool is_yaml = first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf") != std::string::npos &&
-                       first.text[first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf")] != '<';
-  if (!is_yaml) throw no_kind();
+  const std::size_t begin = first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (begin == std::string::npos) throw no_kind();
   check_agent(options, first.name);
+  if (first.text[begin] == '<') return import_sdf(files, options);
   const YamlValue document(first.text, first.name);
   const bool is_fleet = document.find("robots").has_value();
   const std::size_t most = is_fleet ? 2 : 1;

@@ -3,6 +3,7 @@
 ///     crazyflies.yaml, server.yaml   Crazyswarm2            a fleet file
 ///     camera_info, camchain (YAML)   ROS 2, kalibr          [agent.NAME.camera]
 ///     tags.yaml                      apriltag_ros, TagSLAM  [target.NAME.tags]
+///     model.sdf                      Gazebo                 [agent.NAME.vehicle]
 #pragma once
 
 #include <filesystem>
@@ -15,7 +16,7 @@ namespace sightline {
 
 struct ImportOptions {
   std::string
-      agent{};  ///< robot that gets a camera, by default uav0, or all the tags; empty: each tag a target
+      agent{};  ///< robot that gets a camera or a vehicle, by default uav0, or all the tags; empty: each tag a target
   std::string camera{};  ///< of a camchain, "cam1"; empty: its first
 };
 

@@ -132,7 +132,11 @@ FileKind text_kind(std::string_view head) {
   const std::string_view first = trimmed_left(lines.front());
   if (first.starts_with('{')) return {"JSON", scenario_file, true};
   if (first.starts_with('<'))
-    return {"XML", "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"", true};
+    return {"XML",
+            "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline "
+            "import makes "
+            "[agent.NAME.vehicle] of SDF",
+            true};
   if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario_file, true};
   // In TOML, a line in [ ] is a header, not a row of a table.
   if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&
