@@ -59,7 +59,7 @@ YAML::Node parsed(const std::string& text, const std::string& file) {
   } catch (const YAML::Exception& error) {
     throw ScenarioError(file, line_of(error.mark), fmt::format("cannot be read as YAML ({})", error.msg));
   }
-  throw ScenarioError(file, 1, "expected one YAML document");
+  throw ScenarioError(file, 1, "this is not one YAML document, expected a file of another program");
 }
 
 }  // namespace
