@@ -1,4 +1,4 @@
-# What find_package(sightline COMPONENTS core sightline cli mujoco dds) and pkg-config need; pages; and the package of `cpack -G DEB`.
+# What find_package(sightline COMPONENTS core sightline cli mujoco dds) and pkg-config need; pages; scenarios. debian/ makes packages of it.
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/sightline)
 
@@ -96,23 +96,6 @@ if(TARGET sightline_command_line AND GZIP)
 endif()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/sightline RENAME copyright)
 install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/sightline)
-
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_NAME sightline)
-set(CPACK_PACKAGE_VENDOR "The sightline authors")
-set(CPACK_PACKAGE_CONTACT "The sightline authors <sightline@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
-if(TARGET sightline_python)
-  # It imports numpy; the rest of the package does without.
-  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS python3-numpy)
+if(TARGET sightline_cli)
+  install(DIRECTORY scenarios fleets DESTINATION ${CMAKE_INSTALL_DATADIR}/sightline)
 endif()
-# Who links the libraries needs what they are linked with.
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "cmake, cyclonedds-dev, g++, libapriltag-dev, libegl-dev, libfmt-dev, libmujoco-dev, libsqlite3-dev, libssl-dev, libtinyxml2-dev, libtomlplusplus-dev, libyaml-cpp-dev, libzstd-dev, pkg-config, zlib1g-dev")
-include(CPack)

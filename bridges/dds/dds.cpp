@@ -46,3 +46,5 @@ void add_dds(Registry& registry) {
 }
 
 }  // namespace sightline
+
+extern "C" void sightline_add_dds(sightline::Registry& registry) { sightline::add_dds(registry); }

@@ -84,6 +84,7 @@ class DdsWorld final : public LinkedWorld {
     std::unique_ptr<GoalSubscriber> goals{};
     LinkState reported = LinkState::waiting;
     bool estimated = false, knows = false, knew = false;  // localized by vision; pose known now; known once
+    LinkOrigin frame{};                                   // estimated pose of its odometry frame, in G
     Role role = Role::flies;
     double rises_at = std::numeric_limits<double>::infinity();  // in the task, ahead of its event [s]
     double risen_since = 0.0, fit_at = 0.0;                     // monotonic clock [s]
@@ -131,6 +132,7 @@ class DdsWorld final : public LinkedWorld {
   Scenario scenario_;
   const Team& team_;  // of scenario_
   std::vector<double> start_, measured_, stamps_;
+  std::vector<Quaternion> attitudes_;
   std::int64_t period_;  // [ns]
   LinkTimes times_;
   std::string node_;

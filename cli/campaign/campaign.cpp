@@ -17,6 +17,7 @@
 #include "sightline/analysis.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
+#include "sightline/campaign/certify.hpp"
 #include "sightline/campaign/evasion_page.hpp"
 #include "sightline/campaign/merge.hpp"
 #include "sightline/campaign/page.hpp"
@@ -31,6 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int runs_max = 1'000'000'000;
+constexpr int rare_runs_min = 200;
 
 /// The checked input of the command.
 struct Input {
@@ -331,6 +333,15 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
       evasions.push_back(
           evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
     if (input.plan.evasion) print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
+    std::string bounds;
+    if (command.certify) {
+      const Certificate certificate =
+          certify(input.scenarios.front(), input.plan, tables.front(), input.options, *command.certify);
+      print("\n");
+      print_lines(certificate_lines(certificate));
+      write_text(input.folder / "certificate.json", certificate_json(certificate));
+      bounds = certificate_html(certificate);
+    }
     write_text(input.folder / "campaign.json", campaign_json(tables, machines_of({input.folder})));
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const std::vector<CampaignTable> shown = i == 0 ? tables : std::vector<CampaignTable>{tables[i]};
@@ -339,7 +350,8 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
       try {
         write_text(input.folder_of(i) / "campaign.html",
                    campaign_html(shown, input.plan, again(command, input), input.folder,
-                                 input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : ""));
+                                 (i == 0 ? bounds : "") +
+                                     (input.plan.evasion ? evasion_html(*input.plan.evasion, of_page) : "")));
       } catch (const std::runtime_error& error) {  // e.g. on a full disk: the table holds all flown runs
         print_sentence(sentence_of(error));
         lost = true;
@@ -352,7 +364,7 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
     print_message("{}\n", error.what());
     return 2;
   }
-  for (const char* file : {"campaign.html", "campaign.json", "campaign.sqlite"})
+  for (const char* file : {"campaign.html", "campaign.json", "campaign.sqlite", "certificate.json"})
     if (std::error_code error; fs::exists(input.folder / file, error))
       print("{}\n", (input.folder / file).native());
   if (counts[0] == input.runs()) return lost ? 1 : 0;
@@ -393,6 +405,10 @@ Execute describe_campaign(CLI::App& app) {
   CLI::Option* slurm = app.add_flag("--slurm", command->slurm.submit,
                                     "Fly the shards as a job array of Slurm, wait, and merge them")
                            ->excludes(shard, resume, "--only", "--threads", "--merge");
+  app.add_flag("--certify{2000}", command->certify,
+               "Bound the probabilities of lost views and broken distances, with so many more runs of each")
+      ->check(CLI::Range(rare_runs_min, runs_max))
+      ->excludes(shard, slurm, "--only", "--merge");
   app.add_flag("--dry-run", command->slurm.dry_run, "Print the job array's script, no more")->needs(slurm);
   app.add_option("--shards", command->slurm.shards, "Shards of the job array")
       ->capture_default_str()

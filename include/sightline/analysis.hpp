@@ -139,6 +139,12 @@ struct RunDraw {
 /// further draw in the plan does not change the earlier ones.
 RunDraw draw_run(const CampaignPlan& plan, std::uint64_t seed, int index);
 
+/// The run whose numbers are the quantiles of a point: the distributions of the plan, if the point's
+/// numbers are independent and standard normal.
+/// @param point  one number for each of drawn_names()
+/// @param seed   of all random streams of the run; below 2^53
+RunDraw run_at(const CampaignPlan& plan, std::span<const double> point, std::uint64_t seed, int index);
+
 // Scenarios of the runs of a campaign, which differ in the drawn numbers.
 
 /// Writes a run's numbers into the text of the base scenario. `sightline run` can fly the resulting
@@ -200,6 +206,8 @@ struct CampaignOptions {
   int threads = 1;         ///< >= 1
   int first = 0;           ///< number of the shard's runs that are known already
   Shard shard{};           ///< the part of the runs to fly
+  /// The run of an index; empty: draw_run().
+  std::function<RunDraw(int index)> draw{};
   /// Ends the campaign after the runs in progress, once it is true.
   const std::atomic<bool>* stop = nullptr;
 };

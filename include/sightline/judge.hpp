@@ -52,6 +52,9 @@ struct RobotView {
   std::int64_t uncertified = 0;  ///< number of events view_uncertified
 };
 
+/// A target that is out of view for longer is lost [s].
+inline constexpr double view_lost_after = 0.5;
+
 /// Results of one run: its row in the table of a campaign. NaN: no data.
 struct RunResult {
   Outcome outcome = Outcome::failed;
@@ -71,6 +74,11 @@ struct RunResult {
   double barrier_conflict = 0.0;      ///< largest share of the time in which the barrier found no command
                                       ///< within a robot's distances and walls; NaN: no barrier
   double longest_out_of_view = 0.0;   ///< of a target after its observer saw it first [s]
+  double view_margin = 0.0;  ///< < 0: an observer lost its target for longer than 0.5 s; the greatest
+      ///< slack of the potential's limit within 0.5 s, at its least; NaN: none observes
+  double distance_margin = 0.0;  ///< least distance beyond d_hard, of pairs that could brake [m]; < 0:
+                                 ///< too close; NaN: none is judged
+  bool landed = false;           ///< a robot that was to fly on landed
   std::vector<RobotLocalization> localizations{};  ///< of the vision-localized robots
   std::vector<RobotView> views{};                  ///< in the order of [[certify_view]]
   std::string reason{};                            ///< first fault of a failed run, as a sentence; else empty

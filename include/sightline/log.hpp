@@ -328,7 +328,8 @@ class LogMessage {
   void put(std::string_view key, std::string_view word);
   template <std::integral T>
   void put(std::string_view key, T value) {
-    fmt::format_to(std::back_inserter(text_), ",\"{}\":{}", key, value);
+    put_key(key);
+    fmt::format_to(std::back_inserter(text_), "{}", value);
   }
   /// Closes the message and returns its text, valid until the next begin().
   std::string_view end();
@@ -337,6 +338,8 @@ class LogMessage {
   void send(McapChannel& channel, double time);
 
  private:
+  void put_key(std::string_view key);
+
   MessageSink& to_;
   std::string text_;
 };
@@ -347,16 +350,27 @@ std::string json_schema(std::string_view fields);
 /// Reads the flat JSON object of a message into reused memory; trusts no byte of the text.
 class LogText {
  public:
-  /// @throws std::runtime_error if the text is no object of numbers, words, null, true, false and
+  /// A message that is not of the expected kind.
+  struct Error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+
+  /// @throws Error if the text is no object of numbers, words, null, true, false and
   ///   lists of numbers
   void read(std::string_view text);
 
   bool has(std::string_view key) const noexcept;
-  /// Number with this key; NaN for null. @throws std::runtime_error if the key is missing
+  /// Number with this key; NaN for null. @throws Error if the key is missing
   double number(std::string_view key) const;
-  /// List with this key; null reads as NaN. @throws std::runtime_error if the key is missing
+  /// The same, a whole number. @throws Error also if it is none, or beyond int
+  int whole(std::string_view key) const;
+  /// List with this key; null reads as NaN. @throws Error if the key is missing
   std::span<const double> numbers(std::string_view key) const;
-  /// Word with this key, without escapes. @throws std::runtime_error if the key is missing
+  /// The same, of a list of that many numbers. @throws Error if it has another length
+  std::span<const double> numbers(std::string_view key, std::size_t count) const;
+  /// True or false with this key. @throws Error if the key is missing
+  bool truth(std::string_view key) const;
+  /// Word with this key, without escapes. @throws Error if the key is missing
   std::string_view word(std::string_view key) const;
 
  private:

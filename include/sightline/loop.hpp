@@ -385,7 +385,7 @@ struct Sample {
   double time = 0.0;      ///< of the measurement [s]
   std::vector<double> x;  ///< true states of all bodies (nx); measured ones if the truth is unknown
   bool truth_known = true;
-  std::vector<Quaternion> attitudes{};  ///< true, of all bodies; no_attitude: it follows from x and u
+  std::vector<Quaternion> attitudes{};  ///< of all bodies, true as x; no_attitude: it follows from x and u
   std::vector<double> measured;         ///< as measured, before the localizer (nx)
   std::vector<double> stamps{};         ///< time of each body's measurement [s]
   std::vector<Detection> detections{};  ///< the first detection_count are valid

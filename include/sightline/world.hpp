@@ -310,8 +310,9 @@ struct Measured {
   std::span<const double> stamps;           ///< time of each body's measured state [s]; minus infinity: none
   std::span<const double> truth;            ///< true states (nx); empty if unknown
   std::span<const Detection> detections{};  ///< arrived since the last measure(), in the order of arrival
-  std::span<const Quaternion>
-      attitudes{};  ///< true attitudes of all bodies, no_attitude for a body without; empty: unknown
+  /// Attitudes of all bodies, no_attitude for a body without; empty: unknown. True ones, or those of
+  /// the newest measurements if the truth is unknown.
+  std::span<const Quaternion> attitudes{};
   std::span<const RobotMotion> motions{};       ///< since the last measure(), of each robot in order
   std::span<const BodyBroadcast> broadcasts{};  ///< arrived since the last measure()
 };

@@ -35,7 +35,7 @@ outside() {
 }
 
 mutants() { scripts/mutants.sh "$build" barrier verdicts gate; }
-debian13() { scripts/debian13.sh; }
+debian13() { scripts/debian.sh trixie; }
 bench() {
   [[ -x ${BEFORE:-} ]] || { echo "BEFORE = \"${BEFORE:-}\", expected the binary of the commit before"; return 1; }
   scripts/accept/bench_turns.sh "$BEFORE" "$build/bin/sightline_bench"

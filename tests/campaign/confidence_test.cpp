@@ -43,6 +43,32 @@ TEST(Wilson, HoldsTheProbabilityAboutAsOftenAsItSays) {
   }
 }
 
+TEST(ClopperPearson, IsWhatItsFormulaSaysAndNeverHoldsLessOftenThanItSays) {
+  EXPECT_NEAR(clopper_pearson(0, 200).high, 1 - std::pow(0.025, 1.0 / 200), 1e-12);
+  EXPECT_EQ(clopper_pearson(0, 200).low, 0.0);
+  EXPECT_EQ(clopper_pearson(200, 200).high, 1.0);
+  for (const double p : {0.01, 0.1, 0.5}) {
+    const int n = 60;
+    double below = 0.0, above = 0.0;  // probability that the bounds miss p
+    for (int k = 0; k <= n; ++k) {
+      const Interval bounds = clopper_pearson(k, n);
+      const double of_k = std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) +
+                                   k * std::log(p) + (n - k) * std::log(1 - p));
+      if (bounds.high < p) below += of_k;
+      if (bounds.low > p) above += of_k;
+    }
+    EXPECT_LE(below, 0.025) << p;
+    EXPECT_LE(above, 0.025) << p;
+  }
+}
+
+TEST(NormalQuantile, IsTheInverseOfTheDistribution) {
+  for (const double z : {-6.0, -2.5, -0.1, 0.0, 1.0, 4.0}) {
+    EXPECT_NEAR(normal_probability(z), std::erfc(-z / std::sqrt(2.0)) / 2, 1e-15) << z;
+    EXPECT_NEAR(normal_quantile(normal_probability(z)), z, 1e-6) << z;
+  }
+}
+
 TEST(BootstrapMedian, HoldsTheMedianAboutAsOftenAsItSaysAndIsTheSameEachTime) {
   std::mt19937_64 random(7);
   std::exponential_distribution<double> waits(1.0);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <vector>
 
 #include "sightline/analysis.hpp"
 
@@ -116,6 +117,46 @@ TEST(Draw, ValuesOfOneRunDoNotGoTogether) {
     mean += run.values[3] * run.values[4] / many;  // v_f v_s, each of variance 1/3
   }
   EXPECT_NEAR(mean, 0.0, 5.0 / 3.0 / std::sqrt(many));
+}
+
+TEST(Draw, ARunAtANormalPointHasTheDistributionsOfThePlan) {
+  CampaignPlan plan;
+  plan.draws = {
+      {.key = "a", .distribution = {.values = {-1.0, 3.0}}},
+      {.key = "b", .distribution = {.kind = Distribution::Kind::normal, .values = {5.0, 2.0}}},
+      {.key = "c",
+       .distribution = {.kind = Distribution::Kind::choice, .values = {1.0, 2.0}, .fractions = {0.25, 0.75}}},
+      {.key = "d", .distribution = {.values = {0.0, 1.0}, .constant = 9.0, .fraction = 0.3}}};
+  const std::vector<double> middle(4), far = {-9.0, 1.5, -0.5, 9.0};
+  EXPECT_EQ(run_at(plan, middle, 17, 3).values[0], 1.0);
+  EXPECT_NEAR(run_at(plan, middle, 17, 3).values[1], 5.0, 1e-9);
+  EXPECT_EQ(run_at(plan, middle, 17, 3).seed, 17U);
+  EXPECT_EQ(run_at(plan, middle, 17, 3).index, 3);
+  EXPECT_NEAR(run_at(plan, far, 1, 0).values[0], -1.0, 1e-9);
+  EXPECT_NEAR(run_at(plan, far, 1, 0).values[1], 8.0, 1e-9);
+  EXPECT_NEAR(run_at(plan, far, 1, 0).values[3], 1.0, 1e-9);
+
+  // Kolmogorov and Smirnov's distance of two samples, one drawn and one at normal points.
+  constexpr int n = 4000;
+  std::vector<std::vector<double>> drawn(4), at_points(4);
+  for (int i = 0; i < n; ++i) {
+    RandomStream random(1, StreamId::motion, i);
+    const std::vector<double> point = {random.normal(), random.normal(), random.normal(), random.normal()};
+    const RunDraw a = draw_run(plan, 5, i), b = run_at(plan, point, 1, i);
+    for (std::size_t v = 0; v < 4; ++v) drawn[v].push_back(a.values[v]), at_points[v].push_back(b.values[v]);
+  }
+  for (std::size_t v = 0; v < 4; ++v) {
+    std::sort(drawn[v].begin(), drawn[v].end());
+    std::sort(at_points[v].begin(), at_points[v].end());
+    double distance = 0.0;
+    for (const double value : drawn[v]) {
+      const auto share = [&](const std::vector<double>& all) {
+        return static_cast<double>(std::upper_bound(all.begin(), all.end(), value) - all.begin()) / n;
+      };
+      distance = std::max(distance, std::abs(share(drawn[v]) - share(at_points[v])));
+    }
+    EXPECT_LT(distance, 1.63 * std::sqrt(2.0 / n)) << v;  // 1 in 100 is farther apart
+  }
 }
 
 }  // namespace

@@ -203,16 +203,17 @@ TEST(RunTable, ItHasAColumnForEachFigureAndEachDraw) {
   std::vector<std::string> names;
   Database::Statement columns(database, "SELECT name FROM pragma_table_info('runs')");
   while (columns.step()) names.push_back(columns.text(0));
-  EXPECT_THAT(names, testing::ElementsAre(
-                         "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
-                         "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
-                         "longest_without_plan", "barrier_conflict", "longest_out_of_view",
-                         "status_converged", "status_stepped", "status_iteration_limit", "status_deadline",
-                         "status_not_finite", "status_invalid_state", "uav0.range", "uav0.bearing",
-                         "uav0.height", "uav0.heading", "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]",
-                         "agent.uav1.start.p[2]", "agent.uav1.reference.circle.rate", "uav0.energy",
-                         "uav0.rms_position_error", "uav0.rms_heading_error", "uav1.energy",
-                         "uav1.rms_position_error", "uav1.rms_heading_error", "digest"));
+  EXPECT_THAT(
+      names, testing::ElementsAre(
+                 "index", "seed", "outcome", "reason", "min_distance", "time_to_first_view",
+                 "fraction_in_view", "could_brake", "violations", "energy", "chatter", "drift",
+                 "longest_without_plan", "barrier_conflict", "longest_out_of_view", "view_margin",
+                 "distance_margin", "landed", "status_converged", "status_stepped", "status_iteration_limit",
+                 "status_deadline", "status_not_finite", "status_invalid_state", "uav0.range", "uav0.bearing",
+                 "uav0.height", "uav0.heading", "uav0.v_f", "uav0.v_s", "agent.uav1.start.p[0]",
+                 "agent.uav1.start.p[2]", "agent.uav1.reference.circle.rate", "uav0.energy",
+                 "uav0.rms_position_error", "uav0.rms_heading_error", "uav1.energy",
+                 "uav1.rms_position_error", "uav1.rms_heading_error", "digest"));
   Database::Statement about(database,
                             "SELECT group_concat(value, '|') FROM campaign WHERE key IN "
                             "('scenario', 'seed', 'version', 'duration')");
@@ -238,6 +239,9 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_EQ(rows.number(4), r.min_distance);
     EXPECT_EQ(rows.number(13), r.barrier_conflict) << "the barrier is on";
     EXPECT_EQ(rows.number(14), r.longest_out_of_view);
+    EXPECT_EQ(rows.number(15).value_or(-1), std::isnan(r.view_margin) ? -1 : r.view_margin);
+    EXPECT_EQ(rows.number(16), r.distance_margin);
+    EXPECT_EQ(rows.integer(17), r.landed ? 1 : 0);
     EXPECT_EQ(rows.number(5).value_or(-1), std::isnan(r.time_to_first_view) ? -1 : r.time_to_first_view);
     EXPECT_EQ(rows.number(6), r.fraction_in_view);
     EXPECT_EQ(rows.integer(7), r.could_brake ? 1 : 0);
@@ -246,11 +250,11 @@ TEST(RunTable, ARowSaysWhatItsRunWas) {
     EXPECT_EQ(rows.number(10), r.chatter);
     EXPECT_FALSE(rows.number(11)) << "a second is too short to judge";
     std::int64_t updates = 0;
-    for (int s = 0; s < status_count; ++s) updates += rows.integer(15 + s);
+    for (int s = 0; s < status_count; ++s) updates += rows.integer(18 + s);
     EXPECT_EQ(updates, 100);
     for (std::size_t v = 0; v < run.values.size(); ++v)
-      EXPECT_EQ(rows.number(15 + status_count + static_cast<int>(v)), run.values[v]);
-    const int last = 15 + status_count + static_cast<int>(run.values.size());
+      EXPECT_EQ(rows.number(18 + status_count + static_cast<int>(v)), run.values[v]);
+    const int last = 18 + status_count + static_cast<int>(run.values.size());
     ASSERT_EQ(r.robots.size(), 2U);
     for (int robot = 0; robot < 2; ++robot) {
       const RobotResult& one = r.robots[static_cast<std::size_t>(robot)];

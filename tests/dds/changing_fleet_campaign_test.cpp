@@ -400,7 +400,7 @@ class CampaignFlight {
               "uav{} is armed", i);
       promise(rig_.vehicle(i).motion().p.z < 0.05, "uav{} is {} m high", i, rig_.vehicle(i).motion().p.z);
       if (drawn_.fault && drawn_.fault->robot == i) continue;  // its state may be unknown
-      const Px4VehicleCounts n = rig_.told_of(i);
+      const Px4VehicleCounts n = rig_.counts_of(i);
       promise(n.setpoints_outside == 0 && n.bad_setpoints == 0, "uav{} received {} + {} bad set-points", i,
               n.setpoints_outside, n.bad_setpoints);
     }

@@ -51,7 +51,7 @@ TEST(ChangingFleet, ARobotJoinsAnotherLeavesAndAReplayGivesTheSameCommands) {
   options.fly = [&](ClosedLoop& loop, Sink<Sample>& sink) {
     LoopOutcome outcome;
     if (rig.take_off()) {
-      EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+      EXPECT_EQ(rig.counts_of(2).arm_requests, 0);
       in_task = true;
       outcome = loop.fly();
       in_task = false;
@@ -62,7 +62,7 @@ TEST(ChangingFleet, ARobotJoinsAnotherLeavesAndAReplayGivesTheSameCommands) {
   };
   std::thread observer([&] {
     while (!over && !left_alone) {
-      const bool landed = rig.told_of(0).setpoints > 100 && !rig.vehicle(0).armed();
+      const bool landed = rig.counts_of(0).setpoints > 100 && !rig.vehicle(0).armed();
       const bool others_fly = rig.vehicle(1).armed() && rig.vehicle(2).armed();
       left_alone = landed && others_fly && in_task;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -71,17 +71,17 @@ TEST(ChangingFleet, ARobotJoinsAnotherLeavesAndAReplayGivesTheSameCommands) {
   const LoggedFlight flown = fly_logged(rig.scenario, folder.path(), clock, controls.controllers(), options);
   over = true;
   observer.join();
-  const std::string said = fmt::format("{}", fmt::join(rig.reported, "\n"));
-  EXPECT_TRUE(flown.outcome.finite) << said;
-  EXPECT_GE(flown.outcome.updates + flown.outcome.missed, 1500) << said;
+  const std::string reported = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(flown.outcome.finite) << reported;
+  EXPECT_GE(flown.outcome.updates + flown.outcome.missed, 1500) << reported;
   EXPECT_EQ(flown.outcome.max_allocations, 0);
-  EXPECT_THAT(rig.world->faults(), IsEmpty()) << said;
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << reported;
   EXPECT_TRUE(left_alone) << "uav0 is on the ground, disarmed, while the others fly";
 
   std::map<std::string, std::vector<double>> times;
   const Recording run = read_recording(folder.path());
   for (const Recording::Event& event : run.events) times[event.kind].push_back(event.time);
-  ASSERT_EQ(times["event_in_force"].size(), 3U) << said;
+  ASSERT_EQ(times["event_in_force"].size(), 3U) << reported;
   EXPECT_THAT(times["event_ignored"], IsEmpty());
   EXPECT_THAT(times["added_too_near"], IsEmpty());
   ASSERT_EQ(times["robot_ready"].size(), 1U);
@@ -95,10 +95,10 @@ TEST(ChangingFleet, ARobotJoinsAnotherLeavesAndAReplayGivesTheSameCommands) {
 
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(rig.state(i), LinkState::done) << i;
-    EXPECT_EQ(rig.told_of(static_cast<std::size_t>(i)).arm_requests, 1) << i;
+    EXPECT_EQ(rig.counts_of(static_cast<std::size_t>(i)).arm_requests, 1) << i;
     EXPECT_FALSE(rig.vehicle(static_cast<std::size_t>(i)).armed()) << i;
   }
-  EXPECT_GT(rig.told_of(2).setpoints, 700);
+  EXPECT_GT(rig.counts_of(2).setpoints, 700);
   expect_well_treated(rig);
 
   RecordedFlight flight(folder.path() / "run.mcap", scenario.team, scenario.x0, scenario.horizon.dt);
@@ -112,23 +112,23 @@ TEST(ChangingFleet, ARobotThatNoEventAddsStaysOnTheGroundWithoutARequestOrASetPo
   const LoopOutcome outcome = rig.fly();
   EXPECT_GE(outcome.updates + outcome.missed, 300) << fmt::format("{}", fmt::join(rig.reported, "\n"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
-  EXPECT_EQ(rig.told_of(2).arm_requests, 0);
-  EXPECT_EQ(rig.told_of(2).offboard_requests, 0);
-  EXPECT_EQ(rig.told_of(2).setpoints, 0);
+  EXPECT_EQ(rig.counts_of(2).arm_requests, 0);
+  EXPECT_EQ(rig.counts_of(2).offboard_requests, 0);
+  EXPECT_EQ(rig.counts_of(2).setpoints, 0);
   EXPECT_FALSE(rig.vehicle(2).armed());
   EXPECT_NEAR(rig.vehicle(2).motion().p.z, 0.0, 1e-6);
   EXPECT_EQ(rig.state(2), LinkState::done);
-  EXPECT_GT(rig.told_of(1).setpoints, 250);
+  EXPECT_GT(rig.counts_of(1).setpoints, 250);
 }
 
 TEST(ChangingFleet, AnEventBySignalWaitsUntilItsRobotHolds) {
   Rig rig(fleet_with_a_joiner(12.0));
   const LoopOutcome outcome = rig.fly(1.0, [&] { rig.switcher->signal("go"); });
-  const std::string said = fmt::format("{}", fmt::join(rig.reported, "\n"));
-  EXPECT_TRUE(outcome.finite) << said;
-  EXPECT_THAT(rig.world->faults(), IsEmpty()) << said;
-  EXPECT_EQ(rig.count(EventKind::robot_ready), 1) << said;
-  EXPECT_EQ(rig.count(EventKind::event_in_force), 1) << said;
+  const std::string reported = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(outcome.finite) << reported;
+  EXPECT_THAT(rig.world->faults(), IsEmpty()) << reported;
+  EXPECT_EQ(rig.count(EventKind::robot_ready), 1) << reported;
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 1) << reported;
   EXPECT_THAT(rig.reported, Contains("uav2: flying"));
   EXPECT_FALSE(rig.vehicle(2).armed());
   expect_well_treated(rig);
@@ -149,7 +149,7 @@ TEST(ChangingFleet, ARobotWhoseChecksFailIsNotArmedAndTheOthersFlyOn) {
   EXPECT_EQ(rig.count(EventKind::robot_refused), 1);
   EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
   EXPECT_EQ(rig.count(EventKind::event_in_force), 0);
-  EXPECT_EQ(rig.told_of(2).setpoints, 0);
+  EXPECT_EQ(rig.counts_of(2).setpoints, 0);
 }
 
 /// The fleet as its vehicles really stand: uav2 so far to the east of its start [m].
@@ -165,7 +165,7 @@ TEST(ChangingFleet, AFleetWhoseAbsentRobotIsNotAtItsStartStaysOnTheGround) {
   EXPECT_THAT(rig.reported,
               Contains(AllOf(HasSubstr("uav2: "), HasSubstr("0.70 m beside its start, turned from it by 0.0"),
                              HasSubstr("expected 0.5 m and 0.5 rad at most of a robot that joins"))));
-  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0) << i;
+  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.counts_of(i).arm_requests, 0) << i;
 }
 
 TEST(ChangingFleet, ARobotThatIsNoMoreAtItsStartIsNotArmedAndTheOthersFlyOn) {
@@ -179,7 +179,7 @@ TEST(ChangingFleet, ARobotThatIsNoMoreAtItsStartIsNotArmedAndTheOthersFlyOn) {
   EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: it is not at its start"));
   EXPECT_THAT(rig.reported,
               Contains("uav2: done, it is not at its start: it does not join, the others fly on"));
-  EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+  EXPECT_EQ(rig.counts_of(2).arm_requests, 0);
   EXPECT_EQ(rig.count(EventKind::robot_refused), 1);
   EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
 }
@@ -192,7 +192,7 @@ TEST(ChangingFleet, ARobotThatComesBackToItsStartInTimeJoins) {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     rig.switcher->signal("go");
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
-    early = rig.told_of(2).arm_requests;
+    early = rig.counts_of(2).arm_requests;
     rig.faults(2).end(Kind::jump);
   });
   EXPECT_TRUE(outcome.finite);
@@ -210,7 +210,7 @@ TEST(ChangingFleet, AnAbsentRobotWhoseBatteryIsLowIsNotArmed) {
   });
   EXPECT_GE(outcome.updates + outcome.missed, 300);
   EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav2: its battery is low"));
-  EXPECT_EQ(rig.told_of(2).arm_requests, 0);
+  EXPECT_EQ(rig.counts_of(2).arm_requests, 0);
   EXPECT_EQ(rig.count(EventKind::event_ignored), 1);
 }
 
@@ -256,13 +256,13 @@ TEST(ChangingFleet, WhereOneRobotOfAnEventIsLostTheOneThatRoseWithItLandsAtOnceA
     rig.faults(1).begin(Kind::silent);
     landed = test::eventually([&] { return !rig.vehicle(2).armed(); }, std::chrono::seconds(6));
   });
-  const std::string said = fmt::format("{}", fmt::join(rig.reported, "\n"));
-  EXPECT_TRUE(landed) << said;
-  EXPECT_GE(outcome.updates + outcome.missed, 1000) << said;
+  const std::string reported = fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_TRUE(landed) << reported;
+  EXPECT_GE(outcome.updates + outcome.missed, 1000) << reported;
   EXPECT_THAT(rig.world->faults(), testing::ElementsAre("uav1: nothing came from it any more"));
-  EXPECT_THAT(rig.reported, Contains("uav2: landing: its event is ignored")) << said;
-  EXPECT_EQ(rig.count(EventKind::event_ignored), 1) << said;
-  EXPECT_EQ(rig.count(EventKind::event_in_force), 0) << said;
+  EXPECT_THAT(rig.reported, Contains("uav2: landing: its event is ignored")) << reported;
+  EXPECT_EQ(rig.count(EventKind::event_ignored), 1) << reported;
+  EXPECT_EQ(rig.count(EventKind::event_in_force), 0) << reported;
 }
 
 TEST(ChangingFleet, ARobotThatIsLostAfterItLeftDoesNotEndTheFlight) {

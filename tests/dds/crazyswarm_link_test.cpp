@@ -62,7 +62,7 @@ void expect_untouched(Rig& rig, std::size_t i) {
   EXPECT_EQ(n.takeoff_requests, 0) << i;
 }
 
-/// Took off and landed once, and was told nothing that it could not follow.
+/// Took off and landed once, and received nothing that it could not follow.
 void expect_well_flown(Rig& rig, std::size_t i) {
   const CrazyflieCounts n = crazyflie_of(rig, i).reported();
   EXPECT_EQ(n.arm_requests, 1) << i;

@@ -49,7 +49,7 @@ TEST(DdsFlights, OverABadLinkTheTaskIsCompletedAndTheHardDistanceKept) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       least = std::min(least, norm(rig.vehicle(0).motion().p - rig.vehicle(1).motion().p));
     }
-    // A mode that is told late is a set-point too late: it lands over a good link.
+    // A mode that is reported late is a set-point too late: it lands over a good link.
     for (std::size_t i = 0; i < 2; ++i)
       for (const Kind kind : bad) rig.faults(i).end(kind);
   });
@@ -64,7 +64,7 @@ TEST(DdsFlights, OverABadLinkTheTaskIsCompletedAndTheHardDistanceKept) {
 TEST(DdsFlights, WhatIsDisarmedIsNotArmedAgain) {
   Rig rig(row_of({"1.18", "1.14"}, 20.0));
   rig.fly(0.5, [&] { rig.faults(1).begin(Kind::disarm); });
-  EXPECT_EQ(rig.told_of(1).arm_requests, 1);
+  EXPECT_EQ(rig.counts_of(1).arm_requests, 1);
   EXPECT_EQ(rig.state(0), LinkState::done);
   EXPECT_EQ(rig.state(1), LinkState::done);
   EXPECT_THAT(rig.world->faults(), Contains("uav1: it was disarmed"));

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "bridges/dds/simulators/ros2_rover.hpp"
+#include "sightline/base/now.hpp"
 #include "tests/dds/rig.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/refusal.hpp"
@@ -28,6 +29,20 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+/// A flyer of one vehicle, whose odometry the test publishes.
+struct OneVehicle {
+  using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
+  OneVehicle() {
+    EXPECT_TRUE(test::eventually([&] { return publish.matched() > 0; }));
+  }
+
+  Scenario scenario = row_of({"1.16"}, 1.0);
+  std::shared_ptr<Domain> domain = std::make_shared<Domain>(fleet_of(scenario).network);
+  DdsWorld world{scenario, domain};
+  Writer<Odometry> publish{domain->another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,
+                           "/px4_0/fmu/out/vehicle_odometry", of_px4_output};
+};
+
 TEST(DdsWorld, AFleetOfAllReleasesTakesOffFliesItsTaskAndLands) {
   Rig rig(row_of({"1.14", "1.15", "1.16", "1.17", "1.18"}, 4.0));
   const LoopOutcome outcome = rig.fly();
@@ -37,8 +52,8 @@ TEST(DdsWorld, AFleetOfAllReleasesTakesOffFliesItsTaskAndLands) {
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done) << i;
-    EXPECT_EQ(rig.told_of(i).arm_requests, 1) << i;
-    EXPECT_GT(rig.told_of(i).setpoints, 350) << i;
+    EXPECT_EQ(rig.counts_of(i).arm_requests, 1) << i;
+    EXPECT_GT(rig.counts_of(i).setpoints, 350) << i;
     EXPECT_FALSE(rig.vehicle(i).armed()) << i;
     const Motion m = rig.vehicle(i).motion();  // where its circle ended
     EXPECT_NEAR(norm(m.p.x - 3.0 * static_cast<double>(i), m.p.y), 0.3, 0.2) << i;
@@ -89,6 +104,12 @@ TEST(DdsWorld, ARoverWhoseOdometryIsInAnotherFrameIsNotDriven) {
   EXPECT_EQ(dynamic_cast<Ros2Rover&>(rig.vehicle_simulators.of(0)).commands(), 0);
 }
 
+TEST(DdsWorld, TheLatenessOfPosesIsCountedWithoutPx4) {
+  Rig rig(rover_in("odom"));
+  EXPECT_TRUE(test::eventually([&] { return rig.world->timing().arrival.p99 > 1e-6; }));
+  EXPECT_LT(rig.world->timing().arrival.median, 0.1);
+}
+
 // Who is there is discovered while it is listened to: a rover has no other states in which another writer could be noticed before it moves.
 TEST(DdsWorld, AnotherWriterThatIsDiscoveredLateKeepsARoverWhereItIs) {
   Rig rig(rover_in("odom"), {.ready = 2.5});
@@ -115,7 +136,7 @@ TEST(DdsWorld, EachWrongPairOfReleasesIsRefusedBeforeArming) {
   EXPECT_FALSE(rig.take_off());
   for (std::size_t i = 0; i < flown.size(); ++i) {
     EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done);
-    EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+    EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
     EXPECT_THAT(
         rig.reported,
         Contains(HasSubstr(fmt::format("uav{}: it looks like PX4 {}, by vehicle_status", i, spoken[i]))))
@@ -129,8 +150,8 @@ TEST(DdsWorld, ADryRunArmsNothing) {
   EXPECT_THAT(rig.reported, Contains("all are ready, none is armed: a dry run"));
   EXPECT_THAT(rig.world->faults(), IsEmpty());
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(rig.told_of(i).arm_requests, 0);
-    EXPECT_EQ(rig.told_of(i).setpoints, 0);
+    EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
+    EXPECT_EQ(rig.counts_of(i).setpoints, 0);
   }
 }
 
@@ -142,7 +163,7 @@ TEST(DdsWorld, AnotherFlightOfTheSameVehicleIsAsTheFirst) {
     EXPECT_TRUE(rig.take_off()) << flight << fmt::format("{}", fmt::join(rig.reported, "\n"));
     rig.land();
     EXPECT_THAT(rig.world->faults(), IsEmpty()) << flight;
-    EXPECT_EQ(rig.told_of(0).arm_requests, flight);
+    EXPECT_EQ(rig.counts_of(0).arm_requests, flight);
     EXPECT_FALSE(rig.vehicle(0).armed());
   }
 }
@@ -238,8 +259,8 @@ TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   EXPECT_EQ(rig.state(1), LinkState::done);
   EXPECT_FALSE(rig.vehicle(1).armed());
   EXPECT_TRUE(rig.vehicle(0).armed());
-  EXPECT_EQ(rig.told_of(0).heartbeats, rig.after_task.heartbeats);  // nothing since
-  EXPECT_LE(rig.told_of(0).setpoints_outside, 1);                   // that was on its way
+  EXPECT_EQ(rig.counts_of(0).heartbeats, rig.after_task.heartbeats);  // nothing since
+  EXPECT_LE(rig.counts_of(0).setpoints_outside, 1);                   // that was on its way
   EXPECT_THAT(rig.world->faults(), Contains("uav0: a pilot has it"));
   EXPECT_EQ(rig.world->ended(), "uav0: a pilot has it; the others landed");
 }
@@ -267,7 +288,7 @@ TEST(DdsWorld, NoSetPointIsSentAfterAnotherModeWasHeardOf) {
   ASSERT_GT(another_mode, 0);
   ASSERT_GT(last_setpoint, 0);
   EXPECT_LT(last_setpoint - another_mode, 3'000'000);  // on its way between two threads
-  EXPECT_LE(rig.told_of(0).setpoints_outside, 8);      // within the 50 ms
+  EXPECT_LE(rig.counts_of(0).setpoints_outside, 8);    // within the 50 ms
 }
 
 TEST(DdsWorld, WhenEachIsLostTheFlightEndsInFiveSecondsWithTheirLastPlaces) {
@@ -317,7 +338,7 @@ TEST(DdsWorld, ASecondFlyerAndASecondOdometryAreRefusedBeforeArming) {
   EXPECT_FALSE(rig.take_off());
   done = true;
   writing.join();
-  for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+  for (const std::size_t i : {0u, 1u}) EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
   EXPECT_THAT(rig.reported,
               Contains(testing::AllOf(HasSubstr("uav0: "), HasSubstr("another program writes set-points"))));
   EXPECT_THAT(
@@ -339,39 +360,77 @@ TEST(DdsWorld, WithoutItsFlyerAVehicleFailsSafeASecondAfterTheLastHeartbeat) {
   Rig rig(row_of({"1.16"}, 20.0));
   ASSERT_TRUE(rig.take_off());
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // nobody flies
-  const Px4VehicleCounts n = rig.told_of(0);
+  const Px4VehicleCounts n = rig.counts_of(0);
   EXPECT_GE(n.failsafe_after, 1.0);
   EXPECT_LE(n.failsafe_after, 1.1);
   rig.land();  // and what comes back does not take it again
   EXPECT_EQ(rig.state(0), LinkState::pilot);
-  EXPECT_EQ(rig.told_of(0).heartbeats, n.heartbeats);
+  EXPECT_EQ(rig.counts_of(0).heartbeats, n.heartbeats);
 }
 
 // Numbers of any kind, in frames of any kind: what is believed of the robot is finite, and nothing of it is lost uncounted.
 TEST(DdsWorld, OfAnyPoseThatComesOnlyThoseThatAreFiniteAreBelieved) {
-  const Scenario scenario = row_of({"1.16"}, 1.0);
-  const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);
-  DdsWorld world(scenario, domain);
-  using Odometry = px4_msgs_msg_dds__VehicleOdometry_;
-  Writer<Odometry> vehicle(domain->another_participant(), px4_msgs_msg_dds__VehicleOdometry__desc,
-                           "/px4_0/fmu/out/vehicle_odometry", of_px4_output);
-  ASSERT_TRUE(test::eventually([&] { return vehicle.matched() > 0; }));
+  OneVehicle vehicle;
+  DdsWorld& world = vehicle.world;
   std::mt19937_64 random(3);
   for (int k = 0; k < 20'000; ++k) {
-    Odometry m{};
+    OneVehicle::Odometry m{};
     std::array<std::uint64_t, (sizeof m + 7) / 8> bits;
     for (std::uint64_t& word : bits) word = random();
     if (k % 2 == 0) std::memcpy(&m, bits.data(), sizeof m);  // else one number alone is any
     if (k % 2 == 1)
       m.q[0] = 1, m.position[k / 2 % 3] = std::bit_cast<float>(static_cast<std::uint32_t>(bits[0]));
     if (k % 4 != 0) m.pose_frame = m.velocity_frame = 1;
-    vehicle(m);
+    vehicle.publish(m);
     const Measured seen = world.measure(0.01 * k);
     for (const double x : seen.measured) ASSERT_TRUE(std::isfinite(x)) << k;
-    ASSERT_TRUE(std::isfinite(seen.stamps[0]) || seen.measured[0] == scenario.x0[0]) << k;
+    ASSERT_TRUE(std::isfinite(seen.stamps[0]) || seen.measured[0] == vehicle.scenario.x0[0]) << k;
   }
   EXPECT_THAT(world.counts()[0], testing::Not(HasSubstr(" 0 not finite")));
   EXPECT_THAT(world.counts()[0], testing::Not(HasSubstr(" 0 in other frames")));
+}
+
+// PX4's quaternion turns FRD to NED: nose up is a backward tilt of the thrust, right side down one to the right.
+TEST(DdsWorld, AnAttitudeIsThatOfTheNewestPose) {
+  OneVehicle vehicle;
+  DdsWorld& world = vehicle.world;
+  EXPECT_EQ(world.measure(0.0).attitudes[0], no_attitude);
+  constexpr double yaw = 0.3, tilt = 0.2;
+  const auto about = [](int axis, double angle) {
+    Quaternion q = {std::cos(angle / 2), 0, 0, 0};
+    (axis == 0 ? q.x : axis == 1 ? q.y : q.z) = std::sin(angle / 2);
+    return q;
+  };
+  const auto measured = [&](const Quaternion& q) {
+    OneVehicle::Odometry m{};
+    m.timestamp = m.timestamp_sample = static_cast<std::uint64_t>(realtime_now() / 1000);
+    m.pose_frame = m.velocity_frame = px4_frame_ned;
+    const std::array<double, 4> parts = {q.w, q.x, q.y, q.z};
+    for (std::size_t k = 0; k < 4; ++k) m.q[k] = static_cast<float>(parts[k]);
+    const double before = world.measure(0.0).stamps[0];
+    vehicle.publish(m);
+    EXPECT_TRUE(test::eventually([&] { return world.measure(0.0).stamps[0] > before; }));
+    return rotation(world.measure(0.0).attitudes[0]);
+  };
+  const Rotation pitched = measured(about(2, yaw) * about(1, tilt)),
+                 rolled = measured(about(2, yaw) * about(0, tilt));
+  EXPECT_NEAR(lean(pitched).x, -std::tan(tilt), 1e-6);
+  EXPECT_NEAR(lean(pitched).y, 0.0, 1e-6);
+  EXPECT_NEAR(lean(rolled).x, 0.0, 1e-6);
+  EXPECT_NEAR(lean(rolled).y, -std::tan(tilt), 1e-6);
+  for (const Rotation& R : {pitched, rolled}) {
+    const Vec2<double> d = heading(R);
+    EXPECT_NEAR(std::atan2(d.y, d.x), 0.4 + turned_over_yaw(yaw), 1e-6);  // origin.heading
+  }
+}
+
+TEST(DdsWorld, AVehicleWithRotorsIsJudgedByItsTilt) {
+  Rig rig(row_of({"1.16"}, 1.0, "[agent.uav0.vehicle]\npreset = \"x500\"\n", "rotors"));
+  EXPECT_EQ(rig.fly().max_allocations, 0) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  const Vec2<double> tilt = true_sight(rig.scenario.team, BodyId{0}, rig.last).lean;
+  EXPECT_EQ(tilt.x, lean(rotation(rig.last.attitudes[0])).x);
+  EXPECT_GT(norm(tilt.x, tilt.y), 1e-4);
+  EXPECT_LT(norm(tilt.x, tilt.y), 0.4);
 }
 
 TEST(DdsWorld, WhatItCannotFlyIsRefusedWithASentence) {

@@ -20,7 +20,7 @@ using DoctorCommand = FlyTest;
 TEST_F(DoctorCommand, ALightForEachAspectOfEachRobotAndAnExitCode) {
   const fs::path fleet = desk("10.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
-  ASSERT_TRUE(says("vehicles.err", "simulated vehicles"));
+  ASSERT_TRUE(prints("vehicles.err", "simulated vehicles"));
   const auto seen = test::sightline("doctor --json --seconds 3 " + fleet.string(), folder);
   const auto json = nlohmann::json::parse(seen.out);
   EXPECT_EQ(json["fleet"], "desk");
@@ -46,7 +46,7 @@ TEST_F(DoctorCommand, ALightForEachAspectOfEachRobotAndAnExitCode) {
               testing::ContainsRegex("uav0 +\\[ +-1\\.20, +-?0\\.00, +-?0\\.00\\] +\\[ +-?0\\.00,"));
   EXPECT_EQ(test::lines(watched.out), 5);
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"),
+  EXPECT_THAT(printed("vehicles.out"),
               HasSubstr("0 set-points (0 outside offboard, 0 bad), 0 heartbeats, 0 requests to arm"));
 }
 

@@ -394,9 +394,9 @@ TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
     EXPECT_THAT(rig.reported, testing::Contains("uav1: 10 %, 13.4 V, expected battery_min = 20 %"));
     EXPECT_THAT(rig.reported,
                 testing::Contains(HasSubstr("fleet: uav0 and uav2 are 0.00 m apart, d_hard = 0.6 m")));
-    for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+    for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
   }
-  // A transmitter that is not heard is told, and flown without.
+  // A transmitter that is not received is reported, and flown without.
   Rig rig(row_of({"1.16"}, 1.0));
   rig.vehicle(0).aside().lose_transmitter(true);
   EXPECT_FALSE(rig.take_off(Arming::dry_run));

@@ -69,7 +69,7 @@ TEST(FaultMatrix, JumpsThatAreCountedButTooFarLandAll) {
   expect_well_treated(rig);
 }
 
-// Nobody counts it: the supervisor doubts, and believes what goes on being said. It is off its circle by the jump.
+// Nobody counts it: the supervisor doubts, and accepts what goes on being published. It is off its circle by the jump.
 TEST(FaultMatrix, AJumpThatNobodyCountsIsDoubtedAndThenBelieved) {
   Rig rig(row_of({"1.16", "1.18"}, 5.0));
   LoopOutcome outcome;
@@ -100,7 +100,7 @@ TEST(FaultMatrix, OneThatRestartsIsNeitherArmedNorSteeredAgain) {
   EXPECT_EQ(rig.state(0), LinkState::done);
   EXPECT_EQ(rig.state(1), LinkState::done);
   EXPECT_FALSE(rig.vehicle(1).armed());
-  const Px4VehicleCounts n = rig.told_of(0);
+  const Px4VehicleCounts n = rig.counts_of(0);
   EXPECT_EQ(n.setpoints, 0);
   EXPECT_EQ(n.arm_requests + n.offboard_requests, 0);
   EXPECT_FALSE(rig.vehicle(0).armed());

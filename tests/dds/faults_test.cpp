@@ -134,7 +134,7 @@ TEST(Faults, PosesFreezeJumpAndCeaseToBeNumbers) {
   EXPECT_EQ(faults.counts().not_finite, none);
 }
 
-TEST(Faults, ChangesAreToldOnce) {
+TEST(Faults, ChangesAreReportedOnce) {
   Faults faults(1);
   EXPECT_FALSE(faults.changed(Kind::pilot));
   faults.begin(Kind::pilot);

@@ -20,7 +20,7 @@ using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(FirstFlyer, WhoIsToldWhatToDoAlreadyIsRefusedByName) {
+TEST(FirstFlyer, AVehicleThatIsCommandedAlreadyIsRefusedByName) {
   const Scenario scenario = test::scenario_of(fmt::format(
       "[fleet]\ndomain = {}\n"
       "[agent.a]\nrobot = \"multirotor\"\nstart = {{ p = [0, 0, 1] }}\n[agent.a.link]\nkind = \"px4\"\n"
@@ -62,21 +62,21 @@ TEST_F(TwoFlyers, TheSecondIsRefusedAndTheFirstFliesOn) {
   const auto fleet = desk("60.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto first = begin(flight(fleet, "first"), "first");
-  ASSERT_TRUE(says("first.err", "the task begins")) << said("first.err") << said("vehicles.err");
+  ASSERT_TRUE(prints("first.err", "the task begins")) << printed("first.err") << printed("vehicles.err");
   const auto begun = std::chrono::steady_clock::now();
   const auto second = begin(flight(fleet, "second"), "second");
   EXPECT_TRUE(test::eventually([&] { return second->ended(); }, std::chrono::seconds(10)));
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(10));
   EXPECT_EQ(second->code(), 2);
-  EXPECT_THAT(said("second.err"), HasSubstr("already, expected one flyer for each robot"));
+  EXPECT_THAT(printed("second.err"), HasSubstr("already, expected one flyer for each robot"));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   EXPECT_FALSE(first->ended());
-  EXPECT_THAT(said("first.err"), Not(HasSubstr("landing")));
+  EXPECT_THAT(printed("first.err"), Not(HasSubstr("landing")));
   ::kill(first->pid(), SIGINT);
   EXPECT_TRUE(test::eventually([&] { return first->ended(); }, std::chrono::seconds(20)));
-  EXPECT_EQ(first->code(), 0) << said("first.err");
+  EXPECT_EQ(first->code(), 0) << printed("first.err");
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 1 requests to arm, 1 for offboard, disarmed"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr(" 1 requests to arm, 1 for offboard, disarmed"));
 }
 
 // Both may be refused; no vehicle is asked to arm by two.
@@ -85,13 +85,13 @@ TEST_F(TwoFlyers, WhoBeginAtTheSameTimeDoNotBothFly) {
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto one = begin(flight(fleet, "one"), "one"), two = begin(flight(fleet, "two"), "two");
   EXPECT_TRUE(test::eventually([&] { return one->ended() && two->ended(); }, std::chrono::seconds(40)));
-  EXPECT_FALSE(one->code() == 0 && two->code() == 0) << said("one.err") << said("two.err");
+  EXPECT_FALSE(one->code() == 0 && two->code() == 0) << printed("one.err") << printed("two.err");
   for (const auto& [flyer, name] : {std::pair(one.get(), "one.err"), std::pair(two.get(), "two.err")}) {
     if (flyer->code() == 0) continue;
-    EXPECT_THAT(said(name), AnyOf(HasSubstr("another program writes"), HasSubstr("second")));
+    EXPECT_THAT(printed(name), AnyOf(HasSubstr("another program writes"), HasSubstr("second")));
   }
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
+  EXPECT_THAT(printed("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
 }
 
 }  // namespace

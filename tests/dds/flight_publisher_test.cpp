@@ -233,7 +233,7 @@ TEST(FlightPublisher, WithoutTopicsNothingIsShownButServicesAreThere) {
   }));
 }
 
-// More than there is room for, and more lines than a person reads: the producer is not held up, and what is left out is said.
+// More than there is room for, and more lines than a person reads: the producer is not held up, and what is left out is reported.
 TEST(FlightPublisher, WhatComesTooFastIsLeftOut) {
   const Scenario scenario = row_of({"1.16"}, 1.0);
   const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);

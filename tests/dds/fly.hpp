@@ -39,9 +39,9 @@ class FlyTest : public testing::Test {
         ::_exit(125);
     });
   }
-  std::string said(const std::string& name) const { return test::read_file(folder / name); }
-  bool says(const std::string& name, const std::string& what) const {
-    return test::eventually([&] { return said(name).find(what) != std::string::npos; },
+  std::string printed(const std::string& name) const { return test::read_file(folder / name); }
+  bool prints(const std::string& name, const std::string& what) const {
+    return test::eventually([&] { return printed(name).find(what) != std::string::npos; },
                             std::chrono::seconds(20));
   }
   void expect_replayed(const std::string& flight) const {
@@ -61,8 +61,8 @@ class FlyTest : public testing::Test {
     vehicles->end(SIGINT);
     EXPECT_EQ(vehicles->code(), 0);
     for (const char* bad : {"failsafe", "levelled out", "stopped by itself", "in the air", "flying"})
-      EXPECT_THAT(said("vehicles.out"), testing::Not(testing::HasSubstr(bad)));
-    EXPECT_THAT(said("vehicles.out"), testing::Not(testing::ContainsRegex("[1-9][0-9]* (while|bad)")));
+      EXPECT_THAT(printed("vehicles.out"), testing::Not(testing::HasSubstr(bad)));
+    EXPECT_THAT(printed("vehicles.out"), testing::Not(testing::ContainsRegex("[1-9][0-9]* (while|bad)")));
     expect_replayed("flown");
   }
   std::vector<std::string> flight(const std::filesystem::path& fleet,
@@ -78,7 +78,7 @@ class FlyTest : public testing::Test {
     const std::filesystem::path fleet = fleet_of(name, "60.0");
     auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
     auto flyer = begin(flight(fleet), "fly");
-    EXPECT_TRUE(says("fly.err", "the task begins")) << said("fly.err") << said("vehicles.err");
+    EXPECT_TRUE(prints("fly.err", "the task begins")) << printed("fly.err") << printed("vehicles.err");
     std::this_thread::sleep_for(since);
     return {fleet, std::move(vehicles), std::move(flyer)};
   }

@@ -17,11 +17,11 @@ TEST_F(FlyInterrupted, CtrlCLandsAllAndTheFlightIsReplayed) {
   const Flying one = in_task("desk", std::chrono::seconds(1));
   ::kill(one.flyer->pid(), SIGINT);
   EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(20)));
-  EXPECT_EQ(one.flyer->code(), 0) << said("fly.err");
-  EXPECT_THAT(said("fly.err"), HasSubstr("uav0: done"));
+  EXPECT_EQ(one.flyer->code(), 0) << printed("fly.err");
+  EXPECT_THAT(printed("fly.err"), HasSubstr("uav0: done"));
   one.vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("disarmed"));
-  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(", armed")));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("disarmed"));
+  EXPECT_THAT(printed("vehicles.out"), Not(HasSubstr(", armed")));
   expect_replayed("flown");
 }
 
@@ -29,7 +29,7 @@ TEST_F(FlyInterrupted, VehiclesThatAreKilledAreGivenUpAndTheFlightIsReplayed) {
   const Flying one = in_task("desk", std::chrono::milliseconds(700));
   one.vehicles->end(SIGKILL);
   // Whose last message is older is given up first; then all land.
-  EXPECT_TRUE(says("fly.err", ": landing, nothing came from it any more")) << said("fly.err");
+  EXPECT_TRUE(prints("fly.err", ": landing, nothing came from it any more")) << printed("fly.err");
   ::kill(one.flyer->pid(), SIGINT);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // two at a time are one
   ::kill(one.flyer->pid(), SIGINT);  // a second one leaves them to their autopilots
@@ -43,9 +43,9 @@ TEST_F(FlyInterrupted, AFlyerThatIsKilledLeavesALogThatIsReplayedAndVehiclesThat
   one.flyer->end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   one.vehicles->end(SIGINT);
-  EXPECT_TRUE(
-      std::regex_search(said("vehicles.out"), std::regex("failsafe 1\\.0[0-9]* s after the last heartbeat")))
-      << said("vehicles.out");
+  EXPECT_TRUE(std::regex_search(printed("vehicles.out"),
+                                std::regex("failsafe 1\\.0[0-9]* s after the last heartbeat")))
+      << printed("vehicles.out");
   expect_replayed("flown");
 }
 
@@ -70,9 +70,9 @@ TEST_F(FlyInterrupted, CrazyfliesWhoseFlyerIsKilledLevelOutAndStopTheirMotors) {
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   one.vehicles->end(SIGINT);
   EXPECT_TRUE(std::regex_search(
-      said("vehicles.out"),
+      printed("vehicles.out"),
       std::regex("locked, .*levelled out 0\\.5[0-9]* s after the last set-point, motors off 2\\.0[0-9]* s")))
-      << said("vehicles.out");
+      << printed("vehicles.out");
   expect_replayed("flown");
 }
 

@@ -28,9 +28,9 @@ TEST_F(Fly, TheShippedFleetTakesOffFliesItsTaskLandsAndIsReplayed) {
     EXPECT_THAT(flown.err, HasSubstr(state));
   vehicles->end(SIGINT);
   EXPECT_EQ(vehicles->code(), 0);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("(0 outside offboard, 0 bad)"));
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("1 requests to arm, 1 for offboard, disarmed"));
-  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr("failsafe")));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("(0 outside offboard, 0 bad)"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("1 requests to arm, 1 for offboard, disarmed"));
+  EXPECT_THAT(printed("vehicles.out"), Not(HasSubstr("failsafe")));
   expect_replayed("flown");
 }
 
@@ -38,7 +38,7 @@ TEST_F(Fly, AMixedFleetFliesOneTask) { expect_flies("mixed", whole_campaign() ? 
 
 TEST_F(Fly, ARobotWithoutAPositionFliesByWhatItSees) {
   expect_flies("localize", whole_campaign() ? "60.0" : "3.0");
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("pictures with tags: "));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("pictures with tags: "));
 }
 
 // The log has each motion sample with the means of its IMU: the estimates of a replay are the same bits.
@@ -64,11 +64,12 @@ TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
   const auto again = begin({"vehicles", one.fleet.string()}, "again");
   EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(20)));
   EXPECT_EQ(one.flyer->code(), 1);
-  EXPECT_THAT(said("fly.err"), testing::AnyOf(HasSubstr("it was restarted"), HasSubstr("it was disarmed")));
+  EXPECT_THAT(printed("fly.err"),
+              testing::AnyOf(HasSubstr("it was restarted"), HasSubstr("it was disarmed")));
   again->end(SIGINT);
   // A few set-points may have left before its first word was heard; an autopilot outside offboard drops them.
   for (const char* uav : {"uav0", "uav1"})
-    EXPECT_THAT(said("again.out"),
+    EXPECT_THAT(printed("again.out"),
                 testing::ContainsRegex(std::string(uav) +
                                        ": [0-9] set-points .* 0 requests to arm, 0 for offboard, disarmed"));
   expect_replayed("flown");
@@ -83,8 +84,8 @@ TEST_F(Fly, ADryRunArmsNothingAndIsNoFailure) {
   EXPECT_THAT(dry.err, HasSubstr("all are ready, none is armed: a dry run"));
   EXPECT_FALSE(fs::exists(flown)) << "a folder keeps the flight that it has";
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
-  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr(" 0 requests to arm"));
+  EXPECT_THAT(printed("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
 }
 
 // stdin of the stand-ins is a terminal, at which somebody types.
@@ -101,15 +102,15 @@ TEST_F(Fly, FaultsBeginAndEndByKey) {
         std::freopen("/dev/null", "w", stdout) == nullptr)
       ::_exit(125);
   });
-  ASSERT_TRUE(says("vehicles.err", "faults by key")) << said("vehicles.err");
+  ASSERT_TRUE(prints("vehicles.err", "faults by key")) << printed("vehicles.err");
   const auto type = [&](std::string_view keys) {
     EXPECT_EQ(::write(terminal, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   };
   type("2d");
-  EXPECT_TRUE(says("vehicles.err", "uav1: drop 0.2 begins")) << said("vehicles.err");
+  EXPECT_TRUE(prints("vehicles.err", "uav1: drop 0.2 begins")) << printed("vehicles.err");
   type("d1w");
-  EXPECT_TRUE(says("vehicles.err", "uav1: drop ends"));
-  EXPECT_TRUE(says("vehicles.err", "uav0: wrong_release 0 begins"));
+  EXPECT_TRUE(prints("vehicles.err", "uav1: drop ends"));
+  EXPECT_TRUE(prints("vehicles.err", "uav0: wrong_release 0 begins"));
   vehicles.end(SIGINT);
   EXPECT_EQ(vehicles.code(), 0);
   ::close(terminal);
@@ -123,13 +124,13 @@ TEST_F(Fly, WhereItWaitsForACallNothingIsArmedBefore) {
   std::vector<std::string> words = flight(fleet);
   words.emplace_back("--wait");
   const auto flyer = begin(words, "fly");
-  ASSERT_TRUE(says("fly.err", "all are ready: /sightline/start lets them take off")) << said("fly.err");
+  ASSERT_TRUE(prints("fly.err", "all are ready: /sightline/start lets them take off")) << printed("fly.err");
   flyer->end(SIGINT);
-  EXPECT_EQ(flyer->code(), 0) << said("fly.err");
-  EXPECT_EQ(said("flown/run.mcap"), "of an earlier flight") << "a folder keeps the flight that it has";
+  EXPECT_EQ(flyer->code(), 0) << printed("fly.err");
+  EXPECT_EQ(printed("flown/run.mcap"), "of an earlier flight") << "a folder keeps the flight that it has";
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
-  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr(" 0 requests to arm"));
+  EXPECT_THAT(printed("vehicles.out"), Not(HasSubstr(" 1 requests to arm")));
   EXPECT_NE(test::sightline("fly --wait --dry-run " + fleet.string(), folder).code, 0);
 }
 

@@ -32,29 +32,30 @@ class Forged : public FlyTest {
       EXPECT_TRUE(test::eventually([&] { return one.flyer->ended(); }, std::chrono::seconds(10)));
     }
     one.vehicles->end(SIGINT);
-    fmt::print("{} packets: exit code {}\n{}{}", packets, one.flyer->code(), said("fly.err"),
-               said("vehicles.out"));
+    fmt::print("{} packets: exit code {}\n{}{}", packets, one.flyer->code(), printed("fly.err"),
+               printed("vehicles.out"));
     // Signals and sanitizers end it by other codes.
     EXPECT_THAT(one.flyer->code(), AnyOf(0, 1));
     EXPECT_EQ(one.vehicles->code(), 0);
-    EXPECT_THAT(said("vehicles.out"), HasSubstr("uav1: "));
+    EXPECT_THAT(printed("vehicles.out"), HasSubstr("uav1: "));
     // A vehicle's count of bad set-points has those that were forged in the flyer's name, too.
-    const auto summary = nlohmann::json::parse(said("flown/summary.json"));
+    const auto summary = nlohmann::json::parse(printed("flown/summary.json"));
     EXPECT_EQ(summary.at("not_finite"), 0);
     EXPECT_EQ(summary.at("input_violations"), 0);
-    EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
-    // Who does not come down as asked is told with a reason.
+    EXPECT_THAT(printed("vehicles.out"), Not(testing::ContainsRegex(" [2-9] requests to arm")));
+    // A robot that does not land as requested is reported with a reason.
     if (one.flyer->code() == 0) {
-      for (const char* uav : {"uav0: done\n", "uav1: done\n"}) EXPECT_THAT(said("fly.err"), HasSubstr(uav));
+      for (const char* uav : {"uav0: done\n", "uav1: done\n"})
+        EXPECT_THAT(printed("fly.err"), HasSubstr(uav));
     } else {
-      EXPECT_THAT(said("fly.err"), testing::ContainsRegex("uav[01]: (landing|done|pilot), "));
+      EXPECT_THAT(printed("fly.err"), testing::ContainsRegex("uav[01]: (landing|done|pilot), "));
     }
-    EXPECT_THAT(said("fly.err"), HasSubstr("packets that could not be read"));
+    EXPECT_THAT(printed("fly.err"), HasSubstr("packets that could not be read"));
     expect_replayed("flown");
   }
 };
 
-TEST_F(Forged, PacketsInFlightCrashNothingAndSilenceIsTold) {
+TEST_F(Forged, PacketsInFlightCrashNothingAndSilenceIsReported) {
   const long packets = whole_campaign() ? 10'000 : 2'000;
   test::in_own_network([&] { fly_among(packets, 1000.0); });
 }

@@ -10,7 +10,7 @@ namespace {
 constexpr Nanoseconds tick = 10'000'000;
 
 /// A robot at 1 m/s along x whose estimator is off by `off` since it counted `resets` jumps.
-Motion said(int k, const Vec3<double>& off) {
+Motion published(int k, const Vec3<double>& off) {
   return {.p = Vec3<double>{0.01 * k, 0, 1} + off, .v = {1, 0, 0}};
 }
 
@@ -21,7 +21,7 @@ TEST(FrameAnchor, AJumpThatIsCountedMovesTheFrameAndNotTheRobot) {
   Vec3<double> off{};
   for (int k = 0; k < 1000; ++k) {
     if (k % 100 == 50) resets = (resets + 1) % 256, off = off + Vec3<double>{0.2, -0.1, 0.05};
-    Motion m = said(k, off);
+    Motion m = published(k, off);
     anchor.follow(m, resets, k * tick);
     EXPECT_NEAR(m.p.x, 0.01 * k, 1e-9);
     EXPECT_NEAR(m.p.y, 0.0, 1e-9);
@@ -33,13 +33,13 @@ TEST(FrameAnchor, AJumpThatIsCountedMovesTheFrameAndNotTheRobot) {
 
 TEST(FrameAnchor, BeforeItHoldsAndWithoutACountAJumpIsBelieved) {
   FrameAnchor anchor;
-  Motion m = said(0, {});
+  Motion m = published(0, {});
   anchor.follow(m, 0, tick);
-  m = said(1, {5, 0, 0});
+  m = published(1, {5, 0, 0});
   anchor.follow(m, 1, 2 * tick);
   EXPECT_NEAR(m.p.x, 5.01, 1e-12);
   anchor.hold();
-  m = said(2, {6, 0, 0});
+  m = published(2, {6, 0, 0});
   anchor.follow(m, 1, 3 * tick);
   EXPECT_NEAR(m.p.x, 6.02, 1e-12);
   EXPECT_EQ(anchor.jumps(), 0);

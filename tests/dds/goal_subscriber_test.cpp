@@ -60,7 +60,7 @@ class Operator {
 
 const GoalsFrom goals_of_uav0 = {.goal_topic = "/uav0/goal", .path_topic = "/uav0/path"};
 
-TEST(GoalSubscriber, WhatIsRefusedIsCountedAndToldOnce) {
+TEST(GoalSubscriber, WhatIsRefusedIsCountedAndReportedOnce) {
   const Domain domain{test::own_network()};
   GoalSubscriber subscriber(domain.participant(), goals_of_uav0, {.world = 5, .floor = 0.3, .ceiling = 3});
   Operator person(domain, "uav0");
@@ -114,17 +114,17 @@ TEST(GoalSubscriber, OfGoalsThatComeFasterThanTenASecondTheLastIsTaken) {
   GoalTrack track(Multirotor{}, Constant{{0, 0, 1}, 0.0}, 0.5);
   person.goal({9, 9, 9});
   subscriber.forget();
-  std::vector<Waypoint> said;
+  std::vector<Waypoint> received;
   for (int period = 0; period < 100; ++period) {
     if (period < 95) person.goal({0.1 * period, 0, 1});
     subscriber.pass_on(0.01 * period, track);
   }
   EXPECT_LE(track.messages(), 10u);
   EXPECT_GE(track.messages(), 9u);
-  track.waypoints(0, said);
-  EXPECT_EQ(said[0].p.x, 0.0);
-  track.waypoints(track.messages() - 1, said);
-  EXPECT_NEAR(said[0].p.x, 9.4, 0.5);
+  track.waypoints(0, received);
+  EXPECT_EQ(received[0].p.x, 0.0);
+  track.waypoints(track.messages() - 1, received);
+  EXPECT_NEAR(received[0].p.x, 9.4, 0.5);
   EXPECT_THAT(subscriber.news(), IsEmpty());
 }
 
@@ -164,7 +164,7 @@ TEST_F(FlyGoals, AFlightWithGoalsAndAPathIsReplayedBitForBit) {
   {
     const Domain domain{test::own_network()};
     Operator person(domain, "uav1");
-    ASSERT_TRUE(says("fly.err", "the task begins")) << said("fly.err");
+    ASSERT_TRUE(prints("fly.err", "the task begins")) << printed("fly.err");
     ASSERT_TRUE(test::eventually([&] { return person.is_received(); }, std::chrono::seconds(5)));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     person.goal({0.3, 0.6, 1.2});
@@ -173,10 +173,10 @@ TEST_F(FlyGoals, AFlightWithGoalsAndAPathIsReplayedBitForBit) {
     person.goal({0, 0, 50});
     EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(30)));
   }
-  EXPECT_EQ(flyer->code(), 0) << said("fly.err");
+  EXPECT_EQ(flyer->code(), 0) << printed("fly.err");
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("fly.err"), HasSubstr("uav1: 2 goals taken, 1 refused: outside"));
-  EXPECT_THAT(said("fly.err"), HasSubstr("uav1: a goal is refused: outside"));
+  EXPECT_THAT(printed("fly.err"), HasSubstr("uav1: 2 goals taken, 1 refused: outside"));
+  EXPECT_THAT(printed("fly.err"), HasSubstr("uav1: a goal is refused: outside"));
   expect_replayed("flown");
 }
 

@@ -27,9 +27,9 @@ TEST_F(IdentifyOverLink, FindsTheNumbersOfTheStandIn) {
   vehicles->end(SIGINT);
   // It took off, landed, and left the other one on the ground.
   EXPECT_THAT(done.err, HasSubstr("uav0: done"));
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("(0 outside offboard, 0 bad)"));
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("1 requests to arm, 1 for offboard, disarmed"));
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("uav1: 0 set-points"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("(0 outside offboard, 0 bad)"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("1 requests to arm, 1 for offboard, disarmed"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("uav1: 0 set-points"));
   const auto json = nlohmann::json::parse(done.out);
   const auto number = [&](const std::string& key) {
     for (const auto& one : json["best"]["numbers"])
@@ -59,7 +59,7 @@ TEST_F(IdentifyOverLink, FindsTheNumbersOfTheStandIn) {
   EXPECT_LE(delay["value"].get<double>(), 0.02);
 }
 
-TEST_F(IdentifyOverLink, WhereThereIsNoRoomItIsToldAndTheRobotLands) {
+TEST_F(IdentifyOverLink, WhereThereIsNoRoomItIsReportedAndTheRobotLands) {
   const fs::path fleet = desk("10.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto done =
@@ -71,7 +71,7 @@ TEST_F(IdentifyOverLink, WhereThereIsNoRoomItIsToldAndTheRobotLands) {
   EXPECT_EQ(high.code, 2);
   EXPECT_THAT(high.err, HasSubstr("--height of a robot on a link, expected none"));
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("1 requests to arm, 1 for offboard, disarmed"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("1 requests to arm, 1 for offboard, disarmed"));
 }
 
 }  // namespace

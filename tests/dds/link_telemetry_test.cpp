@@ -121,6 +121,10 @@ TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
     distance = norm(own.p - seen.p);
   });
   EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  // Its attitude is in G, from which its odometry is turned by its heading at the start.
+  const Vec2<double> ahead = heading(rotation(rig.last.attitudes[0]));
+  EXPECT_NEAR(std::remainder(std::atan2(ahead.y, ahead.x) - rig.last.estimates[0].psi, 6.283185307), 0.0,
+              0.02);
   EXPECT_GT(estimates, 50);
   EXPECT_GT(sure, 0.9 * estimates);
   EXPECT_GT(cameras, 3);

@@ -77,7 +77,7 @@ std::vector<Field> fields_of(const std::string& text) {
   return fields;
 }
 
-/// Releases of "14(v0) 16(v1)", "14,15" or "16/17", with versions where they are said.
+/// Releases of "14(v0) 16(v1)", "14,15" or "16/17", with versions where they are given.
 std::vector<std::pair<int, int>> releases_of(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == ',' || c == '/'; }, ' ');

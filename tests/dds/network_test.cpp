@@ -41,13 +41,13 @@ class Network : public FlyTest {
     return test::shell(apart + " bash '" + (folder / "script").string() + "'", folder);
   }
   /// Packets that passed the second interface, both ways and multicast, while `commands` ran.
-  long passed(const std::string& commands, std::string* said = nullptr) const {
+  long passed(const std::string& commands, std::string* printed = nullptr) const {
     const auto done = in_own_network(
         "packets() { awk '/v[01]:/ { n += $3 + $9 + $11 } END { print n }' /proc/self/net/dev; }\n"
         "before=$(packets)\n" +
         commands + "\necho \"passed $(($(packets) - before))\"\n");
     EXPECT_EQ(done.code, 0) << done.out << done.err;
-    if (said != nullptr) *said = done.out + done.err;
+    if (printed != nullptr) *printed = done.out + done.err;
     const std::size_t at = done.out.rfind("passed ");
     if (at == std::string::npos) return -1;
     return std::atol(done.out.c_str() + at + 7);
@@ -69,19 +69,19 @@ class Network : public FlyTest {
 };
 
 TEST_F(Network, OfAFlightByDefaultNothingLeavesTheMachine) {
-  std::string said;
-  EXPECT_EQ(passed(flown(fleet("default", "")), &said), 0);
-  EXPECT_THAT(said, HasSubstr("uav0: done"));
+  std::string printed;
+  EXPECT_EQ(passed(flown(fleet("default", "")), &printed), 0);
+  EXPECT_THAT(printed, HasSubstr("uav0: done"));
 }
 
 TEST_F(Network, OnLoopbackByNameNothingLeavesTheMachineWithMulticastAskedForToo) {
-  std::string said;
-  EXPECT_EQ(passed(flown(fleet("lo", "interfaces = [\"lo\"]"), "--dry-run"), &said), 0);
-  EXPECT_THAT(said, HasSubstr("all are ready, none is armed: a dry run"));
+  std::string printed;
+  EXPECT_EQ(passed(flown(fleet("lo", "interfaces = [\"lo\"]"), "--dry-run"), &printed), 0);
+  EXPECT_THAT(printed, HasSubstr("all are ready, none is armed: a dry run"));
   const std::string multicast =
       "interfaces = [\"lo\"]\ndiscovery = { multicast = true, peers = [\"127.0.0.1\"] }";
-  EXPECT_EQ(passed(flown(fleet("multicast", multicast), "--dry-run"), &said), 0);
-  EXPECT_THAT(said, HasSubstr("all are ready, none is armed: a dry run"));
+  EXPECT_EQ(passed(flown(fleet("multicast", multicast), "--dry-run"), &printed), 0);
+  EXPECT_THAT(printed, HasSubstr("all are ready, none is armed: a dry run"));
 }
 
 // That the count is not zero whatever passes.
@@ -95,13 +95,13 @@ TEST_F(Network, WhereTheOtherInterfaceIsNamedItsPacketsAreCounted) {
 TEST_F(Network, ADomainThatCannotBeHadStopsTheProgramAndSendsNothing) {
   const std::string file =
       fleet("nowhere", "interfaces = [\"v7\"]\ndiscovery = { peers = [\"10.213.0.3\"] }");
-  std::string said;
+  std::string printed;
   for (const std::string command : {"fly", "vehicles"}) {
-    EXPECT_EQ(passed(fmt::format("'" SIGHTLINE_BINARY "' {} {} || echo \"code $?\"", command, file), &said),
-              0);
-    EXPECT_THAT(said, HasSubstr("code 2"));
-    EXPECT_THAT(said, HasSubstr(" on v7: "));
-    EXPECT_THAT(said, HasSubstr("expected interfaces of this machine"));
+    EXPECT_EQ(
+        passed(fmt::format("'" SIGHTLINE_BINARY "' {} {} || echo \"code $?\"", command, file), &printed), 0);
+    EXPECT_THAT(printed, HasSubstr("code 2"));
+    EXPECT_THAT(printed, HasSubstr(" on v7: "));
+    EXPECT_THAT(printed, HasSubstr("expected interfaces of this machine"));
   }
 }
 

@@ -26,9 +26,9 @@ class PartsFlown : public FlyTest {
                                    const std::string& name) const {
     return begin({"fly", fleet.string(), "--part", part, "-o", (folder / name).string()}, name);
   }
-  /// How often a program said so.
+  /// How often a program printed it.
   long times(const std::string& name, const std::string& what) const {
-    const std::string text = said(name);
+    const std::string text = printed(name);
     long count = 0;
     for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
     return count;
@@ -42,45 +42,45 @@ TEST_F(PartsFlown, OneThatIsKilledJoinsAgainAndFliesOnceItsRobotHasLandedAndSome
   auto right = fly(fleet, "right", "right");
   const std::string flies = "part right: its messages arrive, its robots fly as they predict",
                     stands = "part right: its messages arrive, its robots do not fly its task";
-  ASSERT_TRUE(says("left.err", flies)) << said("left.err") << said("right.err");
+  ASSERT_TRUE(prints("left.err", flies)) << printed("left.err") << printed("right.err");
 
   const auto second = fly(fleet, "right", "second");
   ASSERT_TRUE(test::eventually([&] { return second->ended(); }, std::chrono::seconds(20)));
   EXPECT_EQ(second->code(), 2);
-  EXPECT_THAT(said("second.err"), HasSubstr("partition.part = \"right\", which another program plans"));
+  EXPECT_THAT(printed("second.err"), HasSubstr("partition.part = \"right\", which another program plans"));
 
   right->end(SIGKILL);
-  ASSERT_TRUE(says("left.err", "part right: its messages do not arrive")) << said("left.err");
+  ASSERT_TRUE(prints("left.err", "part right: its messages do not arrive")) << printed("left.err");
   const long stood = times("left.err", stands), flew = times("left.err", flies);
   const auto again = fly(fleet, "right", "again");
   EXPECT_TRUE(test::eventually([&] { return times("left.err", stands) > stood; }, std::chrono::seconds(20)))
-      << "its robot is no cooperative neighbour: " << said("left.err");
+      << "its robot is no cooperative neighbour: " << printed("left.err");
 
   Domain domain(test::own_network());
   Person person(domain, 5, "/sightline/right/start");
-  const bool early = said("again.err").find("lets them take off") == std::string::npos;
+  const bool early = printed("again.err").find("lets them take off") == std::string::npos;
   const std::string answer = early ? person.call() : "no: ";
   EXPECT_THAT(answer, StartsWith("no: "));
   ASSERT_TRUE(test::eventually([&] {
-    return said("again.err").find("/sightline/right/start lets them take off") != std::string::npos;
-  })) << said("again.err")
-      << said("vehicles.err");
-  EXPECT_THAT(said("again.err"), HasSubstr("uav1: it is flying already, by another program"));
+    return printed("again.err").find("/sightline/right/start lets them take off") != std::string::npos;
+  })) << printed("again.err")
+      << printed("vehicles.err");
+  EXPECT_THAT(printed("again.err"), HasSubstr("uav1: it is flying already, by another program"));
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  EXPECT_THAT(said("again.err"), Not(HasSubstr("arming"))) << "nobody has called";
+  EXPECT_THAT(printed("again.err"), Not(HasSubstr("arming"))) << "nobody has called";
   EXPECT_THAT(person.call(), StartsWith("yes: "));
-  EXPECT_TRUE(says("again.err", "the task begins")) << said("again.err");
+  EXPECT_TRUE(prints("again.err", "the task begins")) << printed("again.err");
   EXPECT_TRUE(test::eventually([&] { return times("left.err", flies) > flew; }, std::chrono::seconds(20)))
-      << said("left.err");
+      << printed("left.err");
 
   for (const auto& flyer : {left.get(), again.get()}) {
     ::kill(flyer->pid(), SIGINT);
     EXPECT_TRUE(test::eventually([&] { return flyer->ended(); }, std::chrono::seconds(30)));
   }
-  EXPECT_EQ(again->code(), 0) << said("again.err");
+  EXPECT_EQ(again->code(), 0) << printed("again.err");
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), testing::ContainsRegex("uav1: [^\n]*failsafe 1\\."));
-  EXPECT_THAT(said("vehicles.out"), Not(testing::ContainsRegex("uav0: [^\n]*failsafe")));
+  EXPECT_THAT(printed("vehicles.out"), testing::ContainsRegex("uav1: [^\n]*failsafe 1\\."));
+  EXPECT_THAT(printed("vehicles.out"), Not(testing::ContainsRegex("uav0: [^\n]*failsafe")));
 }
 
 TEST_F(PartsFlown, WithoutAPartOrByOneThatIsNotThereNothingIsFlown) {

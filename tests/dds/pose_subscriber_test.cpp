@@ -31,6 +31,25 @@ TEST(PoseSubscriber, TheNewestMotionIsSeenInTheTeamsFrameAndByOurClock) {
   EXPECT_FALSE(poses.is_fresh(second + 120 * ms, 100 * ms));
 }
 
+// The sender's clock is 499 s ahead and jumps by 2 s: delays are counted by the followed clock.
+TEST(PoseSubscriber, ThePosesLatenessIsThatBeyondTheFastest) {
+  PoseSubscriber poses;
+  const Motion at_rest = {{0, 0, 0}, upright({1, 0}), {}, 0};
+  constexpr int count = 200;
+  for (int k = 0; k < count; ++k) {
+    const Nanoseconds sent = second + 10 * k * ms, ahead = (k < count / 2 ? 499 : 501) * second,
+                      late = k % 10 == 9 ? 8 * ms : 0;
+    poses.take(at_rest, sent + ahead, sent + 3 * ms + late);
+    if (k < 20) poses.take(at_rest, sent + ahead, sent + 4 * ms + late);  // repeated, not counted
+  }
+  EXPECT_EQ(poses.clock_jumps(), 1);
+  const DelayHistogram& lateness = poses.lateness();
+  EXPECT_NEAR(static_cast<double>(lateness.count()), count, 3);  // until the jump is certain
+  EXPECT_LE(lateness.within(0.85), 2e-6);
+  EXPECT_NEAR(lateness.within(0.95), 0.008, 0.0004);
+  EXPECT_NEAR(lateness.within(1.0), 0.008, 0.0004);
+}
+
 TEST(PoseSubscriber, WhatIsNotFiniteOrOfAnotherTimeIsCountedAndNotSeen) {
   PoseSubscriber poses;
   const Motion good = {{1, 0, 0}, upright({1, 0}), {}, 0};

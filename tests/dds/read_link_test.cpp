@@ -151,7 +151,7 @@ TEST(ReadLink, WhatFliesOnRos2SaysWhatTakesItOffAndLandsIt) {
               EndsWith("expected 2.5 to 30 V"));
 }
 
-TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
+TEST(ReadLink, ANetworkIsLoopbackUnlessItIsGiven) {
   const Scenario a = scenario_of(fleet(px4));
   EXPECT_EQ(fleet_of(a).network.interfaces, std::vector<std::string>{"lo"});
   EXPECT_THAT(
@@ -171,7 +171,7 @@ TEST(ReadLink, ANetworkIsLoopbackUnlessItIsSaid) {
             Multicast::on);
 }
 
-// Which files they are is told by their names: what is in them, the bridge reads.
+// Which files they are follows from their names: what is in them, the bridge reads.
 TEST(ReadLink, KeysAreInTheFoldersOfThoseWhoHaveThem) {
   const std::filesystem::path keys = test::fresh_folder() / "keys";
   const auto with = [&](const std::string& folder) {

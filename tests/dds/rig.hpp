@@ -68,7 +68,7 @@ struct NullSink final : Sink<Sample> {
   std::array<int, event_kinds> occurred{};
 };
 
-/// Stand-ins have said all of themselves, and take set-points, sooner than a vehicle.
+/// Simulated vehicles have published all of their states, and accept set-points, sooner than a vehicle.
 inline LinkTimes of_vehicle_simulators(LinkTimes times) {
   times.listened = 0.8;
   times.received = 0.3;
@@ -116,7 +116,8 @@ class Rig {
     outcome = loop.fly();
     other.join();
     occurred = sink.occurred;
-    if (dynamic_cast<Px4Vehicle*>(&vehicle_simulators.of(0)) != nullptr) after_task = told_of(0);
+    last = sink.sample;
+    if (dynamic_cast<Px4Vehicle*>(&vehicle_simulators.of(0)) != nullptr) after_task = counts_of(0);
     land();
     return outcome;
   }
@@ -127,7 +128,7 @@ class Rig {
   }
   Px4Vehicle& vehicle(std::size_t i) { return dynamic_cast<Px4Vehicle&>(vehicle_simulators.of(i)); }
   Faults& faults(std::size_t i) { return vehicle_simulators.faults(i); }
-  Px4VehicleCounts told_of(std::size_t i) { return vehicle(i).reported(); }
+  Px4VehicleCounts counts_of(std::size_t i) { return vehicle(i).reported(); }
   /// The first line of the flyer's counts that has these words; empty: none.
   std::string counted(std::string_view words) const {
     for (const std::string& line : world->counts())
@@ -149,6 +150,7 @@ class Rig {
   std::array<int, event_kinds> occurred{};  // events of the task, by kind
   TeamSwitcher* switcher = nullptr;         // of the task, while it is flown
   Px4VehicleCounts after_task;
+  Sample last;  // of the task
 };
 
 /// What a flyer says that must not take off, and is given up after so long [s].
@@ -163,7 +165,7 @@ inline Fields not_ready(const Scenario& scenario, const std::shared_ptr<Domain>&
 /// Of each vehicle: few requests, never a set-point where it takes none, all numbers fit.
 inline void expect_well_treated(Rig& rig) {
   for (std::size_t i = 0; i < fleet_of(rig.scenario).links.size(); ++i) {
-    const Px4VehicleCounts n = rig.told_of(i);
+    const Px4VehicleCounts n = rig.counts_of(i);
     EXPECT_LE(std::max(n.arm_requests, n.offboard_requests), LinkTimes{}.attempts) << i;
     EXPECT_EQ(n.setpoints_outside, 0) << i;
     EXPECT_EQ(n.bad_setpoints, 0) << i;

@@ -70,7 +70,7 @@ TEST(RobotState, TheHeadingRateIsThatOfTheModelAMomentLater) {
               1e-5);
 }
 
-// A rover that is commanded velocities is told the one that its model would end at: b_f u / -a_f.
+// A rover that is commanded velocities receives the one that its model would end at: b_f u / -a_f.
 TEST(RobotState, TheEndOfAVelocityIsWhereTheModelNoLongerAccelerates) {
   const OmniRover rover{.a_f = -2.0, .b_f = 3.0, .a_s = -4.0, .b_s = 2.0};
   RobotState state(rover);

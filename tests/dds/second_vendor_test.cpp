@@ -35,7 +35,7 @@ class SecondVendor : public FlyTest {
   }
 };
 
-// The robot is the other vendor's: it says its odometry, drives as it is told, looks at its flyer's topics, and ends the task by a call.
+// The robot is the other vendor's: it publishes its odometry, drives as commanded, reads its flyer's topics, and ends the task by a call.
 TEST_F(SecondVendor, ARobotOfFastDdsDrivesAndIsShownAndCalls) {
   std::ofstream(folder / "rover.toml") << fmt::format(
       "[fleet]\ndomain = {}\n[simulation]\nduration = 30.0\n[agent.rover]\nrobot = \"unicycle\"\nstart = {{ "
@@ -50,7 +50,7 @@ TEST_F(SecondVendor, ARobotOfFastDdsDrivesAndIsShownAndCalls) {
       "fly " + (folder / "rover.toml").string() + " -o " + (folder / "flown").string(), folder);
   robot.join();
   EXPECT_EQ(flown.code, 0) << flown.out << flown.err;
-  const std::string saw = said("peer");
+  const std::string saw = printed("peer");
   EXPECT_THAT(saw, ContainsRegex("[0-9][0-9][0-9]+ commands, farthest (0.[3-9]|1)[0-9.]* m, at rest yes"));
   EXPECT_THAT(saw, ContainsRegex("[0-9][0-9]+ poses in map, where it is"));
   EXPECT_THAT(saw, ContainsRegex("[0-9]+ marker arrays of 5, whole"));
@@ -63,7 +63,7 @@ TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
   const auto domain = std::make_shared<Domain>(test::own_network());
   Link link;
   link.kind = Px4Link{.name_space = "/px4_0"};
-  Px4LinkEnd end(domain->participant(), link, Stamps::of_this_machine, 0.0, Inertial::unread);
+  Px4LinkEnd end(domain->participant(), link, Stamps::of_poses, 0.0, Inertial::unread);
   ServiceCaller caller(domain->participant(), trigger_service, "/land/trigger", [](const void* response) {
     const auto& r = *static_cast<const std_srvs_srv_dds__Trigger_Response_*>(response);
     return r.success && std::string(r.message) == "landing";
@@ -77,7 +77,7 @@ TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
   EXPECT_NEAR(seen.motion.p.x, -2.5, 1e-6);  // NED to ENU
   EXPECT_NEAR(seen.motion.p.y, 1.5, 1e-6);
   EXPECT_NEAR(seen.motion.p.z, 0.5, 1e-6);
-  // Its mode is said in its place: without it no set-point is sent.
+  // Its mode is published in its place: without it no set-point is sent.
   const int release = px4_first + static_cast<int>(std::get<Px4Link>(link.kind).release);
   const Px4Layout layout("VehicleStatus", release);
   Px4Message offboard(layout);
@@ -94,7 +94,7 @@ TEST_F(SecondVendor, OdometryAndSetpointsOfPx4AndACallGoEitherWay) {
   EXPECT_TRUE(caller.call(&request));
   EXPECT_TRUE(test::eventually([&] { return caller.answer() == Answer::accepted; }));
   vehicle.join();
-  EXPECT_THAT(said("peer"), ContainsRegex("[1-9][0-9]+ set-points, north 0.75 m/s\n1 calls"));
+  EXPECT_THAT(printed("peer"), ContainsRegex("[1-9][0-9]+ set-points, north 0.75 m/s\n1 calls"));
 }
 
 }  // namespace

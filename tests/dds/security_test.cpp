@@ -200,10 +200,10 @@ TEST_F(SecureFlight, AFleetWithKeysFliesAndIsReplayedWithoutThem) {
               HasSubstr("no multicast, DDS security; "));
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
   const auto flown = test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string(), folder);
-  EXPECT_EQ(flown.code, 0) << flown.err << said("vehicles.err");
+  EXPECT_EQ(flown.code, 0) << flown.err << printed("vehicles.err");
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("(0 outside offboard, 0 bad)"));
-  EXPECT_THAT(said("vehicles.out"), Not(HasSubstr("failsafe")));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("(0 outside offboard, 0 bad)"));
+  EXPECT_THAT(printed("vehicles.out"), Not(HasSubstr("failsafe")));
   fs::remove_all(folder / "keys");
   expect_replayed("flown");
   const auto without = test::sightline("fly " + fleet.string(), folder);
@@ -215,14 +215,14 @@ TEST_F(SecureFlight, AFleetWithKeysFliesAndIsReplayedWithoutThem) {
 TEST_F(SecureFlight, VehiclesWithoutKeysAreNobodyToAFlyerWithKeys) {
   fleet_keys();
   const auto vehicles = begin({"vehicles", fleet_with("", "1.0").string()}, "vehicles");
-  ASSERT_TRUE(says("vehicles.err", "simulated vehicles"));
+  ASSERT_TRUE(prints("vehicles.err", "simulated vehicles"));
   const Scenario scenario = read_scenario(fleet_with("keys", "1.0"), with_links());
   const Fields reported = not_ready(scenario, std::make_shared<Domain>(with(fleet_keys())), 2.5);
   EXPECT_THAT(reported, testing::Contains("uav0: done, it was not ready in time"));
   EXPECT_THAT(reported, testing::Contains(HasSubstr("vehicle_odometry: no message of PX4 1.16")));
   vehicles->end(SIGINT);
-  EXPECT_THAT(said("vehicles.out"), HasSubstr("uav0: 0 set-points"));
-  EXPECT_THAT(said("vehicles.out"), HasSubstr(" 0 requests to arm"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr("uav0: 0 set-points"));
+  EXPECT_THAT(printed("vehicles.out"), HasSubstr(" 0 requests to arm"));
 }
 
 }  // namespace

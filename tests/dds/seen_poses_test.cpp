@@ -53,7 +53,7 @@ struct Seeing {
     (void)to.write(&m);
   }
   /// What is red.
-  std::vector<std::string> said() const {
+  std::vector<std::string> red_findings() const {
     FindingList findings("");
     subscriber.examine("the frame that is G", other_frames_than(from), findings);
     std::vector<std::string> sentences;
@@ -83,38 +83,39 @@ TEST(SeenPoses, APoseOfMotionCaptureHasItsVelocity) {
     other.send_named(*array, "world", "cf2", {9, 9, 9}, k);
   }
   SeenMotion seen;
-  ASSERT_TRUE(one.subscriber.look(seen)) << fmt::format("{}", one.said());
+  ASSERT_TRUE(one.subscriber.look(seen)) << fmt::format("{}", one.red_findings());
   EXPECT_EQ(seen.motion.p.x, 0.19);
   EXPECT_NEAR(seen.motion.v.x, 1.0, 0.1);
-  ASSERT_TRUE(other.subscriber.look(seen)) << fmt::format("{}", other.said());
+  ASSERT_TRUE(other.subscriber.look(seen)) << fmt::format("{}", other.red_findings());
   EXPECT_NEAR(seen.motion.v.y, 2.0, 0.2);
-  EXPECT_THAT(one.said(), IsEmpty());
-  EXPECT_THAT(other.said(), IsEmpty());
+  EXPECT_THAT(one.red_findings(), IsEmpty());
+  EXPECT_THAT(other.red_findings(), IsEmpty());
 }
 
 TEST(SeenPoses, WhatDoesNotHoldHasASentence) {
   const Domain domain{test::own_network()};
   Seeing one(domain, by_stamped);
-  EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: no message"));
+  EXPECT_THAT(one.red_findings(), ElementsAre("rt/body/pose: no message"));
   const auto writer = one.writer();
   one.send(*writer, "world", {0, 0, 1}, {std::nan(""), 0, 0, 0}, 0);
-  EXPECT_THAT(one.said(), ElementsAre("rt/body/pose: 1 poses that are not finite"));
+  EXPECT_THAT(one.red_findings(), ElementsAre("rt/body/pose: 1 poses that are not finite"));
   one.send(*writer, "map", {0, 0, 1}, level_east, 0);
-  EXPECT_THAT(one.said(), Contains("rt/body/pose: 1 poses in a frame that is not pose_frame, \"world\""));
+  EXPECT_THAT(one.red_findings(),
+              Contains("rt/body/pose: 1 poses in a frame that is not pose_frame, \"world\""));
   EXPECT_TRUE(one.subscriber.in_other_frames());
   const auto rival = one.writer();
   one.send(*rival, "world", {0, 0, 1}, level_east, 0);
   EXPECT_THAT(
-      one.said(),
+      one.red_findings(),
       Contains(HasSubstr("rt/body/pose: 1 messages of a second writer; if the first one was restarted")));
 
   Seeing other(domain, by_named);
   const auto array = other.writer();
   other.send_named(*array, "world", "cf3", {}, 0);
   other.send_named(*array, "world", "cf2", {}, 0);
-  EXPECT_THAT(other.said(), ElementsAre("rt/poses: no body \"cf1\", there is cf2, cf3"));
+  EXPECT_THAT(other.red_findings(), ElementsAre("rt/poses: no body \"cf1\", there is cf2, cf3"));
   other.send_named(*array, "world", "cf1", {}, 0);
-  EXPECT_THAT(other.said(), ElementsAre("rt/poses: never four poses within 0.4 s"));
+  EXPECT_THAT(other.red_findings(), ElementsAre("rt/poses: never four poses within 0.4 s"));
 
   Seeing unstamped(domain, {PoseSource::mocap, "/other/pose", "", "world"});
   const auto without = unstamped.writer();
@@ -123,7 +124,7 @@ TEST(SeenPoses, WhatDoesNotHoldHasASentence) {
     const geometry_msgs_msg_dds__PoseStamped_ m = {{{5, 0}, frame.data()}, {{0, 0, 1}, {0, 0, 0, 1}}};
     (void)without->write(&m);
   }
-  EXPECT_THAT(unstamped.said(), ElementsAre("rt/other/pose: 4 poses whose stamps do not rise"));
+  EXPECT_THAT(unstamped.red_findings(), ElementsAre("rt/other/pose: 4 poses whose stamps do not rise"));
 }
 
 TEST(SeenPoses, ASingleMarkerIsEnoughForABodyWithoutAHeading) {
@@ -139,7 +140,7 @@ TEST(SeenPoses, ASingleMarkerIsEnoughForABodyWithoutAHeading) {
 TEST(SeenPoses, TransformsLeadFromTheBodyToTheWorldOrTheSentenceSaysWhereTheyEnd) {
   const Domain domain{test::own_network()};
   Seeing one(domain, by_tf);
-  EXPECT_THAT(one.said(), ElementsAre("rt/tf: no message"));
+  EXPECT_THAT(one.red_findings(), ElementsAre("rt/tf: no message"));
   const auto writer = [&](const std::string& topic, Quality quality) {
     return std::make_unique<RawWriter>(one.domain.participant(), tf2_msgs_msg_dds__TFMessage__desc, topic,
                                        quality);
@@ -156,19 +157,19 @@ TEST(SeenPoses, TransformsLeadFromTheBodyToTheWorldOrTheSentenceSaysWhereTheyEnd
     (void)to.write(&m);
   };
   send(*tf, "odom", "other", 0, 0);
-  EXPECT_THAT(one.said(), ElementsAre("rt/tf: no transform of \"base\""));
+  EXPECT_THAT(one.red_findings(), ElementsAre("rt/tf: no transform of \"base\""));
   send(*tf, "odom", "base", 0, 0);
-  EXPECT_THAT(one.said(),
+  EXPECT_THAT(one.red_findings(),
               ElementsAre("rt/tf: the parents of \"base\" end at \"odom\", expected pose_frame, \"world\""));
   send(*fixed, "world", "odom", 5, 0);
   for (int k = 1; k < 9; ++k) send(*tf, "odom", "base", 0.01 * k, k);
   SeenMotion seen;
-  ASSERT_TRUE(one.subscriber.look(seen)) << fmt::format("{}", one.said());
+  ASSERT_TRUE(one.subscriber.look(seen)) << fmt::format("{}", one.red_findings());
   EXPECT_NEAR(seen.motion.p.x, 5.08, 1e-12);
   EXPECT_NEAR(seen.motion.v.x, 1.0, 0.1);
-  EXPECT_THAT(one.said(), IsEmpty());
+  EXPECT_THAT(one.red_findings(), IsEmpty());
   send(*rival, "odom", "base", 3, 9);
-  EXPECT_THAT(one.said(),
+  EXPECT_THAT(one.red_findings(),
               ElementsAre(HasSubstr("rt/tf: 1 messages of a second writer; if the first one was restarted")));
 }
 
@@ -228,7 +229,7 @@ TEST(SeenPoses, ABodyThatNobodySeesAWrongFrameAndATurnedEstimatorKeepAFleetOnThe
   EXPECT_THAT(rig.reported,
               Contains(HasSubstr("uav1: its estimator's heading is -1.00 rad from the one that is seen")))
       << fmt::format("{}", fmt::join(rig.reported, "\n"));
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(rig.told_of(i).arm_requests, 0);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(rig.counts_of(i).arm_requests, 0);
 }
 
 }  // namespace

@@ -59,14 +59,14 @@ TEST_F(Service, ARequestArrivesAsItWasSentAndIsAnswered) {
   EXPECT_EQ(seen.duration.nanosec, 250'000'000U);
 }
 
-TEST_F(Service, ARefusalAnAnswerToAnotherAndNoneAreToldApart) {
+TEST_F(Service, ARefusalAnAnswerToAnotherAndNoneAreDistinguished) {
   enum { accept, refuse, say_nothing };
   std::atomic<int> how{refuse};
   ServiceServer server(other, trigger_service, "/land", [&](const void*, void* response) {
     static std::array<char, 4> message = {"no"};
-    auto& said = *static_cast<TriggerResponse*>(response);
-    said.success = how == accept;
-    said.message = message.data();
+    auto& reply = *static_cast<TriggerResponse*>(response);
+    reply.success = how == accept;
+    reply.message = message.data();
     return how != say_nothing;
   });
   ServiceCaller caller(domain->participant(), trigger_service, "/land", accepts_trigger),
@@ -87,7 +87,7 @@ TEST_F(Service, ARefusalAnAnswerToAnotherAndNoneAreToldApart) {
   EXPECT_EQ(caller.answer(), Answer::none);
 }
 
-TEST(Middleware, IsToldByTheFirstBytesOfAGuid) {
+TEST(Middleware, IsIdentifiedByTheFirstBytesOfAGuid) {
   dds_guid_t guid{};
   EXPECT_EQ(middleware_of(guid), Middleware::unknown);
   guid.v[0] = 0x01, guid.v[1] = 0x10;

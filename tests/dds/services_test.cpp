@@ -91,7 +91,7 @@ TEST_F(CalledFlight, StartedByACallAndStoppedByACallItIsNoFailure) {
   Rig rig(row_of({"1.16", "1.14"}, 60.0));
   std::thread operator_([&] {
     EXPECT_TRUE(test::eventually([&] { return call(rig, "start") == "yes: they take off"; }));
-    EXPECT_EQ(rig.told_of(0).arm_requests, 0);  // not before
+    EXPECT_EQ(rig.counts_of(0).arm_requests, 0);  // not before
     EXPECT_TRUE(test::eventually([&] { return call(rig, "stop") == "yes: the task ends, all land"; }));
   });
   const LoopOutcome outcome = rig.fly(0, {}, Arming::on_call);
@@ -104,7 +104,7 @@ TEST_F(CalledFlight, StartedByACallAndStoppedByACallItIsNoFailure) {
   EXPECT_EQ(call(rig, "land"), "no: the flight is over");
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_FALSE(rig.vehicle(i).armed());
-    EXPECT_EQ(rig.told_of(i).kills, 0);
+    EXPECT_EQ(rig.counts_of(i).kills, 0);
   }
   expect_well_treated(rig);
 }
@@ -117,7 +117,7 @@ TEST_F(CalledFlight, AnEmergencyStopsEachOnceAndNothingIsSentAfter) {
     EXPECT_THAT(call(rig, "emergency"), testing::StartsWith(""));  // again, whatever is left of the flight
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     for (std::size_t i = 0; i < 2; ++i)
-      heartbeats[i] = rig.told_of(i).heartbeats, setpoints[i] = rig.told_of(i).setpoints;
+      heartbeats[i] = rig.counts_of(i).heartbeats, setpoints[i] = rig.counts_of(i).setpoints;
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_FALSE(outcome.finite);
@@ -125,11 +125,11 @@ TEST_F(CalledFlight, AnEmergencyStopsEachOnceAndNothingIsSentAfter) {
             "uav0: its motors were stopped by the operator; uav1: its motors were stopped by the operator");
   EXPECT_EQ(rig.world->faults().size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(rig.told_of(i).kills, 1) << i;
+    EXPECT_EQ(rig.counts_of(i).kills, 1) << i;
     EXPECT_FALSE(rig.vehicle(i).armed()) << i;
     EXPECT_EQ(rig.state(static_cast<int>(i)), LinkState::done);
-    EXPECT_EQ(rig.told_of(i).heartbeats, heartbeats[i]);
-    EXPECT_EQ(rig.told_of(i).setpoints, setpoints[i]);
+    EXPECT_EQ(rig.counts_of(i).heartbeats, heartbeats[i]);
+    EXPECT_EQ(rig.counts_of(i).setpoints, setpoints[i]);
   }
 }
 
@@ -139,7 +139,7 @@ TEST_F(CalledFlight, ASecondFlyerOfTheNameIsRefusedBeforeArming) {
   const OperatorServices second(rig.domain->another_participant(), "/sightline", others);
   EXPECT_FALSE(rig.take_off());
   EXPECT_THAT(rig.world->faults(), ElementsAre(HasSubstr("fleet.node = \"/sightline\", by which another")));
-  EXPECT_EQ(rig.told_of(0).arm_requests, 0);
+  EXPECT_EQ(rig.counts_of(0).arm_requests, 0);
 }
 
 }  // namespace

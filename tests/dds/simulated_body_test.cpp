@@ -29,7 +29,7 @@ TEST(SimulatedBody, TakesOffFollowsAVelocityTurnsAndStandsWhereItLanded) {
 }
 
 // v = v_sp (1 - exp(-t / 0.3)), and the place is its integral; likewise the heading.
-TEST(SimulatedBody, ThePointFollowsWithTheLagsThatAreSaid) {
+TEST(SimulatedBody, ThePointFollowsWithTheLagsThatAreGiven) {
   SimulatedBody body({0, 0, 5}, 0.0, std::nullopt);
   for (int k = 0; k < 40; ++k) body.follow({0.5, 0, 0}, {}, 0.6);
   const double t = 0.4, gone = 1 - std::exp(-t / 0.3), turned = 1 - std::exp(-t / 0.1);

@@ -136,26 +136,26 @@ TEST_F(TagSubscriberTest, WhatIsTooMuchIsLostAndAPeriodTakesNoMoreThanItSays) {
 }
 
 TEST_F(TagSubscriberTest, TheFindingsSayWhetherTagsComeAndWhen) {
-  const auto said = [&] {
+  const auto findings = [&] {
     FindingList list("uav0");
     subscriber.examine(BodyId{0}, {}, list);
     return list.take();
   };
-  ASSERT_EQ(said().size(), 2u);
-  EXPECT_THAT(said()[0].sentence, HasSubstr("/tf: it has no publisher"));
-  EXPECT_EQ(said()[1].light, Light::unknown);
+  ASSERT_EQ(findings().size(), 2u);
+  EXPECT_THAT(findings()[0].sentence, HasSubstr("/tf: it has no publisher"));
+  EXPECT_EQ(findings()[1].light, Light::unknown);
   for (int k = 0; k < 20; ++k) {
     pictures.add(camera, child(0), tag(0), 50'000'000);
     pictures.send();
   }
-  ASSERT_EQ(said().size(), 1u);
-  EXPECT_EQ(said()[0].aspect, Aspect::camera);
-  EXPECT_THAT(said()[0].sentence,
+  ASSERT_EQ(findings().size(), 1u);
+  EXPECT_EQ(findings()[0].aspect, Aspect::camera);
+  EXPECT_THAT(findings()[0].sentence,
               testing::ContainsRegex("pictures with tags a second, ([5-9][0-9]|[0-9]{3,}) ms after"));
   pictures.add(camera, child(0), tag(0), -500'000'000);
   pictures.send();
-  EXPECT_THAT(said()[0].sentence, HasSubstr("1 pictures are ahead of our clock by up to 0.5"));
-  EXPECT_EQ(said()[0].light, Light::red);
+  EXPECT_THAT(findings()[0].sentence, HasSubstr("1 pictures are ahead of our clock by up to 0.5"));
+  EXPECT_EQ(findings()[0].light, Light::red);
 }
 
 }  // namespace

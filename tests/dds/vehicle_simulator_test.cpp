@@ -37,7 +37,7 @@ TEST(VehicleSimulator, FaultsOfTheFileBeginAndEndInTheirTime) {
   EXPECT_THAT(vehicle_simulators.counts()[0], HasSubstr("; 65 messages lost"));
 }
 
-TEST(VehicleSimulator, ARestartedOneBeginsAnewAndWhatItDidBeforeIsTold) {
+TEST(VehicleSimulator, ARestartedOneBeginsAnewAndWhatItDidBeforeIsReported) {
   const Scenario scenario = row_of({"1.16"}, 1.0, fault("kind = \"restart\"\nat = 0.1\nsize = 0.1\n"));
   DdsVehicleSimulators vehicle_simulators(scenario, std::make_shared<Domain>(fleet_of(scenario).network));
   const Interrupts never{0};

@@ -72,7 +72,7 @@ TEST(VelocityFit, AParabolaIsGivenExactlyWhateverTheStampsJitterAndLose) {
 }
 
 // What the header says of lag, gain and noise.
-TEST(VelocityFit, ASineComesAsLateAndAsLargeAsIsSaid) {
+TEST(VelocityFit, ASineComesAsLateAndAsLargeAsDocumented) {
   const auto error_at = [](double f, double gain, double late) {
     const double w = 2 * std::acos(-1.0) * f;
     const Trajectory sine = [w](double t) {
@@ -93,7 +93,7 @@ TEST(VelocityFit, ASineComesAsLateAndAsLargeAsIsSaid) {
   EXPECT_LT(error_at(3.0, 1.254, 9.0e-3), 2e-3);
 }
 
-TEST(VelocityFit, NoiseOfPosesBecomesAsMuchNoiseAsIsSaid) {
+TEST(VelocityFit, NoiseOfPosesBecomesAsMuchNoiseAsDocumented) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.3e-3);
   const Trajectory still = [](double) { return Moving{}; };

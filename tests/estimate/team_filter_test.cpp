@@ -42,7 +42,7 @@ void drive(Drive& sums, const TeamNoise& drawn, const TeamNoise& assumed, std::u
   test::SyntheticTeam team(choice.robots, choice.landmarks, drawn, seed);
   TeamFilter filter(std::vector<double>(static_cast<std::size_t>(choice.robots), 0.0), team.marks, assumed,
                     0.0);
-  std::vector<std::size_t> told(team.members.size(), 0);
+  std::vector<std::size_t> taken(team.members.size(), 0);
   for (int i = 0; i < choice.robots; ++i) {
     const PlanarPose& at = team.members[static_cast<std::size_t>(i)].pose;
     filter.start(
@@ -52,8 +52,8 @@ void drive(Drive& sums, const TeamNoise& drawn, const TeamNoise& assumed, std::u
   while (team.time() < choice.seconds) {
     team.step();
     for (std::size_t i = 0; i < team.members.size(); ++i)
-      while (told[i] < team.members[i].told.size())
-        filter.take(static_cast<int>(i), team.members[i].told[told[i]++]);
+      while (taken[i] < team.members[i].odometry.size())
+        filter.take(static_cast<int>(i), team.members[i].odometry[taken[i]++]);
     filter.advance(team.time());
     if (team.time() >= sight) {
       sight += test::SyntheticTeam::sight_period;
@@ -141,11 +141,11 @@ TEST(TeamFilter, FindsTheConstantsOfOdometryAndSensor) {
   auto& member = team.members[0];
   member.of = {0.06, -0.1, 0.03, 0.004, 0.3, 0.07};
   filter.start(0, guess(member.pose, 0.01, 0.01));
-  std::size_t told = 0;
+  std::size_t taken = 0;
   double sight = 0.0;
   while (team.time() < 240.0) {
     team.step();
-    while (told < member.told.size()) filter.take(0, member.told[told++]);
+    while (taken < member.odometry.size()) filter.take(0, member.odometry[taken++]);
     filter.advance(team.time());
     if (team.time() < sight) continue;
     sight += test::SyntheticTeam::sight_period;
@@ -192,12 +192,12 @@ TEST(TeamFilter, TurningTheWorldTurnsTheEstimates) {
     const PlanarPose& at = team.members[static_cast<std::size_t>(i)].pose;
     a.start(i, guess(at, 0.05, 0.05)), b.start(i, guess(turned(at), 0.05, 0.05));
   }
-  std::array<std::size_t, 2> told{};
+  std::array<std::size_t, 2> taken{};
   for (int k = 0; k < 1500; ++k) {
     team.step();
     for (std::size_t i = 0; i < 2; ++i)
-      for (; told[i] < team.members[i].told.size(); ++told[i])
-        for (TeamFilter* f : {&a, &b}) f->take(static_cast<int>(i), team.members[i].told[told[i]]);
+      for (; taken[i] < team.members[i].odometry.size(); ++taken[i])
+        for (TeamFilter* f : {&a, &b}) f->take(static_cast<int>(i), team.members[i].odometry[taken[i]]);
     a.advance(team.time()), b.advance(team.time());
     if (k % 13 != 0) continue;
     for (int i = 0; i < 2; ++i)

@@ -58,7 +58,7 @@ inline TeamRecording recorded(const RecordedTeam& of) {
     }
   }
   for (std::size_t i = 0; i < team.members.size(); ++i)
-    for (WheelOdometry u : team.members[i].told) {
+    for (WheelOdometry u : team.members[i].odometry) {
       u.t += of.start;
       recording.robots[i].odometry.push_back(u);
     }

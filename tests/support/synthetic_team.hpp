@@ -24,7 +24,7 @@ class SyntheticTeam {
   struct Member {
     PlanarPose pose{};
     Constants of{};
-    std::vector<WheelOdometry> told{};  // from the start on; each works `clock_offset` after its time
+    std::vector<WheelOdometry> odometry{};  // from the start on; each works `clock_offset` after its time
     std::size_t at_work = 0;
   };
   static constexpr double dt = 0.02, sight_period = 0.26;
@@ -49,19 +49,20 @@ class SyntheticTeam {
   double drawn(double sigma) { return sigma * normal_(random_); }
   double time() const { return t_; }
 
-  /// Advances by dt; new odometry samples are at the end of `told`.
+  /// Advances by dt; new odometry samples are at the end of `odometry`.
   void step() {
     for (Member& one : members) {
-      if (one.told.empty() || uniform(random_, 0, 1) < dt / 3.0) {
+      if (one.odometry.empty() || uniform(random_, 0, 1) < dt / 3.0) {
         const double to_centre = wrap(std::atan2(-one.pose.y, -one.pose.x) - one.pose.psi);
         const bool away = norm(one.pose.x, one.pose.y) > 3.0;
         const double speed = uniform(random_, 0.1, 0.3), rate = uniform(random_, -0.5, 0.5);
-        one.told.push_back({t_, speed, away ? std::copysign(0.5, to_centre) : rate});
+        one.odometry.push_back({t_, speed, away ? std::copysign(0.5, to_centre) : rate});
       }
-      while (one.at_work + 1 < one.told.size() && one.told[one.at_work + 1].t + one.of.clock_offset <= t_)
+      while (one.at_work + 1 < one.odometry.size() &&
+             one.odometry[one.at_work + 1].t + one.of.clock_offset <= t_)
         ++one.at_work;
-      const bool starts = one.told[one.at_work].t + one.of.clock_offset <= t_;
-      const WheelOdometry u = starts ? one.told[one.at_work] : WheelOdometry{};
+      const bool starts = one.odometry[one.at_work].t + one.of.clock_offset <= t_;
+      const WheelOdometry u = starts ? one.odometry[one.at_work] : WheelOdometry{};
       const double v =
           std::max(0.0, (1 + one.of.speed_scale) * u.v - one.of.turn_loss * std::abs(u.yaw_rate));
       const double r = (1 + one.of.turn_scale) * u.yaw_rate + one.of.yaw_rate_bias;

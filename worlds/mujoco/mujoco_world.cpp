@@ -92,3 +92,5 @@ void add_mujoco(Registry& registry) {
 }
 
 }  // namespace sightline
+
+extern "C" void sightline_add_mujoco(sightline::Registry& registry) { sightline::add_mujoco(registry); }

@@ -37,8 +37,8 @@ struct LinkTiming {
   };
   std::int64_t periods = 0, missed = 0;  ///< missed: ended before they could begin; of `periods`
   Delay wake{};                          ///< from the begin of a period until the loop runs
-  Delay arrival{};                       ///< from a pose's stamp to its reception; 0 if the clocks differ
-  double cpu = 0.0;                      ///< load of the whole program, in cores
+  Delay arrival{};   ///< of a pose beyond that of the fastest, by the followed clock of its robot
+  double cpu = 0.0;  ///< load of the whole program, in cores
 };
 
 /// A world of robots that are reached over links. Time 0 is the first measure().

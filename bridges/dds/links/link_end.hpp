@@ -13,7 +13,6 @@
 #include "bridges/dds/links/link_machine.hpp"
 #include "bridges/dds/links/robot_state.hpp"
 #include "bridges/dds/topics/channel.hpp"
-#include "bridges/dds/topics/delay_histogram.hpp"
 #include "bridges/dds/topics/pose_subscriber.hpp"
 #include "bridges/dds/topics/surroundings.hpp"
 
@@ -51,8 +50,6 @@ class LinkEnd {
   virtual double stamps_behind() const noexcept { return 0.0; }
   /// Counts of received and rejected messages, as text.
   virtual std::string counts() const = 0;
-  /// Delays from pose stamp to arrival, if the robot shares the local clock; null otherwise.
-  virtual const DelayHistogram* arrivals() const noexcept { return nullptr; }
 };
 
 /// What the end of a link is made from: `end` of its kind. `end` throws std::invalid_argument if the

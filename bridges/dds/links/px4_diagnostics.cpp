@@ -105,7 +105,6 @@ void Px4Diagnostics::request_formats() {
   for (std::size_t i = 0; i < sent.size(); ++i) {
     if (answers_[i].count() > 0) continue;
     px4_msgs_msg_dds__MessageFormatRequest_ request{};
-    request.timestamp = static_cast<std::uint64_t>(realtime_now() / 1000);
     request.protocol_version = 1;
     const std::string topic = px4_topic("", Px4Side::in, sent[i], px4_first);
     topic.copy(request.topic_name, sizeof request.topic_name - 1);

@@ -35,6 +35,9 @@ constexpr std::array<std::string_view, 7> ack_results = {
 constexpr std::array<std::string_view, 8> request_names = {
     "nothing", "arm", "take off", "offboard", "hold", "take an origin", "land", "stop its motors"};
 constexpr std::uint8_t our_system = 200, our_component = 191;  // component ID of a companion computer
+// Without a stamp PX4 takes a message as of its reception. It converts stamps by the offset of its
+// client, which follows a step of the agent's clock only after seconds, and ends offboard by old ones.
+constexpr std::uint64_t at_reception = 0;
 constexpr float px4_nan = std::numeric_limits<float>::quiet_NaN();
 // The current position, and the configured altitude.
 constexpr std::array<float, 3> px4_unset = {px4_nan, px4_nan, px4_nan};
@@ -198,7 +201,6 @@ void Px4LinkEnd::on_odometry(const void* message, const Arrival& arrival) {
     return;
   }
   const Nanoseconds sampled = of_microseconds(m.timestamp_sample);
-  latency_.add(1e-9 * static_cast<double>(realtime_now() - sampled));
   if (!odometry_.accepts(local, sampled, arrival.monotonic)) return;
   own_.put({local.p, m.timestamp_sample});
   anchor_.follow(local, m.reset_counter, odometry_.stamp());
@@ -296,15 +298,11 @@ double Px4LinkEnd::turned_from_seen() noexcept {
   return std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y);
 }
 
-std::uint64_t Px4LinkEnd::stamp() const noexcept {
-  return stamps_ == Stamps::of_this_machine ? static_cast<std::uint64_t>(realtime_now() / 1000) : 0;
-}
-
 void Px4LinkEnd::command(Px4Command which, const std::array<float, 3>& params) noexcept {
   requested_by_ = which;
   const float rest = std::isnan(params[0]) ? px4_nan : 0.0F;
   Px4Message& c = ends_->order;
-  c.set("timestamp", stamp());
+  c.set("timestamp", at_reception);
   c.set("param1", params[0]), c.set("param2", params[1]), c.set("param3", params[2]);
   for (const std::string_view param : {"param4", "param7"}) c.set(param, rest);
   for (const std::string_view param : {"param5", "param6"}) c.set(param, double{rest});
@@ -327,7 +325,7 @@ TrajectoryPoint Px4LinkEnd::in_own_frame(const TrajectoryPoint& to) const noexce
 void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds now) noexcept {
   if (output.heartbeat && now - beat_at_ >= beat_every) {
     beat_at_ = now;
-    ends_->mode.set("timestamp", stamp());
+    ends_->mode.set("timestamp", at_reception);
     ends_->mode.set("position", true);
     (void)ends_->heartbeat->write(ends_->mode.data());
   }
@@ -336,7 +334,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
   const bool known = now - ends_->setpoint->reader_came() > newcomers_wait;
   if (output.setpoint != Setpoint::none && known) {
     px4_msgs_msg_dds__TrajectorySetpoint_ s{};
-    s.timestamp = stamp();
+    s.timestamp = at_reception;
     for (std::size_t k = 0; k < 3; ++k) s.position[k] = s.jerk[k] = px4_nan;
     s.yaw = px4_nan;
     if (output.setpoint == Setpoint::task) {
@@ -354,8 +352,7 @@ void Px4LinkEnd::send(const LinkOutput& output, const Command& c, Nanoseconds no
       const double below = height_ - poses().newest().motion.p.z;
       s.velocity[2] = static_cast<float>(-std::clamp(rise_gain * below, 0.0, rise_most));
     }
-    if (output.setpoint != Setpoint::zero && stamps_ == Stamps::of_this_machine)
-      s.timestamp = answered_.sampled;
+    if (output.setpoint != Setpoint::zero && stamps_ == Stamps::of_poses) s.timestamp = answered_.sampled;
     // A newer status may report another mode since the period began.
     if (says_offboard_) {
       ++sent_;
@@ -534,7 +531,7 @@ std::string Px4LinkEnd::counts() const {
 
 std::unique_ptr<sightline::dds::LinkEnd> sightline::Px4Link::end(const dds::EndSetup& setup) const {
   const bool loopback = setup.network.interfaces == std::vector<std::string>{"lo"};
-  return std::make_unique<dds::Px4LinkEnd>(
-      setup.at, setup.link, loopback ? dds::Stamps::of_this_machine : dds::Stamps::none, setup.height,
-      setup.inertial ? dds::Inertial::read : dds::Inertial::unread);
+  return std::make_unique<dds::Px4LinkEnd>(setup.at, setup.link,
+                                           loopback ? dds::Stamps::of_poses : dds::Stamps::none, setup.height,
+                                           setup.inertial ? dds::Inertial::read : dds::Inertial::unread);
 }

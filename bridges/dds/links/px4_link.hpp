@@ -38,15 +38,14 @@ inline constexpr std::uint8_t px4_battery_good = 0, px4_battery_critical = 2;  /
 /// accelerometer_timestamp_relative of a SensorCombined without an acceleration.
 inline constexpr std::int32_t px4_no_acceleration = std::numeric_limits<std::int32_t>::max();
 
-/// Source of the stamps of sent messages.
-enum class Stamps { none, of_this_machine };
+/// Stamp of sent set-points: none, or that of the pose that each answers.
+enum class Stamps { none, of_poses };
 /// Whether the end reads the vehicle's IMU.
 enum class Inertial { unread, read };
 
 class Px4LinkEnd final : public LinkEnd {
  public:
-  /// @param stamps  of_this_machine if the agent runs on this machine; PX4 treats a message without
-  ///   stamp as current
+  /// @param stamps  of_poses if the agent runs on this machine
   /// @param height  where the task begins, in G [m]
   /// @throws std::runtime_error if a topic cannot be created
   Px4LinkEnd(Port participant, const Link& link, Stamps stamps, double height, Inertial inertial);
@@ -65,9 +64,6 @@ class Px4LinkEnd final : public LinkEnd {
   std::string counts() const override;
   double stamps_behind() const noexcept override {
     return aside_ && from_.source == PoseSource::odometry ? aside_->stamps_behind() : 0.0;
-  }
-  const DelayHistogram* arrivals() const noexcept override {
-    return stamps_ == Stamps::of_this_machine ? &latency_ : nullptr;
   }
 
  private:
@@ -121,7 +117,6 @@ class Px4LinkEnd final : public LinkEnd {
   void examine_estimator(FindingList& to) const;
   void examine_inertial(const Surroundings& around, FindingList& to) const;
   void examine_state(FindingList& to);
-  std::uint64_t stamp() const noexcept;
   bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
   std::string failing() const;
   /// Position, velocity and acceleration in the vehicle's own local frame, ENU. The place is that of the
@@ -145,7 +140,6 @@ class Px4LinkEnd final : public LinkEnd {
   Mailbox<Ack> ack_;
   Mailbox<OwnPose> own_;
   FrameAnchor anchor_;
-  DelayHistogram latency_;
 
   std::atomic<bool> says_offboard_{false};  // according to the newest status
 

@@ -33,8 +33,6 @@ constexpr double fastest = 10.0;         // limit of a set-point [m/s]
 constexpr double mpc_xy_p = 0.95;        // MPC_XY_P of PX4 [1/s]
 enum Ack : std::uint8_t { accepted = 0, temporarily_rejected = 1, unsupported = 3 };
 
-std::uint64_t microseconds() { return static_cast<std::uint64_t>(realtime_now() / 1000); }
-
 }  // namespace
 
 struct Px4Vehicle::Ends {
@@ -52,6 +50,7 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
     : release_(px4_first + static_cast<int>(link.release)),
       setup_(setup),
       booted_(monotonic_now()),
+      synchronised_(realtime_now() - booted_),
       body_(setup.p, setup.heading, setup.rotors),
       imu_(Imu::bmi088(), setup.system),
       faults_(faults),
@@ -89,8 +88,9 @@ Px4Vehicle::Px4Vehicle(dds_entity_t participant, const Px4Link& link, const Setu
     return [this](const void* m, const Arrival&) { on_setpoint(m); };
   });
   ends_->heartbeat = reader("OffboardControlMode", 2, [this](const Px4Layout& in) {
-    return [this, position = in.place("position")](const void* m, const Arrival&) {
-      on_heartbeat(read_at<bool>(m, position));
+    return [this, position = in.place("position"), stamp = in.place("timestamp")](const void* m,
+                                                                                  const Arrival&) {
+      on_heartbeat(read_at<bool>(m, position), read_at<std::uint64_t>(m, stamp));
     };
   });
 }
@@ -169,7 +169,7 @@ void Px4Vehicle::on_setpoint(const void* message) {
   // A zero velocity (hold) answers no pose.
   const bool answers = s.velocity[0] != 0 || s.velocity[1] != 0 || s.velocity[2] != 0;
   if (answers && s.timestamp > 0 && s.timestamp < last_microsecond)
-    answers_.add(1e-9 * static_cast<double>(realtime_now() - of_microseconds(s.timestamp)));
+    answers_.add(1e-6 * (static_cast<double>(microseconds()) - static_cast<double>(s.timestamp)));
   for (const float v : s.velocity) {
     if (!std::isfinite(v) || std::abs(v) > fastest) {
       ++reported_.bad_setpoints;
@@ -188,10 +188,23 @@ void Px4Vehicle::on_setpoint(const void* message) {
   if (has_p_sp_) p_sp_ = in_G(setup_.origin, Motion{.p = given(s.position)}).p;
 }
 
-void Px4Vehicle::on_heartbeat(bool position) {
+// As its client converts a stamp: never into the future.
+void Px4Vehicle::on_heartbeat(bool position, std::uint64_t stamp) {
   const std::scoped_lock lock(lock_);
   ++reported_.heartbeats;
-  if (position) heartbeat_at_ = monotonic_now();
+  const Nanoseconds now = monotonic_now(),
+                    stamped = of_microseconds(std::min(stamp, last_microsecond)) - clock_offset();
+  if (position) heartbeat_at_ = stamp == 0 ? now : std::min(now, stamped);
+}
+
+Nanoseconds Px4Vehicle::clock_offset() const {
+  using K = LinkFaultKind;
+  const double jump = faults_.on(K::clock_jump) ? faults_.size(K::clock_jump) : 0.0;
+  return synchronised_ + std::llround(1e9 * jump);
+}
+
+std::uint64_t Px4Vehicle::microseconds() const {
+  return static_cast<std::uint64_t>((monotonic_now() + clock_offset()) / 1000);
 }
 
 void Px4Vehicle::move() {
@@ -283,9 +296,7 @@ void Px4Vehicle::suffer() {
 void Px4Vehicle::send_odometry() {
   const Motion local = in_local(setup_.origin, faults_.distorted(body_.motion()));
   px4_msgs_msg_dds__VehicleOdometry_ m{};
-  using K = LinkFaultKind;
-  const double jump = faults_.on(K::clock_jump) ? faults_.size(K::clock_jump) : 0.0;
-  m.timestamp = m.timestamp_sample = microseconds() + static_cast<std::uint64_t>(std::llround(1e6 * jump));
+  m.timestamp = m.timestamp_sample = microseconds();
   send_inertial(m.timestamp_sample);
   m.pose_frame = m.velocity_frame = px4_frame_ned;
   const Vec3<double> p = turned_over(local.p), v = turned_over(local.v);

@@ -69,7 +69,11 @@ class Px4Vehicle final : public VehicleSimulator {
   bool hears_offboard() const;
   bool may_arm() const;
   void on_setpoint(const void* message);
-  void on_heartbeat(bool position);
+  /// @param stamp  by its clock [us]; 0: now
+  void on_heartbeat(bool position, std::uint64_t stamp);
+  /// Its clock less the monotonic clock. It follows the agent's clock at its start, not later steps of it.
+  Nanoseconds clock_offset() const;
+  std::uint64_t microseconds() const;  ///< of its clock
   void move();
   std::int64_t shortened(std::int64_t duration) const;
   bool leaves_ground(bool climbs, std::int64_t now);
@@ -91,6 +95,7 @@ class Px4Vehicle final : public VehicleSimulator {
   NavState nav_ = NavState::hold, disarmed_nav_ = NavState::hold;
   bool failsafe_ = false, checks_ = true, landed_ = true;
   std::int64_t booted_, heartbeat_at_ = 0;
+  Nanoseconds synchronised_;  // clock_offset() without a jump
   // Since when it is to leave the ground, and since when it stands on it but is to sink; 0: it does not.
   // Until when it stays armed on the ground.
   std::int64_t lifts_since_ = 0, stands_since_ = 0, idle_until_ = 0;

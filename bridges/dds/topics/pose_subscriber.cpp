@@ -14,7 +14,9 @@ bool PoseSubscriber::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) no
   const RemoteClock::Stamp stamp = clock_.take(sampled, arrived);
   if (stamp == RemoteClock::Stamp::repeated) ++repeated_;
   if (stamp == RemoteClock::Stamp::ahead) ++other_time_;
-  latency_.note(sampled, arrived, arrived - clock_.on_ours());
+  const Nanoseconds late = arrived - clock_.on_ours();
+  latency_.note(sampled, arrived, late);
+  if (stamp == RemoteClock::Stamp::good) lateness_.add(1e-9 * static_cast<double>(late));
   if (clock_.jumps() > clock_jumps_) fit_ = {};
   clock_offset_ = clock_.offset();
   clock_drift_ = clock_.drift();

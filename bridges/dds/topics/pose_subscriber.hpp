@@ -11,6 +11,7 @@
 #include "bridges/dds/links/velocity_fit.hpp"
 #include "bridges/dds/topics/channel.hpp"
 #include "bridges/dds/topics/conversion.hpp"
+#include "bridges/dds/topics/delay_histogram.hpp"
 #include "bridges/dds/topics/latency_monitor.hpp"
 #include "bridges/dds/topics/mailbox.hpp"
 #include "bridges/dds/topics/remote_clock.hpp"
@@ -90,6 +91,8 @@ class PoseSubscriber {
   std::int64_t clock_jumps() const noexcept { return clock_jumps_; }
   const RawReader& reader() const noexcept { return *readers_.front(); }
   const LatencyMonitor& arrivals() const noexcept { return latency_; }
+  /// Of all accepted poses: delay beyond that of the fastest, by the followed clock of the sender.
+  const DelayHistogram& lateness() const noexcept { return lateness_; }
   /// Adds the findings about the poses.
   /// @param frames        expected frames, as text
   /// @param other_frames  text for the frames of poses that count as other frames
@@ -109,6 +112,7 @@ class PoseSubscriber {
   RemoteClock clock_;                              // receive thread only
   VelocityFit fit_;                                // receive thread only
   LatencyMonitor latency_;                         // filled by the receive thread
+  DelayHistogram lateness_;                        // filled by the receive thread
   std::atomic<Nanoseconds> clock_offset_{0};
   std::atomic<double> clock_drift_{0.0};
   std::atomic<std::int64_t> clock_jumps_{0}, not_finite_{0}, other_time_{0}, other_frame_{0}, foreign_{0},

@@ -29,6 +29,7 @@ RemoteClock::Stamp RemoteClock::judge(const Message& message) const noexcept {
 }
 
 bool RemoteClock::is_jump(const Message& message) noexcept {
+  if (suspects_ > 0 && message.stamp == suspect_.stamp) return false;  // the suspect once more
   const bool agrees = suspects_ > 0 && message.stamp > suspect_.stamp &&
                       std::abs(message.delay() - suspect_.delay()) < tolerance;
   suspects_ = agrees ? suspects_ + 1 : 1;

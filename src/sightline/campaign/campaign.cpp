@@ -110,7 +110,8 @@ int fly_campaign(const Scenario& scenario, const CampaignPlan& plan, const Campa
       const auto stopped = [&] { return options.stop != nullptr && options.stop->load(); };
       const int size = options.shard.size(options.runs);
       for (int i = next++; i < size && !order.failed() && !stopped(); i = next++) {
-        RunDraw run = draw_run(plan, options.seed, options.shard.run(i));
+        const int index = options.shard.run(i);
+        RunDraw run = options.draw ? options.draw(index) : draw_run(plan, options.seed, index);
         const RunResult result = pilot.fly(run);
         order.land(i, std::move(run), result);
       }

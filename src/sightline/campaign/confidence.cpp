@@ -37,7 +37,17 @@ double log_gamma(double x) {
   return ::lgamma_r(x, &sign);
 }
 
-/// Standard normal distribution function, by its series (Marsaglia 2004): 1/2 + phi(z) (z + z^3/3 +
+/// Reorders the values.
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+}  // namespace
+
+/// By its series (Marsaglia 2004): 1/2 + phi(z) (z + z^3/3 +
 /// z^5/(3 5) + ...).
 double normal_probability(double z) {
   double sum = z, term = z;
@@ -55,16 +65,6 @@ double normal_quantile(double p) {
   return 0.5 * (low + high);
 }
 
-/// Reorders the values.
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
-}  // namespace
-
 double incomplete_beta(double a, double b, double x) {
   if (x <= 0) return 0.0;
   if (x >= 1) return 1.0;
@@ -81,6 +81,22 @@ Interval wilson(std::int64_t good, std::int64_t runs, double confidence) {
   const double centre = p + z2 / 2, half = std::sqrt(z2 * (p * (1 - p) + z2 / 4));
   return {good == 0 ? 0.0 : std::max(0.0, (centre - half) / (1 + z2)),
           good == runs ? 1.0 : std::min(1.0, (centre + half) / (1 + z2))};
+}
+
+Interval clopper_pearson(std::int64_t seen, std::int64_t runs, double confidence) {
+  assert(runs > 0 && seen >= 0 && seen <= runs && "no more events than trials");
+  const double n = static_cast<double>(runs), k = static_cast<double>(seen), tail = (1 - confidence) / 2;
+  // I_x(a, b) increases with x.
+  const auto inverse = [](double a, double b, double p) {
+    double low = 0.0, high = 1.0;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = 0.5 * (low + high);
+      (incomplete_beta(a, b, middle) < p ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  };
+  return {seen == 0 ? 0.0 : inverse(k, n - k + 1, tail),
+          seen == runs ? 1.0 : inverse(k + 1, n - k, 1 - tail)};
 }
 
 MedianBounds bootstrap_median(std::vector<double> values, double confidence, int resamples,

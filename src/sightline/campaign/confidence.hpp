@@ -19,6 +19,16 @@ struct Interval {
 /// @param confidence  in (0, 1)
 Interval wilson(std::int64_t good, std::int64_t runs, double confidence = 0.95);
 
+/// Bounds of a probability after `seen` events in `runs` independent trials (Clopper and Pearson 1934): exact,
+/// each side has at most half of the remaining probability.
+/// @param seen  0..runs, runs > 0
+/// @param confidence  in (0, 1)
+Interval clopper_pearson(std::int64_t seen, std::int64_t runs, double confidence = 0.95);
+
+/// The standard normal distribution function, and its inverse; p in (0, 1).
+double normal_probability(double z);
+double normal_quantile(double p);
+
 /// A median and its confidence bounds.
 struct MedianBounds {
   double low = 0.0, median = 0.0, high = 0.0;

@@ -31,7 +31,10 @@ std::vector<std::string> fixed_columns() {
                                     "drift",
                                     "longest_without_plan",
                                     "barrier_conflict",
-                                    "longest_out_of_view"};
+                                    "longest_out_of_view",
+                                    "view_margin",
+                                    "distance_margin",
+                                    "landed"};
   for (int i = 0; i < status_count; ++i)
     names.push_back(fmt::format("status_{}", to_string(static_cast<Status>(i))));
   return names;
@@ -60,7 +63,10 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
                                         "REAL",
                                         "REAL NOT NULL",
                                         "REAL",
-                                        "REAL NOT NULL"};
+                                        "REAL NOT NULL",
+                                        "REAL",
+                                        "REAL",
+                                        "INTEGER NOT NULL"};
   std::vector<std::string> columns;
   for (const std::string& name : fixed_columns()) {
     const bool typed = columns.size() < std::size(types);
@@ -125,9 +131,11 @@ std::vector<Database::Value> row_of(const RunDraw& run, const RunResult& result)
     real(value);
   whole(result.could_brake ? 1 : 0);
   whole(result.violations);
-  for (const double value : {result.energy, result.chatter, result.drift, result.longest_without_plan,
-                             result.barrier_conflict, result.longest_out_of_view})
+  for (const double value :
+       {result.energy, result.chatter, result.drift, result.longest_without_plan, result.barrier_conflict,
+        result.longest_out_of_view, result.view_margin, result.distance_margin})
     real(value);
+  whole(result.landed ? 1 : 0);
   for (const std::int64_t count : result.statuses) whole(count);
   for (const double value : run.values) real(value);
   for (const RobotResult& robot : result.robots)

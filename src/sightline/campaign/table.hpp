@@ -26,7 +26,7 @@ using AboutCampaign = std::map<std::string, Database::Value>;
 ///
 ///   runs      "index", seed, outcome, reason, min_distance, time_to_first_view, fraction_in_view,
 ///             could_brake, violations, energy, chatter, drift, longest_without_plan,
-///             barrier_conflict; a column status_NAME for each Status; a column for each drawn
+///             barrier_conflict, longest_out_of_view, view_margin, distance_margin, landed; a column status_NAME for each Status; a column for each drawn
 ///             number, by its name; the robot_endings of each robot; last, digest: of all earlier
 ///             columns of the row
 ///   campaign  key, value: scenario, text, plan (the text of the scenario with the draws, if it is

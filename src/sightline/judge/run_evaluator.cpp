@@ -31,7 +31,11 @@ RunEvaluator::RunEvaluator(const Scenario& scenario, const CampaignPlan& plan, S
       gaps_(sample_.solvers.size()) {
   const std::vector<Coupling> couplings = changes_ ? all_couplings(scenario) : team_.couplings();
   for (const Observation& pair : observations(couplings))
-    views_.push_back({.pair = pair, .requested = !changes_});
+    views_.push_back(
+        {.pair = pair,
+         .requested = !changes_,
+         .recent = std::vector<double>(
+             static_cast<std::size_t>(std::llround(view_lost_after / scenario.horizon.dt)) + 1)});
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
@@ -56,7 +60,7 @@ bool RunEvaluator::follow() {
     // Who was not given the time to see it is not blamed.
     if (view.requested && !now && (view.first < never || sample_.time - view.since > plan_.view_within))
       view.waited = view.wait();
-    if (now && !view.requested) view.since = sample_.time, view.first = view.last = never;
+    if (now && !view.requested) view.since = sample_.time, view.first = view.last = never, view.count = 0;
     view.requested = now;
   }
   return true;
@@ -64,6 +68,20 @@ bool RunEvaluator::follow() {
 
 void RunEvaluator::look() noexcept {
   for (int i = 0; i < team_.bodies(); ++i) sights_[at(BodyId{i})] = true_sight(team_, BodyId{i}, sample_);
+}
+
+void RunEvaluator::look_at(View& view) noexcept {
+  const auto sight = [&](BodyId body) { return sights_[at(body)]; };
+  const Sight<double> observer = first_sight(sight, view.pair.observer, view.pair.third);
+  const double limit = view.pair.potential.violation(observer, sights_[at(view.pair.target)], sample_.time);
+  view.seen = limit <= 0;
+  if (view.seen) view.first = std::min(view.first, sample_.time), view.last = sample_.time;
+  result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);
+  // A target that is not seen in time counts from then on.
+  if (view.first == never && sample_.time - view.since <= plan_.view_within) return;
+  view.recent[view.count++ % view.recent.size()] = limit;
+  if (view.count < view.recent.size()) return;
+  view_margin_ = std::min(view_margin_, -*std::min_element(view.recent.begin(), view.recent.end()));
 }
 
 void RunEvaluator::publish() noexcept {
@@ -99,6 +117,9 @@ void RunEvaluator::judge() {
   const bool good = finite && inputs_.within();
   if (!good) blame(finite ? Fault::input : Fault::not_finite);
   localization_.add(sample_);
+  for (std::size_t i = 0; i < sample_.levels.size(); ++i)
+    result_.landed =
+        result_.landed || (sample_.levels[i] >= FallbackLevel::land && sample_.presence[i] != Presence::land);
   for (Robot& robot : robots_)
     if (const Agent* const steered = present_.agent(robot.body))
       robot.error.add(*steered, sample_.time, sights_[at(robot.body)]);
@@ -108,12 +129,7 @@ void RunEvaluator::judge() {
   for (View& view : views_) {
     if (!view.requested) continue;
     any_requested = true;
-    const auto sight = [&](BodyId body) { return sights_[at(body)]; };
-    const Sight<double> observer = first_sight(sight, view.pair.observer, view.pair.third);
-    const Sight<double>& target = sights_[at(view.pair.target)];
-    view.seen = is_in_view(view.pair, observer, target, sample_.time);
-    if (view.seen) view.first = std::min(view.first, sample_.time), view.last = sample_.time;
-    result_.longest_out_of_view = std::max(result_.longest_out_of_view, sample_.time - view.last);
+    look_at(view);
     all_seen = all_seen && view.seen;
   }
   if (any_requested && all_seen) ++seen_;
@@ -175,6 +191,8 @@ RunResult RunEvaluator::result(const LoopOutcome& outcome, std::string ended) co
   for (const PlanGaps& gaps : gaps_)
     result.longest_without_plan = std::max(result.longest_without_plan, gaps.any().longest);
   result.barrier_conflict = safety_.conflict_share();
+  result.view_margin = std::isfinite(view_margin_) ? view_margin_ : no_value;
+  result.distance_margin = safety_.distance_margin();
   result.localizations = localization_.robots();
   result.views = safety_.views();
   result.reason = reason(std::move(ended), outcome.finite && updates_ == periods);

@@ -50,8 +50,10 @@ class RunEvaluator final : public Sink<Sample> {
     bool requested = false;  // at present
     bool seen = false;       // in the last sample
     double since = 0.0, first = never,
-           last = never;  // time of the request, of the first and the last sight [s]
-    double waited = 0.0;  // for the first sight after an earlier request [s]
+           last = never;           // time of the request, of the first and the last sight [s]
+    double waited = 0.0;           // for the first sight after an earlier request [s]
+    std::vector<double> recent{};  // values of the limit in the last `view_lost_after`, <= 0: in view
+    std::size_t count = 0;         // of values since the first sight
 
     double wait() const { return requested ? std::max(waited, first - since) : waited; }
   };
@@ -69,6 +71,7 @@ class RunEvaluator final : public Sink<Sample> {
   std::string reason(std::string ended, bool whole) const;
   bool follow();
   void look() noexcept;
+  void look_at(View& view) noexcept;
 
   const Team& team_;
   CampaignPlan plan_;
@@ -86,6 +89,7 @@ class RunEvaluator final : public Sink<Sample> {
   Drift drift_;
 
   std::int64_t updates_ = 0, seen_ = 0;
+  double view_margin_ = never;
   std::vector<PlanGaps> gaps_;  // of each solver
   Fault fault_ = Fault::none;   // the first
   double fault_time_ = 0.0;     // [s]

@@ -254,6 +254,14 @@ double SafetySummary::least_distance() const {
   return least;
 }
 
+double SafetySummary::distance_margin() const {
+  double margin = infinity;
+  for (const Pair& pair : pairs_)
+    if (pair.d_hard > 0 && pair.could_brake) margin = std::min(margin, pair.least.value - pair.d_hard);
+  if (!std::isfinite(margin)) return no_value;
+  return too_close_ ? std::min(margin, -distance_tolerance) : std::max(margin, 0.0);
+}
+
 bool SafetySummary::could_brake() const {
   return std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) { return pair.could_brake; });
 }

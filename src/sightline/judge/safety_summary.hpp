@@ -112,6 +112,9 @@ class SafetySummary {
   bool too_close() const { return too_close_; }
   /// True if all pairs could brake when they were first present.
   bool could_brake() const;
+  /// Least distance beyond d_hard, of the pairs that could brake at the start [m]; < 0 only if
+  /// too_close(); NaN: none is judged.
+  double distance_margin() const;
 
   /// One sentence for each broken hard distance and each broken wall or zone, worst first, at most
   /// eight of each.

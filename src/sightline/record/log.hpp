@@ -21,8 +21,8 @@ namespace sightline {
 ///                   /BODY/pose, /BODY/twist    of the true state, in G
 ///                   /BODY/measured             the pose that the controllers receive, if noise or
 ///                                              delay change it
-///                   /AGENT/attitude            true attitude of vehicles; from the model for other
-///                                              robots with a body-fixed camera
+///                   /AGENT/attitude            true attitude of vehicles, or as links receive it; from the
+///                                              model for other robots with a body-fixed camera
 ///                   /AGENT/camera_info         sensor_msgs/CameraInfo of a camera, once
 ///                   /AGENT/input               {time, u, raw}: applied, and before the solver's
 ///                                              clamp

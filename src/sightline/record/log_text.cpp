@@ -1,3 +1,5 @@
+#include <fmt/compile.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -18,7 +20,7 @@ namespace {
 
 void append(std::string& to, double value) {
   if (std::isfinite(value)) {
-    fmt::format_to(std::back_inserter(to), "{}", value);
+    fmt::format_to(std::back_inserter(to), FMT_COMPILE("{}"), value);
   } else {
     to += "null";
   }
@@ -31,13 +33,20 @@ void LogMessage::begin(double time) {
   append(text_, time);
 }
 
+void LogMessage::put_key(std::string_view key) {
+  text_ += ",\"";
+  text_ += key;
+  text_ += "\":";
+}
+
 void LogMessage::put(std::string_view key, double value) {
-  fmt::format_to(std::back_inserter(text_), ",\"{}\":", key);
+  put_key(key);
   append(text_, value);
 }
 
 void LogMessage::put(std::string_view key, std::span<const double> values) {
-  fmt::format_to(std::back_inserter(text_), ",\"{}\":[", key);
+  put_key(key);
+  text_ += '[';
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i > 0) text_ += ',';
     append(text_, values[i]);
@@ -46,7 +55,10 @@ void LogMessage::put(std::string_view key, std::span<const double> values) {
 }
 
 void LogMessage::put(std::string_view key, std::string_view word) {
-  fmt::format_to(std::back_inserter(text_), ",\"{}\":\"{}\"", key, word);
+  put_key(key);
+  text_ += '"';
+  text_ += word;
+  text_ += '"';
 }
 
 std::string_view LogMessage::end() { return text_ += '}'; }
@@ -72,7 +84,7 @@ std::string json_schema(std::string_view fields) {
 }
 
 void LogText::throw_invalid() const {
-  throw std::runtime_error(
+  throw Error(
       fmt::format("byte {} of a message, expected a JSON object of numbers, words and "
                   "lists of numbers",
                   at_));
@@ -130,7 +142,8 @@ void LogText::read(std::string_view text) {
         entry.word = quoted();
       } else if (text_.substr(at_).starts_with("true") || text_.substr(at_).starts_with("false")) {
         entry.kind = Kind::truth;
-        at_ += text_[at_] == 't' ? 4 : 5;
+        entry.word = text_.substr(at_, text_[at_] == 't' ? 4 : 5);
+        at_ += entry.word.size();
       } else if (take('[')) {
         entry.kind = Kind::numbers;
         if (!take(']')) {
@@ -155,8 +168,7 @@ const LogText::Entry& LogText::find(std::string_view key, Kind kind) const {
       std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
   if (found != entries_.end() && found->kind == kind) return *found;
   constexpr const char* what[] = {"a number", "a list of numbers", "a word", "true or false"};
-  throw std::runtime_error(
-      fmt::format("a message without \"{}\", expected {}", key, what[static_cast<int>(kind)]));
+  throw Error(fmt::format("a message without \"{}\", expected {}", key, what[static_cast<int>(kind)]));
 }
 
 bool LogText::has(std::string_view key) const noexcept {
@@ -165,10 +177,26 @@ bool LogText::has(std::string_view key) const noexcept {
 
 double LogText::number(std::string_view key) const { return numbers_[find(key, Kind::number).first]; }
 
+int LogText::whole(std::string_view key) const {
+  const double value = number(key);
+  if (value == std::nearbyint(value) && std::abs(value) <= std::numeric_limits<int>::max())
+    return static_cast<int>(value);
+  throw Error(fmt::format("a message with \"{}\" = {}, expected a whole number", key, value));
+}
+
 std::span<const double> LogText::numbers(std::string_view key) const {
   const Entry& entry = find(key, Kind::numbers);
   return std::span(numbers_).subspan(entry.first, entry.count);
 }
+
+std::span<const double> LogText::numbers(std::string_view key, std::size_t count) const {
+  const std::span<const double> list = numbers(key);
+  if (list.size() != count)
+    throw Error(fmt::format("a message with {} numbers of \"{}\", expected {}", list.size(), key, count));
+  return list;
+}
+
+bool LogText::truth(std::string_view key) const { return find(key, Kind::truth).word == "true"; }
 
 std::string_view LogText::word(std::string_view key) const { return find(key, Kind::word).word; }
 

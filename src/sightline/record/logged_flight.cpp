@@ -13,13 +13,15 @@
 namespace sightline {
 namespace {
 
-/// Capacity of the queue to the log: more than a second of flight at 100 Hz, within this much
-/// memory.
+/// Capacity of the queue to the log: at least a second of flight at 100 Hz, and more within less
+/// memory; of large teams what fits into the memory.
 std::size_t ring_capacity(const Sample& sample) {
-  constexpr std::size_t memory = 256'000'000;  // [B]
+  constexpr std::size_t memory = 64'000'000, memory_of_second = 256'000'000, second = 128;  // [B], samples
   const std::size_t numbers =
       2 * sample.x.size() + 2 * sample.u.size() + sample.path.size() + sample.path_u.size();
-  return std::clamp<std::size_t>(memory / (sizeof(Sample) + sizeof(double) * numbers), 8, 1024);
+  const std::size_t size = sizeof(Sample) + sizeof(double) * numbers;
+  return std::clamp<std::size_t>(memory / size, std::clamp<std::size_t>(memory_of_second / size, 8, second),
+                                 1024);
 }
 
 /// Reasons why a run failed, one sentence each.

@@ -42,9 +42,7 @@ template <class... Args>
 // null represents a number that was not finite.
 double or_no_value(const json& value) { return value.is_null() ? no_value : value.get<double>(); }
 
-Vec3<double> point(const json& list) {
-  return {or_no_value(list.at(0)), or_no_value(list.at(1)), or_no_value(list.at(2))};
-}
+Vec3<double> point(std::span<const double> list) { return {list[0], list[1], list[2]}; }
 
 void read_team(const json& team, Recording& run) {
   for (const json& entry : team.at("bodies")) {
@@ -138,9 +136,9 @@ class RowReader {
       places_[topic + "barrier"] = [this, &body](const McapMessage& m) { barrier(body, m); };
       places_[topic + "camera_info"] = [&body](const McapMessage& m) { camera(body, m); };
       places_[topic + "detection"] = [this, &body](const McapMessage& m) { detection(body, m); };
-      places_[topic + "localization"] = [&body](const McapMessage& m) { localization(body, m); };
-      places_[topic + "innovation"] = [&body](const McapMessage& m) { innovation(body, m); };
-      places_[topic + "reference"] = [&body](const McapMessage& m) { reference(body, m); };
+      places_[topic + "localization"] = [this, &body](const McapMessage& m) { localization(body, m); };
+      places_[topic + "innovation"] = [this, &body](const McapMessage& m) { innovation(body, m); };
+      places_[topic + "reference"] = [this, &body](const McapMessage& m) { reference(body, m); };
     }
     run.controllers.resize(controllers);
     for (std::size_t c = 0; c < controllers; ++c) {
@@ -162,11 +160,16 @@ class RowReader {
     if (run_.stride > 1 && !is_kept(message)) return;
     const auto place = places_.find(message.topic);
     if (place == places_.end()) return;
+    const auto refuse = [&] {
+      throw_unreadable("a message of {} is no JSON, or a value of it is missing or of another kind",
+                       message.topic);
+    };
     try {
       place->second(message);
     } catch (const json::exception&) {
-      throw_unreadable("a message of {} is no JSON, or a value of it is missing or of another kind",
-                       message.topic);
+      refuse();
+    } catch (const LogText::Error&) {
+      refuse();
     }
   }
 
@@ -227,9 +230,13 @@ class RowReader {
     return std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
   }
 
-  static json parsed(const McapMessage& message) {
-    const auto* text = reinterpret_cast<const char*>(message.bytes.data());
-    return json::parse(text, text + message.bytes.size());
+  static std::string_view text_of(const McapMessage& message) {
+    return {reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()};
+  }
+  /// The message's text, valid until the next one is read.
+  const LogText& read(const McapMessage& message) {
+    text_.read(text_of(message));
+    return text_;
   }
 
   /// Checks that the completed period follows the previous one, not counting the reported missed
@@ -280,7 +287,7 @@ class RowReader {
     if (&body == &run_.bodies.front()) {
       drop_states();
       check_whole();
-      const double time = parsed(message).at("time");
+      const double time = read(message).number("time");
       if (!(time > last_time_))
         throw_unreadable("a message of {} at {:.6g} s after one at {:.6g} s, expected a later one",
                          message.topic, time, last_time_);
@@ -331,51 +338,49 @@ class RowReader {
     body.planned_time.push_back(then);
     body.planned.push_back(planned);
   }
-  void input(Recording::Body& body, const McapMessage& message) const {
-    const json values = parsed(message).at("u");
+  void input(Recording::Body& body, const McapMessage& message) {
+    const std::span<const double> values = read(message).numbers("u");
     if (values.size() != body.u.size()) {
       throw_unreadable("{} holds {} inputs, expected {}", message.topic, values.size(), body.u.size());
     }
     if (!body.u.empty()) check_first(body.u.front().size(), message);
-    for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(or_no_value(values[i]));
+    for (std::size_t i = 0; i < body.u.size(); ++i) body.u[i].push_back(values[i]);
   }
-  void barrier(Recording::Body& body, const McapMessage& message) const {
-    const json values = parsed(message);
+  void barrier(Recording::Body& body, const McapMessage& message) {
+    const LogText& values = read(message);
     check_first(body.barrier.size(), message);
-    body.barrier.push_back(values.at("active").get<bool>() ? 1.0 : 0.0);
-    body.reserve.push_back(or_no_value(values.at("reserve")));
+    body.barrier.push_back(values.truth("active") ? 1.0 : 0.0);
+    body.reserve.push_back(values.number("reserve"));
   }
-  static void reference(Recording::Body& body, const McapMessage& message) {
-    const json values = parsed(message);
-    body.reference_time.push_back(values.at("time"));
-    if (values.contains("p")) body.reference_p.push_back(point(values["p"]));
-    if (values.contains("d")) {
-      body.reference_heading.push_back(
-          std::atan2(or_no_value(values["d"].at(1)), or_no_value(values["d"].at(0))));
+  void reference(Recording::Body& body, const McapMessage& message) {
+    const LogText& values = read(message);
+    body.reference_time.push_back(values.number("time"));
+    if (values.has("p")) body.reference_p.push_back(point(values.numbers("p", 3)));
+    if (values.has("d")) {
+      const std::span<const double> d = values.numbers("d", 2);
+      body.reference_heading.push_back(std::atan2(d[1], d[0]));
     }
   }
   static void camera(Recording::Body& body, const McapMessage& message) {
     body.camera = decode_camera_info(message.bytes);
     if (!body.camera) throw_unreadable("a message of {} is no camera", message.topic);
   }
-  void detection(Recording::Body& body, const McapMessage& message) const {
-    const json values = parsed(message);
-    const std::string& target = values.at("target").get_ref<const std::string&>();
+  void detection(Recording::Body& body, const McapMessage& message) {
+    const LogText& values = read(message);
+    const std::string_view target = values.word("target");
     const auto seen = std::find_if(run_.bodies.begin(), run_.bodies.end(),
                                    [&](const Recording::Body& one) { return one.name == target; });
     if (seen == run_.bodies.end())
       throw_unreadable("{} names {}, expected a body of the team", message.topic, target);
-    const json& q = values.at("q");
-    body.sighted.push_back(
-        {or_no_value(values.at("stamp")),
-         static_cast<std::size_t>(seen - run_.bodies.begin()),
-         point(values.at("p")),
-         {or_no_value(q.at(0)), or_no_value(q.at(1)), or_no_value(q.at(2)), or_no_value(q.at(3))}});
+    const std::span<const double> q = values.numbers("q", 4);
+    body.sighted.push_back({values.number("stamp"),
+                            static_cast<std::size_t>(seen - run_.bodies.begin()),
+                            point(values.numbers("p", 3)),
+                            {q[0], q[1], q[2], q[3]}});
   }
-  static void localization(Recording::Body& body, const McapMessage& message) {
+  void localization(Recording::Body& body, const McapMessage& message) {
     if (body.p.empty()) throw_unreadable("a message of {} comes before any state", message.topic);
-    LogText text;
-    text.read({reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()});
+    const LogText& text = read(message);
     const PoseEstimate estimate = estimate_of(text);
     const PoseError error = error_of(estimate, body.p.back(), body.heading.back());
     body.localization.time.push_back(text.number("time"));
@@ -383,28 +388,28 @@ class RowReader {
     body.localization.sigma.push_back(estimate.position_sigma());
     body.localization.nees.push_back(error.nees);
   }
-  static void innovation(Recording::Body& body, const McapMessage& message) {
-    const json values = parsed(message);
-    if (values.at("dimension") == 0) return;
+  void innovation(Recording::Body& body, const McapMessage& message) {
+    const LogText& values = read(message);
+    if (values.number("dimension") == 0) return;
     Recording::Localization& of = body.localization;
-    const bool refused = values.at("verdict") == to_string(FitVerdict::rejected);
-    (refused ? of.refused_time : of.estimated_time).push_back(or_no_value(values.at("stamp")));
-    (refused ? of.refused : of.estimated).push_back(or_no_value(values.at("squared")));
+    const bool refused = values.word("verdict") == to_string(FitVerdict::rejected);
+    (refused ? of.refused_time : of.estimated_time).push_back(values.number("stamp"));
+    (refused ? of.refused : of.estimated).push_back(values.number("squared"));
   }
   void solver(std::size_t index, const McapMessage& message) {
-    const json values = parsed(message);
+    const LogText& values = read(message);
     Recording::Controller& controller = run_.controllers[index];
     check_first(controller.status.size(), message);
-    controller.status.push_back(values.at("status"));
-    controller.residual.push_back(or_no_value(values.at("residual")));
-    controller.iterations.push_back(values.at("iterations"));
-    if (values.contains("pairs")) controller.pairs.push_back(or_no_value(values["pairs"]));
-    if (index == 0) run_.cost.push_back(or_no_value(values.at("cost")));
+    controller.status.emplace_back(values.word("status"));
+    controller.residual.push_back(values.number("residual"));
+    controller.iterations.push_back(values.whole("iterations"));
+    if (values.has("pairs")) controller.pairs.push_back(values.number("pairs"));
+    if (index == 0) run_.cost.push_back(values.number("cost"));
   }
-  void tuned(const McapMessage& message) { run_.script.push_back(parsed(message).at("name")); }
+  void tuned(const McapMessage& message) { run_.script.push_back(json::parse(text_of(message)).at("name")); }
   void event(const McapMessage& message) {
     constexpr std::size_t thinned_most = 10'000;
-    const json values = parsed(message);
+    const json values = json::parse(text_of(message));
     if (values.at("kind") == to_string(EventKind::missed_period))
       order_.miss(std::llround(or_no_value(values.at("time")) / run_.period),
                   values.at("value").get<std::int64_t>());
@@ -419,6 +424,7 @@ class RowReader {
   std::int64_t period_ = 0;                                      // period being read
   PeriodOrder order_;                                            // of the earlier periods
   bool solved_ = false;
+  LogText text_;
   std::map<std::string, std::function<void(const McapMessage&)>, std::less<>> places_;
 };
 
