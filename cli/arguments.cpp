@@ -34,6 +34,7 @@ constexpr std::array all_commands = {
     of("analysis", "explain", describe_explain),
     of("campaign", "campaign", describe_campaign),
     of("campaign", "tune", describe_tune),
+    of("import", "import", describe_import),
     Command{"parts", describe_parts},
     Command{"version", describe_version},
     Command{"bench", describe_bench},
@@ -96,7 +97,7 @@ std::string_view missing_component(std::string_view command) {
 std::string left_out(std::string_view what, std::string_view component) {
   return fmt::format(
       "{} is left out of this build, expected one with the component {}: -D SIGHTLINE_COMPONENTS=\"campaign;"
-      "analysis;server\" has all",
+      "analysis;server;import\" has all",
       what, component);
 }
 

@@ -21,7 +21,8 @@ using Describe = Execute(CLI::App& app);
 
 Describe describe_run, describe_fly, describe_vehicles, describe_doctor, describe_check, describe_report,
     describe_view, describe_replay, describe_identify, describe_localize, describe_potential,
-    describe_explain, describe_campaign, describe_tune, describe_parts, describe_version, describe_bench;
+    describe_explain, describe_campaign, describe_tune, describe_import, describe_parts, describe_version,
+    describe_bench;
 
 struct Arguments {
   Arguments();

@@ -39,6 +39,12 @@ foreach(component IN LISTS components)
   install(EXPORT sightline_${component} NAMESPACE sightline:: DESTINATION ${config_dir}
     FILE sightline_${component}.cmake)
 endforeach()
+set(needed_by_sightline tomlplusplus SQLite3 ZLIB PkgConfig)
+set(pc_of_sightline "libzstd sqlite3 tomlplusplus zlib")
+if(import_FOUND)
+  list(APPEND needed_by_sightline tinyxml2 yaml-cpp)
+  string(APPEND pc_of_sightline " tinyxml2 yaml-cpp")
+endif()
 set(needed_by_mujoco MuJoCo)
 if(camera_pictures)
   list(APPEND needed_by_mujoco EGL apriltag)
@@ -67,7 +73,7 @@ endfunction()
 sightline_pc(sightline_core "${PROJECT_DESCRIPTION}: formulas, solvers, safety" sightline_core fmt "")
 if(TARGET sightline)
   sightline_pc(sightline "${PROJECT_DESCRIPTION}: scenarios, logs, reports too"
-    sightline sightline_core "libzstd sqlite3 tomlplusplus zlib")
+    sightline sightline_core "${pc_of_sightline}")
 endif()
 
 # Manual pages and completion, as the command line describes itself.

@@ -15,7 +15,7 @@ everything = product + ("tests",)
 
 # Rooms of src/sightline from the lowest; a file includes its own room or a lower one.
 floors = ("base", "formula", "model", "potential", "ocp", "solver safety estimate", "world", "run", "readers", "scenario",
-          "judge", "record", "report", "campaign analysis", "server")
+          "judge", "record", "report", "campaign analysis import", "server")
 height = {room: i for i, floor in enumerate(floors) for room in floor.split()}
 # The public headers, include/sightline/NAME.hpp, and their rooms; those of programs are in none.
 public = {name: rooms.split() for rooms, names in (

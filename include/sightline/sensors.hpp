@@ -29,8 +29,27 @@ enum class CameraOutput {
 };
 inline constexpr std::array<std::string_view, 2> camera_outputs = {"pose", "position"};
 
-/// Pinhole camera with a global shutter, without distortion. Its optical axis is x of the sensor
-/// frame S.
+/// Distortion of a lens, by the words of ROS 2.
+enum class Distortion {
+  none,                 ///< a pinhole
+  plumb_bob,            ///< k_1, k_2, p_1, p_2 and perhaps k_3; "radtan" of kalibr
+  rational_polynomial,  ///< k_1, k_2, p_1, p_2, k_3 to k_6
+  equidistant,          ///< k_1 to k_4, of fisheye lenses: the angle from the axis grows along a picture
+};
+inline constexpr std::array<std::string_view, 4> distortions = {"none", "plumb_bob", "rational_polynomial",
+                                                                "equidistant"};
+
+/// Camera with a global shutter. Its optical axis is x of the sensor frame S.
+///
+/// With (x, y) = (-p_y, -p_z) / p_x of a point p in S, to the right and down, r^2 = x^2 + y^2, and
+/// theta the angle of p from the axis, the formulas of OpenCV give the distorted point:
+///
+///   plumb_bob, rational_polynomial:  g = (1 + k_1 r^2 + k_2 r^4 + k_3 r^6) / (1 + k_4 r^2 + k_5 r^4 + k_6 r^6)
+///                  x_d = x g + 2 p_1 x y + p_2 (r^2 + 2 x^2),   y_d = y g + p_1 (r^2 + 2 y^2) + 2 p_2 x y
+///   equidistant:   theta_d = theta (1 + k_1 theta^2 + k_2 theta^4 + k_3 theta^6 + k_4 theta^8),
+///                  (x_d, y_d) = theta_d (x, y) / r, for theta up to pi
+///
+/// and its pixel is (f_x x_d + c_x, f_y y_d + c_y), from the upper left corner.
 struct Camera {
   static constexpr std::string_view name = "camera";
 
@@ -46,8 +65,12 @@ struct Camera {
   double flips = 0.0;
   double misalignment = 0.0;
   CameraOutput output = CameraOutput::pose;
+  std::array<double, 2> focal_length = {0.0, 0.0}, principal_point = {0.0, 0.0};
+  Distortion distortion = Distortion::none;
+  std::vector<double> coefficients{};
 
   static constexpr Bounds share = {0.0, 1.0, "0 to 1"};
+  static constexpr double nearest_depth = 0.02;  ///< nearer points are not projected [m]
   bool operator==(const Camera&) const = default;
 
   static constexpr auto parameters() {
@@ -55,8 +78,9 @@ struct Camera {
     return std::tuple{
         parameter("width", &C::width, "px", {16, 4096, "16 to 4096"}, "of a picture"),
         parameter("height", &C::height, "px", {16, 4096, "16 to 4096"}, "of a picture"),
-        parameter("field_of_view", &C::field_of_view, "rad", {0.1, 2.6, "0.1 to 2.6"},
-                  "angle that the height covers"),
+        parameter("field_of_view", &C::field_of_view, "rad",
+                  {0.1, 6.2832, "0.1 to 2.6, of equidistant to 2 pi"},
+                  "angle that the height covers, without coefficients"),
         parameter("rate", &C::rate, "Hz", {0.1, 1000, "0.1 to 1000"},
                   "pictures; each is taken at the first period that it is due at"),
         parameter("latency", &C::latency, "s", {0, 1, "0 to 1"},
@@ -72,21 +96,50 @@ struct Camera {
         parameter("misalignment", &C::misalignment, "rad", {0, 0.5, "0 to 0.5"},
                   "turn against its mounting, about an axis that is drawn once"),
         parameter("output", &C::output, camera_outputs,
-                  "of a body with tags: position and attitude, or where it is alone")};
+                  "of a body with tags: position and attitude, or where it is alone"),
+        parameter("focal_length", &C::focal_length, "px", {0, 1e5, "0 to 1e5"},
+                  "f_x, f_y, in place of field_of_view; [0, 0]: by it"),
+        parameter("principal_point", &C::principal_point, "px", {0, 4096, "0 to 4096"},
+                  "c_x, c_y, from the upper left corner; [0, 0]: the middle"),
+        parameter("distortion", &C::distortion, distortions, "of the lens"),
+        ListParameter<C, double>{"coefficients", &C::coefficients, "",
+                                 "of the distortion, in the order of camera_info", false, false}};
   }
 
   /// @throws std::invalid_argument naming a number out of its range
   void check() const;
-  /// Focal length f [px].
+  /// Whether it is a pinhole with square pixels and its axis in the middle.
+  bool is_plain() const {
+    return distortion == Distortion::none && focal_length[0] == 0 && principal_point[0] == 0 &&
+           principal_point[1] == 0;
+  }
+  /// Focal length f along the height [px].
   double focal() const;
   /// Side of a tag of this size [m] in a picture [px], at this depth [m].
   double pixels(double size, double depth) const { return focal() * size / depth; }
-  /// Projection of a point of S, with x > 0, into a picture [px]: right and down from the image
-  /// centre.
+  /// Depth of a point of S that pixels() takes [m]: along the axis; of an equidistant lens the distance.
+  double depth(const Vec3<double>& p_S) const {
+    return distortion == Distortion::equidistant ? norm(p_S) : p_S.x;
+  }
+  /// Projection of a point of S that sees() accepts into a picture [px]: right and down from the
+  /// image centre.
   Vec2<double> project(const Vec3<double>& p_S) const {
+    if (!is_plain()) return distorted(p_S);
     const double f = focal();
     return {-f * p_S.y / p_S.x, -f * p_S.z / p_S.x};
   }
+  /// Derivatives of project() by the point, to the right and down [px/m].
+  std::array<Vec3<double>, 2> slopes(const Vec3<double>& p_S) const;
+  /// Angle from the axis up to which directions have pixels of their own, in (0, pi] [rad].
+  double widest() const;
+  /// Whether project() applies to a point: at least 0.02 m away, and within widest() of the axis.
+  bool sees(const Vec3<double>& p_S, double widest) const;
+  /// Unit vector of S that project() takes to this place of a picture; none if no direction within
+  /// widest() does, to 1e-9 of a focal length.
+  std::optional<Vec3<double>> ray(const Vec2<double>& at) const;
+
+ private:
+  Vec2<double> distorted(const Vec3<double>& p_S) const;
 };
 
 /// AprilTag families.
@@ -383,7 +436,7 @@ class PoseInformation {
   const Camera& camera_;
   const Tags& tags_;
   RigidPose pose_;
-  double focal_, bend_ = 0.0;
+  double bend_ = 0.0;
   Mat<6, 6> sum_{};
 };
 

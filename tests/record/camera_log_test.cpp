@@ -25,6 +25,28 @@ TEST(CameraLog, ACameraIsReadBackAndAMessageWithoutItsNumbersIsNone) {
     EXPECT_FALSE(decode_camera_info(std::span(bytes).first(size))) << size;
 }
 
+TEST(CameraLog, ALensIsReadBack) {
+  for (const Camera& camera : {Camera{.focal_length = {300.0, 310.0}, .principal_point = {150.0, 125.0}},
+                               Camera{.focal_length = {300.0, 300.0},
+                               .distortion = Distortion::plumb_bob,
+                               .coefficients = {-0.2, 0.1, 0, 0.01, 0}},
+                               Camera{.focal_length = {300.0, 310.0},
+                               .distortion = Distortion::rational_polynomial,
+                               .coefficients = {1, 2, 3, 4, 5, 6, 7, 8}},
+                               Camera{.focal_length = {300.0, 310.0},
+                               .distortion = Distortion::equidistant,
+                               .coefficients = {0, 0, 0, 0}}}) {
+    std::vector<std::byte> bytes;
+    encode_camera_info(bytes, "cam", 0, camera);
+    const auto read = decode_camera_info(bytes);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->focal_length, camera.focal_length);
+    EXPECT_EQ(read->principal_point, camera.principal_point);
+    EXPECT_EQ(read->distortion, camera.distortion);
+    EXPECT_EQ(read->coefficients, camera.coefficients);
+  }
+}
+
 // The layout of ROS 2: what is in a header with a frame of 3 letters, and then the numbers of the pinhole on multiples of 8.
 TEST(CameraLog, TheNumbersStandWhereRosHasThem) {
   const Camera camera{};

@@ -91,6 +91,21 @@ TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {
   EXPECT_GT(world->measured_max().detections, 0U);
 }
 
+TEST(ReadCamera, ALensIsReadAndTold) {
+  const std::string lens =
+      "[agent.a.camera]\nfocal_length = [300.0, 310.0]\nprincipal_point = [150.0, 125.0]\n"
+      "distortion = \"equidistant\"\ncoefficients = [0.0, 0.0, 0.0, 0.0]\n";
+  const Scenario scenario = scenario_of(facing_pair + lens);
+  const Camera& camera = scenario.vision.cameras.at(0).camera;
+  EXPECT_EQ(camera.focal(), 310.0);
+  EXPECT_EQ(camera.distortion, Distortion::equidistant);
+  EXPECT_THAT(summary(scenario), HasSubstr("focal length 310.0 px, equidistant to 3.14 rad, 30 Hz"));
+  EXPECT_THAT(scenario_refusal(facing_pair + lens + "field_of_view = 1.0\n"),
+              HasSubstr("agent.a.camera.field_of_view = 1, expected no such key beside focal_length"));
+  EXPECT_THAT(scenario_refusal(facing_pair + lens.substr(0, lens.find("coeff"))),
+              HasSubstr("coefficients has 0 numbers, expected 4 with equidistant"));
+}
+
 TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
   const std::string text = facing_pair + "[agent.a.camera]\n[agent.b.tags]\n";
   const Scenario scenario = scenario_of(text);

@@ -363,7 +363,7 @@ void FlightPublisher::Thread::send_cameras() {
   for (auto& robot : robots_) {
     if (!robot->camera_info) continue;
     RosStrings strings;
-    std::vector<double> distortion(5);  // no distortion
+    std::vector<double> distortion = distortion_coefficients(robot->camera.camera);
     auto message = camera_info(robot->camera.camera, strings, distortion);
     message.header = {stamp_of(realtime_now()), strings(robot->camera.frame)};
     robot->camera_info->write(message);

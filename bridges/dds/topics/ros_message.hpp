@@ -47,15 +47,15 @@ inline geometry_msgs_msg_dds__Pose_ ros_pose(const Vec3<double>& p, const Quater
   return {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
 }
 
-/// CameraInfo of a pinhole camera; the caller fills the header.
-/// @param distortion  five zeros; must outlive the message
+/// CameraInfo of a camera; the caller fills the header.
+/// @param distortion  its distortion_coefficients(); must outlive the message
 inline sensor_msgs_msg_dds__CameraInfo_ camera_info(const Camera& camera, RosStrings& strings,
                                                     std::vector<double>& distortion) {
   const std::array<double, 9> K = intrinsics(camera);
   sensor_msgs_msg_dds__CameraInfo_ message{};
   message.height = static_cast<std::uint32_t>(camera.height);
   message.width = static_cast<std::uint32_t>(camera.width);
-  message.distortion_model = strings("plumb_bob");
+  message.distortion_model = strings(std::string(distortion_model(camera)));
   set_sequence(message.d, distortion);
   std::copy(K.begin(), K.end(), std::begin(message.k));
   for (std::size_t i = 0; i < 9; i += 4) message.r[i] = 1.0;

@@ -55,17 +55,18 @@ struct FoundBody {
   std::size_t count = 0;
 };
 
-/// Image positions of a tag's corners; false if one is not at least 0.02 m in front of the camera.
+/// Image positions of a tag's corners; false if the camera does not see one.
 bool find_corners(const Camera& camera, const Tags& tags, int face, const SeenTag& seen, FoundTag& found) {
   const auto& [p, q] = seen.transform;
   const RigidPose tag = from_optical({p.x, p.y, p.z}, normalised({q.w, q.x, q.y, q.z}));
   const double half = 0.5 * tags.size;
   const std::array<Vec3<double>, 4> corners = {
       {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}}};
+  const double widest = camera.widest();
   found.face = face;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3<double> corner = tag.p + tag.R.to_G(corners[i]);
-    if (!(corner.x > 0.02)) return false;
+    if (!camera.sees(corner, widest)) return false;
     found.corners[i] = camera.project(corner);
   }
   return true;
@@ -79,7 +80,7 @@ bool pose_of_body(const WatchedCamera& eye, const Tags& tags, const FoundBody& b
   if (!said || !(said->rms <= TagSubscriber::misfit_most)) return false;
   PoseInformation information(camera, tags, said->pose);
   for (const FoundTag& tag : found) {
-    const double depth = (said->pose.p + said->pose.R.to_G(tags.centre(tag.face))).x;
+    const double depth = camera.depth(said->pose.p + said->pose.R.to_G(tags.centre(tag.face)));
     const double cosine = std::max(0.3, cos_incidence(tags, tag.face, said->pose));
     information.add(tag.face, corner_sigma(camera.pixels(tags.size, depth), cosine, camera.noise, 0.0));
   }

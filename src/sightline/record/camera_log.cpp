@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "sightline/log.hpp"
 #include "sightline/record/log_table.hpp"
@@ -40,13 +42,46 @@ uint32 width
 bool do_rectify
 )";
 constexpr std::uint64_t second_in_ns = 1'000'000'000;
-constexpr std::uint32_t plumb_bob_numbers = 5;
+constexpr std::size_t plumb_bob_numbers = 5;
+constexpr std::size_t coefficients_max = 8;
+
+/// Whether a model of ROS is one of ours; sets it, with its coefficients, unless all are zero.
+bool set_distortion(Camera& camera, std::string_view model, const std::vector<double>& coefficients) {
+  const auto word = std::find(distortions.begin() + 1, distortions.end(), model);
+  if (word == distortions.end()) return false;
+  const auto is = static_cast<Distortion>(word - distortions.begin());
+  const bool none = std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; });
+  if (none && is != Distortion::equidistant) return true;
+  camera.distortion = is;
+  camera.coefficients = coefficients;
+  return true;
+}
 
 }  // namespace
 
+std::string_view distortion_model(const Camera& camera) {
+  const Distortion model = camera.distortion == Distortion::none ? Distortion::plumb_bob : camera.distortion;
+  return distortions[static_cast<std::size_t>(model)];
+}
+
+std::vector<double> distortion_coefficients(const Camera& camera) {
+  std::vector<double> all = camera.coefficients;
+  if (distortion_model(camera) == distortions[1]) all.resize(plumb_bob_numbers);
+  return all;
+}
+
 std::array<double, 9> intrinsics(const Camera& camera) {
-  const double f = camera.focal();
-  return {f, 0.0, 0.5 * camera.width, 0.0, f, 0.5 * camera.height, 0.0, 0.0, 1.0};
+  const double f = camera.focal(), fx = camera.focal_length[0];
+  const auto [cx, cy] = camera.principal_point;
+  return {fx > 0 ? fx : f,
+          0.0,
+          cx > 0 ? cx : 0.5 * camera.width,
+          0.0,
+          f,
+          cy > 0 ? cy : 0.5 * camera.height,
+          0.0,
+          0.0,
+          1.0};
 }
 
 RosSchema camera_info_schema() { return {"sensor_msgs/msg/CameraInfo", std::string(camera_info_text)}; }
@@ -58,8 +93,9 @@ void encode_camera_info(std::vector<std::byte>& bytes, std::string_view frame, s
   to.put(static_cast<std::int32_t>(time / second_in_ns)).put(static_cast<std::uint32_t>(time % second_in_ns));
   to.put(frame);
   to.put(static_cast<std::uint32_t>(camera.height)).put(static_cast<std::uint32_t>(camera.width));
-  to.put(std::string_view("plumb_bob")).put(plumb_bob_numbers);
-  for (std::uint32_t i = 0; i < plumb_bob_numbers; ++i) to.put(0.0);
+  const std::vector<double> coefficients = distortion_coefficients(camera);
+  to.put(distortion_model(camera)).put(static_cast<std::uint32_t>(coefficients.size()));
+  for (const double one : coefficients) to.put(one);
   for (const double k : K) to.put(k);
   for (int i = 0; i < 9; ++i) to.put(i % 4 == 0 ? 1.0 : 0.0);
   for (std::size_t i = 0; i < 12; ++i) to.put(i % 4 == 3 ? 0.0 : K[3 * (i / 4) + i % 4]);
@@ -74,9 +110,11 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes) {
   (void)from.string();
   Camera camera;
   const auto height = from.number<std::uint32_t>(), width = from.number<std::uint32_t>();
-  (void)from.string();
-  const std::size_t distortion = from.length(sizeof(double));
-  for (std::size_t i = 0; i < distortion; ++i) (void)from.number<double>();
+  const std::string_view model = from.string();
+  const std::size_t count = from.length(sizeof(double));
+  if (count > coefficients_max) return std::nullopt;
+  std::vector<double> coefficients(count);
+  for (double& one : coefficients) one = from.number<double>();
   std::array<double, 9> k{};
   for (double& number : k) number = from.number<double>();
   constexpr std::uint32_t side_max = 1U << 16U;
@@ -85,6 +123,12 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes) {
   camera.height = static_cast<int>(height);
   camera.width = static_cast<int>(width);
   camera.field_of_view = 2 * std::atan(0.5 * height / k[0]);
+  if (!set_distortion(camera, model, coefficients)) return std::nullopt;
+  // Of a pinhole with its axis in the middle, field_of_view says all.
+  const bool middle = k[2] == 0.5 * width && k[5] == 0.5 * height;
+  if (camera.distortion == Distortion::none && k[0] == k[4] && middle) return camera;
+  camera.focal_length = {k[0], k[4]};
+  if (!middle) camera.principal_point = {k[2], k[5]};
   return camera;
 }
 

@@ -1,7 +1,7 @@
 /// Camera intrinsics of a run in the log: topic, message encoding and writer.
 ///
 ///     /OBSERVER/camera_info   sensor_msgs/CameraInfo in the optical frame, once, in the first
-///                             period: a pinhole camera without distortion
+///                             period: with its distortion
 #pragma once
 
 #include <array>
@@ -18,9 +18,13 @@
 
 namespace sightline {
 
-/// Maps a point of the optical frame (x right, y down, z ahead) to its pixel; 3 x 3, row-major
-/// [px].
+/// Maps an undistorted point of the optical frame (x right, y down, z ahead) to its pixel; 3 x 3,
+/// row-major [px].
 std::array<double, 9> intrinsics(const Camera& camera);
+
+/// Word and coefficients of the distortion as ROS has them; a pinhole is a plumb_bob of five zeros.
+std::string_view distortion_model(const Camera& camera);
+std::vector<double> distortion_coefficients(const Camera& camera);
 
 RosSchema camera_info_schema();  ///< sensor_msgs/msg/CameraInfo
 
@@ -29,8 +33,8 @@ RosSchema camera_info_schema();  ///< sensor_msgs/msg/CameraInfo
 /// @param time   stamp [ns]
 void encode_camera_info(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
                         const Camera& camera);
-/// Decodes size and focal length of a camera; all other members keep their defaults. Empty if the
-/// bytes are no such message.
+/// Decodes size and lens of a camera; all other members keep their defaults. Empty if the bytes are
+/// no such message, or of an unknown distortion.
 std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes);
 
 /// Writes the topic above.

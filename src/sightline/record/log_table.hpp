@@ -66,7 +66,7 @@ inline constexpr std::array<LogTopic, 23> log_topics = {
       "stamp, arrival, target: string, tags, p[], q[], covariance[]",
       "times of exposure and arrival [s], number of tags, position [m] and attitude (w, x, y, z; zeros: "
       "unknown) of the target in the camera frame, upper triangle of the covariance of position and turn"},
-     {"/OBSERVER/camera_info", "sensor_msgs/msg/CameraInfo", "", "once: a pinhole without distortion"},
+     {"/OBSERVER/camera_info", "sensor_msgs/msg/CameraInfo", "", "once, with its distortion"},
      {"/solver", "sightline.Solver", "status: string, residual, iterations: integer, pairs: integer, cost",
       "of an update, `pairs` with [[keep_apart]]; of several controllers /controllerN/solver"},
      {"/events", "sightline.Event", "kind: string, controller: integer, value",

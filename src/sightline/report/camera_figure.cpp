@@ -12,18 +12,17 @@ namespace {
 
 constexpr std::size_t cameras_shown = 4, pictures_shown = 6, in_a_row = 3;
 constexpr double width_on_page = 240.0, gap_between = 12.0, words_below = 18.0;  // in the page [px]
-constexpr double least_depth_seen = 0.02;  // nearer points are not projected [m]
-constexpr double code_in_tag = 6.0 / 8;    // of tag36h11: black frame, 1/8 wide per side
+constexpr double code_in_tag = 6.0 / 8;  // of tag36h11: black frame, 1/8 wide per side
 
-/// Projected corners of a plate, as the points of a polygon; empty if a corner is behind the
-/// camera.
+/// Projected corners of a plate, as the points of a polygon; empty if the camera does not see one.
 std::string points_of(const Camera& camera, const Recording::Sighted& seen, const Tags& tags, int face,
                       double scale) {
   const Rotation R = rotation(seen.q);
+  const double widest = camera.widest();
   std::string points;
   for (const Vec3<double>& corner : tags.corners(face, scale)) {
     const Vec3<double> p_S = seen.p + R.to_G(corner);
-    if (!(p_S.x > least_depth_seen)) return "";
+    if (!camera.sees(p_S, widest)) return "";
     const Vec2<double> at = camera.project(p_S);
     points += fmt::format("{:.1f},{:.1f} ", 0.5 * camera.width + at.x, 0.5 * camera.height + at.y);
   }
@@ -53,7 +52,7 @@ std::string picture_of(const Recording& r, const Camera& camera, const Recording
   if (target.tags && seen.q != no_attitude) {
     svg += fmt::format("<svg width=\"{}\" height=\"{}\">\n{}</svg>\n", camera.width, camera.height,
                        plates_of(camera, seen, *target.tags));
-  } else if (seen.p.x > least_depth_seen) {
+  } else if (camera.sees(seen.p, camera.widest())) {
     const Vec2<double> at = camera.project(seen.p);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#000\"/>\n",
                        0.5 * camera.width + at.x, 0.5 * camera.height + at.y, 3 * scale);

@@ -95,17 +95,13 @@ struct YamlKind {
 constexpr std::array yaml_kinds = {
     YamlKind{{"robot_types", "firmware_params", "initial_position"},
              {"a crazyflies.yaml of Crazyswarm2",
-              "a scenario file (TOML), in which each robot is an [agent.NAME] with its initial_position as "
-              "start.p and link = { kind = \"crazyswarm2\" }",
-              true}},
+              "a scenario file (TOML); sightline import makes a fleet file of it", true}},
     YamlKind{{"camera_matrix", "distortion_coeffs", "distortion_coefficients"},
              {"the calibration of a camera (YAML)",
-              "a scenario file (TOML), whose [agent.NAME.camera] has the width, the height and the "
-              "field_of_view",
-              true}},
+              "a scenario file (TOML); sightline import makes [agent.NAME.camera] of it", true}},
     YamlKind{{"standalone_tags", "tag_bundles", "tag_family"},
              {"the tags of apriltag_ros (YAML)",
-              "a scenario file (TOML), whose [agent.NAME.tags] say which tags a body has", true}},
+              "a scenario file (TOML); sightline import makes [target.NAME.tags] of it", true}},
     YamlKind{{"rosbag2_bagfile_information", "relative_file_paths", "storage_identifier"},
              {"the metadata of a rosbag2 (YAML)", of_bag, true}},
 };
@@ -138,7 +134,11 @@ FileKind text_kind(std::string_view head) {
   const std::string_view first = trimmed_left(lines.front());
   if (first.starts_with('{')) return {"JSON", scenario_file, true};
   if (first.starts_with('<'))
-    return {"XML", "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"", true};
+    return {"XML",
+            "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline "
+            "import makes "
+            "[agent.NAME.vehicle] of SDF",
+            true};
   if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario_file, true};
   // In TOML, a line in [ ] is a header, not a row of a table.
   if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&

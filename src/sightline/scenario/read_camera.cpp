@@ -68,6 +68,13 @@ std::vector<std::string> read_tag_frames(const TomlTable& at, const Tags& tags, 
   return frames;
 }
 
+/// ", equidistant to 2.10 rad"
+std::string lens_words(const Camera& camera) {
+  if (camera.distortion == Distortion::none) return "";
+  return fmt::format(", {} to {:.2f} rad", distortions[static_cast<std::size_t>(camera.distortion)],
+                     camera.widest());
+}
+
 }  // namespace
 
 std::optional<SensorMount> read_mount(const TomlTable& agent) {
@@ -86,7 +93,11 @@ void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMoun
     RobotCamera read{
         .observer = body, .mount = *mount, .camera = read_part<Camera>(TableSource(camera), beside)};
     camera.checked([&] { read.camera.check(); });
+    if (camera.has("field_of_view") && camera.has("focal_length"))
+      camera.throw_invalid("field_of_view", "no such key beside focal_length");
     read.render = read_render(camera, scenario.world);
+    if (read.render && !read.camera.is_plain())
+      camera.throw_invalid("render", "false with a focal_length, a principal_point or a distortion");
     read.frame = read_optical_frame(camera, scenario.team.name(body), vision);
     vision.cameras.push_back(read);
   }
@@ -146,9 +157,9 @@ std::string camera_words(const ScenarioSpec& scenario) {
   for (const RobotCamera& one : scenario.vision.cameras) {
     const Camera& c = one.camera;
     fmt::format_to(std::back_inserter(text),
-                   "camera      {}: {} x {} px, focal length {:.1f} px, {} Hz, latency {} to {} s, {}\n",
-                   team.name(one.observer), c.width, c.height, c.focal(), c.rate, c.latency[0], c.latency[1],
-                   one.render ? "rendered" : "detections drawn by their noise");
+                   "camera      {}: {} x {} px, focal length {:.1f} px{}, {} Hz, latency {} to {} s, {}\n",
+                   team.name(one.observer), c.width, c.height, c.focal(), lens_words(c), c.rate, c.latency[0],
+                   c.latency[1], one.render ? "rendered" : "detections drawn by their noise");
   }
   for (const BodyTags& one : scenario.vision.tags)
     fmt::format_to(std::back_inserter(text), "tags        {}: {} faces of {}, {} m\n", team.name(one.body),

@@ -10,11 +10,23 @@ void Camera::check() const {
   check_parameters(*this);
   if (latency[0] > latency[1])
     throw_invalid("camera.latency = [{}, {}] s, expected the shortest first", latency[0], latency[1]);
-}
-
-double Camera::focal() const {
-  const SinCos<double> half = sincos(0.5 * field_of_view);
-  return 0.5 * height * half.cos / half.sin;
+  if ((focal_length[0] > 0) != (focal_length[1] > 0))
+    throw_invalid("camera.focal_length = [{}, {}] px, expected both above 0, or neither", focal_length[0],
+                  focal_length[1]);
+  const bool wide = distortion == Distortion::equidistant;
+  if (field_of_view > 2.6 && !wide)
+    throw_invalid("camera.field_of_view = {}, expected 0.1 to 2.6 rad, or distortion = \"equidistant\"",
+                  field_of_view);
+  const std::size_t n = coefficients.size();
+  const bool fit = distortion == Distortion::none        ? n == 0
+                   : distortion == Distortion::plumb_bob ? n == 4 || n == 5
+                                                         : n == (wide ? 4U : 8U);
+  if (!fit)
+    throw_invalid("camera.coefficients has {} numbers, expected {}", n,
+                  distortion == Distortion::none        ? "none without a distortion"
+                  : distortion == Distortion::plumb_bob ? "4 or 5 with plumb_bob"
+                  : wide                                ? "4 with equidistant"
+                                                        : "8 with rational_polynomial");
 }
 
 Vec3<double> Tags::normal(int face) const {

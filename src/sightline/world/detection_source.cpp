@@ -29,7 +29,7 @@ Vec2<double> smear_of(const CameraOptions& options, const Exposure& exposure, co
   const ExposedBody &eye = exposure.bodies[at(one.observer)], &seen = exposure.bodies[at(body)];
   const Vec3<double> now = seen_from(camera_pose(one, turned, eye.now), seen.now).p,
                      before = seen_from(camera_pose(one, turned, eye.before), seen.before).p;
-  if (!(now.x > 0.05 && before.x > 0.05)) return {};
+  if (!(one.camera.depth(now) > 0.05 && one.camera.depth(before) > 0.05)) return {};
   const Vec2<double> a = one.camera.project(before), b = one.camera.project(now);
   const double part = one.camera.exposure / exposure.since;
   return {part * (b.x - a.x), part * (b.y - a.y)};

@@ -78,16 +78,17 @@ bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, D
   PoseInformation information(camera, tags, pose);
   int seen = 0, face_seen = 0;
   double n_seen = 0.0, cos_seen = 0.0;
+  const double widest = camera.widest();
   const auto in_picture = [&](const Vec3<double>& p) {
-    if (!(p.x > 0.02)) return false;
+    if (!camera.sees(p, widest)) return false;
     const Vec2<double> q = camera.project(p);
     return std::abs(q.x) < 0.5 * camera.width - 1 && std::abs(q.y) < 0.5 * camera.height - 1;
   };
   for (int face = 0; face < tags.faces; ++face) {
     const Vec3<double> centre = pose.p + pose.R.to_G(tags.centre(face));
-    if (!(centre.x > 0.02)) continue;
+    if (!camera.sees(centre, widest)) continue;
     const double cosine = cos_incidence(tags, face, pose);
-    const double n = camera.pixels(tags.size, centre.x);
+    const double n = camera.pixels(tags.size, camera.depth(centre));
     if (draws.faces[size(face)] > probability(n, cosine, smear)) continue;
     bool whole = !hidden(exposure, of.observer, body, S.p, S.p + S.R.to_G(centre));
     for (const Vec3<double>& corner : tags.corners(face, Tags::border)) {

@@ -6,14 +6,10 @@
 namespace sightline {
 namespace {
 
-constexpr double nearest_depth = 0.02;  // [m]
-
 /// Rows of a corner's Jacobian over position and rotation: image coordinates right and down.
 /// @param arm  from the body's origin to the corner, in S
-Mat<2, 6> rows_of(double f, const Vec3<double>& p, const Vec3<double>& arm) noexcept {
-  const double near = 1 / p.x;
-  const Vec3<double> right = {f * p.y * near * near, -f * near, 0},
-                     down = {f * p.z * near * near, 0, -f * near};
+Mat<2, 6> rows_of(const Camera& camera, const Vec3<double>& p, const Vec3<double>& arm) noexcept {
+  const auto [right, down] = camera.slopes(p);
   // d p = d theta x arm, so a row over theta is arm x row.
   const Vec3<double> of_right = cross(arm, right), of_down = cross(arm, down);
   return {{{{right.x, right.y, right.z, of_right.x, of_right.y, of_right.z},
@@ -22,17 +18,17 @@ Mat<2, 6> rows_of(double f, const Vec3<double>& p, const Vec3<double>& arm) noex
 
 struct Misfit {
   double squares = 0.0;
-  bool ahead = true;  // all corners are in front of the camera
+  bool ahead = true;  // the camera sees all corners
 };
 
-Misfit misfit(const Camera& camera, const Tags& tags, std::span<const FoundTag> found,
-              const RigidPose& pose) {
+Misfit misfit(const Camera& camera, const Tags& tags, std::span<const FoundTag> found, const RigidPose& pose,
+              double widest) {
   Misfit sum;
   for (const FoundTag& tag : found) {
     const auto corners = tags.corners(tag.face);
     for (std::size_t i = 0; i < 4; ++i) {
       const Vec3<double> p = pose.p + pose.R.to_G(corners[i]);
-      if (!(p.x > nearest_depth)) return {0.0, false};
+      if (!camera.sees(p, widest)) return {0.0, false};
       const Vec2<double> at = camera.project(p);
       sum.squares += square(tag.corners[i].x - at.x) + square(tag.corners[i].y - at.y);
     }
@@ -77,19 +73,52 @@ bool homography(const std::array<Vec2<double>, 4>& q, double (&H)[9]) {
   return true;
 }
 
+/// The corners as a pinhole of focal length f pictures them along the x axis of R, given in S.
+struct PinholeView {
+  Rotation R{};
+  double f = 0.0;
+  std::array<Vec2<double>, 4> corners{};
+};
+
+/// The picture itself, or one around the mean direction of corners that a lens distorts.
+std::optional<PinholeView> pinhole_view(const Camera& camera, const std::array<Vec2<double>, 4>& corners) {
+  PinholeView view{.f = camera.focal(), .corners = corners};
+  if (camera.is_plain()) return view;
+  std::array<Vec3<double>, 4> rays;
+  Vec3<double> sum{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::optional<Vec3<double>> ray = camera.ray(corners[i]);
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+    sum = sum + *ray;
+  }
+  if (!(norm(sum) > 0.4)) return std::nullopt;
+  view.R.x = unit(sum);
+  const Vec3<double> side = std::abs(view.R.x.z) < 0.9 ? Vec3<double>{0, 0, 1} : Vec3<double>{0, 1, 0};
+  view.R.y = unit(cross(side, view.R.x));
+  view.R.z = cross(view.R.x, view.R.y);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3<double> ray = view.R.to_B(rays[i]);
+    if (!(ray.x > 0.05)) return std::nullopt;
+    view.corners[i] = {-view.f * ray.y / ray.x, -view.f * ray.z / ray.x};
+  }
+  return view;
+}
+
 /// The body's pose from the corners of one tag.
 std::optional<RigidPose> pose_of_one(const Camera& camera, const Tags& tags, const FoundTag& tag) {
   double H[9];
-  if (!homography(tag.corners, H)) return std::nullopt;
-  // In S, with x = 1 for depth: a column (u, v, w) is along (w, -u / f, -v / f).
-  const double f = camera.focal(), half = 0.5 * tags.size;
+  const std::optional<PinholeView> view = pinhole_view(camera, tag.corners);
+  if (!view || !homography(view->corners, H)) return std::nullopt;
+  // In the view, with x = 1 for depth: a column (u, v, w) is along (w, -u / f, -v / f).
+  const double f = view->f, half = 0.5 * tags.size;
   const auto column = [&](int k) { return Vec3<double>{H[6 + k], -H[k] / f, -H[3 + k] / f}; };
   const Vec3<double> right = column(0), up = column(1), middle = column(2);
   const double scale = 2 * half / (norm(right) + norm(up));
-  if (!(scale * middle.x > nearest_depth)) return std::nullopt;
+  if (!(scale * middle.x > Camera::nearest_depth)) return std::nullopt;
   const Vec3<double> x = unit(right), across = cross(x, up);
   if (!(norm(across) > 0)) return std::nullopt;
-  // Plate axes in S: right, up, and out of the plate.
+  // Plate axes in the view: right, up, and out of the plate.
   const Vec3<double> n = unit(across), y = cross(n, x);
   const Rotation R_SP = {x, y, n};
   const Vec3<double> n_B = tags.normal(tag.face);
@@ -97,7 +126,9 @@ std::optional<RigidPose> pose_of_one(const Camera& camera, const Tags& tags, con
   // R_SB = R_SP R_PB, with R_PB the transpose.
   const Rotation R_PB = {R_BP.to_B({1, 0, 0}), R_BP.to_B({0, 1, 0}), R_BP.to_B({0, 0, 1})};
   const Rotation R = compose(R_SP, R_PB);
-  return RigidPose{scale * middle - R.to_G(tags.centre(tag.face)), R};
+  const Vec3<double> p = scale * middle - R.to_G(tags.centre(tag.face));
+  if (camera.is_plain()) return RigidPose{p, R};
+  return RigidPose{view->R.to_G(p), compose(view->R, R)};
 }
 
 }  // namespace
@@ -115,16 +146,16 @@ double cos_incidence(const Tags& tags, int face, const RigidPose& pose) {
 }
 
 PoseInformation::PoseInformation(const Camera& camera, const Tags& tags, const RigidPose& pose)
-    : camera_(camera), tags_(tags), pose_(pose), focal_(camera.focal()) {}
+    : camera_(camera), tags_(tags), pose_(pose) {}
 
 void PoseInformation::add(int face, double sigma) noexcept {
   const double weight = 1 / square(sigma);
   for (const Vec3<double>& corner : tags_.corners(face)) {
     const Vec3<double> arm = pose_.R.to_G(corner);
-    const Mat<2, 6> rows = rows_of(focal_, pose_.p + arm, arm);
+    const Mat<2, 6> rows = rows_of(camera_, pose_.p + arm, arm);
     sum_ += weight * (transposed(rows) * rows);
   }
-  const double n = camera_.pixels(tags_.size, plate_of(tags_, face, pose_).centre.x);
+  const double n = camera_.pixels(tags_.size, camera_.depth(plate_of(tags_, face, pose_).centre));
   bend_ = std::max(bend_, n / (2 * sigma));
 }
 
@@ -141,9 +172,9 @@ std::optional<Mat<6, 6>> PoseInformation::covariance() const noexcept {
 std::optional<TagPose> refined(const Camera& camera, const Tags& tags, std::span<const FoundTag> found,
                                const RigidPose& guess) {
   constexpr int steps = 12, tries = 6;
-  const double f = camera.focal();
+  const double widest = camera.widest();
   TagPose best{guess, 0.0};
-  Misfit last = misfit(camera, tags, found, guess);
+  Misfit last = misfit(camera, tags, found, guess, widest);
   if (!last.ahead || found.empty()) return std::nullopt;
   double lambda = 1e-6;
   for (int step = 0; step < steps; ++step) {
@@ -153,7 +184,7 @@ std::optional<TagPose> refined(const Camera& camera, const Tags& tags, std::span
       const auto corners = tags.corners(tag.face);
       for (std::size_t i = 0; i < 4; ++i) {
         const Vec3<double> arm = best.pose.R.to_G(corners[i]), p = best.pose.p + arm;
-        const Mat<2, 6> rows = rows_of(f, p, arm);
+        const Mat<2, 6> rows = rows_of(camera, p, arm);
         const Vec2<double> seen = camera.project(p);
         const Column<2> off = {{{{tag.corners[i].x - seen.x}, {tag.corners[i].y - seen.y}}}};
         sum += transposed(rows) * rows;
@@ -168,7 +199,7 @@ std::optional<TagPose> refined(const Camera& camera, const Tags& tags, std::span
       if (!factor.positive) return std::nullopt;
       const Column<6> d = factor.solve(b);
       const RigidPose next = {best.pose.p + vec3(d), compose(turn_by(vec3(d, 3)), best.pose.R)};
-      const Misfit there = misfit(camera, tags, found, next);
+      const Misfit there = misfit(camera, tags, found, next, widest);
       if (there.ahead && there.squares <= last.squares) {
         moved = last.squares - there.squares > 1e-12 * last.squares;
         best.pose = next;

@@ -81,7 +81,7 @@ bool RenderedDetections::detect(const Exposure& exposure, std::size_t number, co
   const Vec2<double> way = smear_of(options_, exposure, turned_[exposure.camera], body);
   PoseInformation information(of.camera, tags, said->pose);
   for (const FoundTag& tag : tags_found) {
-    const double depth = (said->pose.p + said->pose.R.to_G(tags.centre(tag.face))).x;
+    const double depth = of.camera.depth(said->pose.p + said->pose.R.to_G(tags.centre(tag.face)));
     const double cosine = std::max(0.3, cos_incidence(tags, tag.face, said->pose));
     information.add(tag.face, corner_sigma(of.camera.pixels(tags.size, depth), cosine, of.camera.noise,
                                            norm(way.x, way.y)));

@@ -1,0 +1,40 @@
+/// The kinds of files that import.hpp makes something of, and TOML of values.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "sightline/import/import.hpp"
+#include "sightline/import/yaml_value.hpp"
+
+namespace sightline {
+
+// Each takes a document, and the name of its file.
+// @throws ScenarioError for a value that has no meaning for us
+
+/// @param server  parameters of the server's node; null: not given
+Imported import_crazyflies(const YamlValue& robots, const std::string& file, const YamlValue* server);
+Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options);
+Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options);
+
+/// @param document  parameters of apriltag_ros, a list standalone_tags, or bodies of TagSLAM
+Imported import_tags(const YamlValue& document, const std::string& file, const ImportOptions& options);
+
+/// @param files  of one model: its own, and those that it includes
+Imported import_sdf(std::span<const ImportFile> files, const ImportOptions& options);
+
+/// The parameters of a node of ROS 2, ros__parameters; none in another file.
+std::optional<YamlValue> node_parameters(const YamlValue& document);
+/// Whether a robot may have this name.
+bool is_robot_name(std::string_view name);
+
+/// "crazyflies.yaml" of a path, for comments.
+std::string file_name(const std::string& file);
+/// A number that reads back as the same number, with a point.
+std::string toml_number(double value);
+/// "[0.1, 0.2]"
+std::string toml_numbers(std::span<const double> values);
+
+}  // namespace sightline

@@ -1,0 +1,518 @@
+#include "sightline/import/import.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <fstream>
+#include <numbers>
+
+#include "bridges/dds/fleet/link.hpp"
+#include "sightline/scenario.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/vehicle.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+using test::scenario_of;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+const std::string swarm = R"(# our swarm
+robots:
+  cf1:
+    enabled: true
+    uri: radio://0/80/2M/E7E7E7E701
+    initial_position: [-1.0, 0.0, 0.0]
+    type: plain
+  cf2:
+    enabled: true
+    uri: radio://0/80/2M/E7E7E7E702
+    initial_position: [0.5, 0.25, 0.02]
+    type: marked
+    role: evader
+  cf3:
+    enabled: false
+    uri: radio://0/90/2M/E7E7E7E703
+    initial_position: [0.0, 0.0, 0.0]
+    type: plain
+robot_types:
+  plain:
+    motion_capture:
+      enabled: false
+    big_quad: false
+    battery:
+      voltage_warning: 3.8
+      voltage_critical: 3.6
+  marked:
+    motion_capture:
+      tracking: vendor
+      marker: default
+    big_quad: true
+all:
+  firmware_logging:
+    enabled: true
+    default_topics:
+      pose:
+        frequency: 10 # Hz
+  firmware_params:
+    stabilizer: { estimator: 2, controller: 1 }
+  broadcasts:
+    num_repeats: 15
+)";
+
+const std::string server = "/crazyflie_server:\n  ros__parameters:\n    sim:\n      backend: np\n";
+
+const std::string ros_camera = R"(image_width: 640
+image_height: 480
+camera_name: front
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [301.5, 0, 311.0,
+         0, 298.25, 251.5,
+         0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.28, 0.07, 0.0003, -0.0011, 0.0]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
+)";
+
+const std::string chain = R"(cam0:
+  cam_overlaps: [1]
+  camera_model: pinhole
+  distortion_coeffs: [-0.013, 0.021, -0.012, 0.002]
+  distortion_model: equidistant
+  intrinsics: [190.97, 190.96, 254.93, 256.89]
+  resolution: [512, 512]
+  rostopic: /cam0/image_raw
+cam1:
+  camera_model: pinhole
+  distortion_coeffs: [0.1, -0.2, 0.001, 0.002]
+  distortion_model: radtan
+  intrinsics: [458.6, 457.2, 367.2, 248.4]
+  resolution: [752, 480]
+  timeshift_cam_imu: 0.01
+)";
+
+Imported imported(const std::string& text, const ImportOptions& options = {}) {
+  const std::vector<ImportFile> files = {{"lab/a.yaml", text}};
+  return import_texts(files, options);
+}
+
+std::string refusal(const std::string& text, const ImportOptions& options = {}) {
+  return refusal_of<ScenarioError>([&] { (void)imported(text, options); });
+}
+
+/// The text with the first `from` replaced.
+std::string with(std::string text, std::string_view from, std::string_view to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+/// A camera of our reader, on a robot that the tables lack.
+Camera camera_of(const Imported& made) {
+  const Scenario read = scenario_of(
+      "[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n"
+      "[agent.uav0.sensor]\n" +
+      made.text);
+  return read.vision.cameras.at(0).camera;
+}
+
+TEST(ImportCrazyflies, EachEnabledRobotIsReadBackWithItsLink) {
+  const Imported made = imported(swarm);
+  EXPECT_EQ(made.what, "a fleet of 2 Crazyflies");
+  const Scenario read = scenario_of(made.text);
+  ASSERT_EQ(read.team.agents().size(), 2U);
+  const FleetPlan& fleet = fleet_of(read);
+  ASSERT_EQ(fleet.links.size(), 2U);
+  const auto& cf1 = std::get<Crazyswarm2Link>(fleet.links[0].kind);
+  const auto& cf2 = std::get<Crazyswarm2Link>(fleet.links[1].kind);
+  EXPECT_EQ(cf1.name_space, "/cf1");
+  EXPECT_EQ(cf1.battery_min, 3.6);
+  EXPECT_EQ(cf2.battery_min, 3.7);
+  EXPECT_EQ(fleet.links[0].poses.source, PoseSource::odometry);
+  EXPECT_EQ(fleet.links[1].poses.source, PoseSource::mocap);
+  EXPECT_EQ(fleet.links[1].poses.topic, "/poses");
+  EXPECT_EQ(fleet.links[1].poses.name, "cf2");
+  // It begins where the take-off ends, above its place on the ground.
+  EXPECT_EQ(read.x0[0], -1.0);
+  EXPECT_EQ(read.x0[2], cf1.takeoff_height);
+  EXPECT_EQ(read.x0[7], 0.5);
+  EXPECT_EQ(read.x0[8], 0.25);
+  EXPECT_EQ(read.x0[9], 0.02 + cf2.takeoff_height);
+  EXPECT_THAT(made.text, HasSubstr("radio://0/80/2M/E7E7E7E702"));
+}
+
+TEST(ImportCrazyflies, WhatHasNoCounterpartIsToldOnce) {
+  EXPECT_THAT(
+      imported(swarm).notes,
+      ElementsAre(
+          "robots.cf2.role has no counterpart", "not enabled, left out: cf3",
+          "cf1: poses by the radio at 10 Hz, expected "
+          "firmware_logging.default_topics.pose.frequency = 100",
+          "cf1, cf2: the PID controller follows 0.5 s late, stabilizer.controller = 2 (Mellinger) does not",
+          "cf2: big_quad has no counterpart; the simulated vehicle is a Crazyflie"));
+  // A type overrides what all have, a robot its type.
+  const std::string fast =
+      with(swarm, "    big_quad: false\n",
+           "    big_quad: false\n    firmware_logging: { default_topics: { pose: { frequency: 100 } } }\n");
+  EXPECT_THAT(imported(fast).notes, Not(Contains(HasSubstr("poses by the radio"))));
+  const std::vector<ImportFile> both = {{"crazyflies.yaml", swarm}, {"server.yaml", server}};
+  EXPECT_THAT(import_texts(both).notes, Contains("/crazyflie_server.ros__parameters.sim has no counterpart"));
+}
+
+TEST(ImportCrazyflies, RobotsThatStartNearEachOtherKeepALesserDistance) {
+  const Imported near = imported(with(swarm, "[0.5, 0.25, 0.02]", "[-0.5, 0.0, 0.0]"));
+  EXPECT_THAT(near.notes, Contains("safety.d_hard = 0.4 m: two robots start 0.5 m apart"));
+  EXPECT_EQ(scenario_of(near.text).safety.value().d_hard, 0.4);
+  EXPECT_EQ(scenario_of(imported(swarm).text).safety.value().d_hard, 0.6);
+}
+
+TEST(ImportCrazyflies, RefusesWithPlaceKeyValueAndWhatWasExpected) {
+  EXPECT_EQ(refusal(with(swarm, "[0.5, 0.25, 0.02]", "[-1.0, 0.1, 0.0]")),
+            "lab/a.yaml:11: robots.cf2.initial_position = [... 3 items], expected a place at least 0.25 m "
+            "from that "
+            "of cf1, [-1, 0, 0]");
+  EXPECT_EQ(refusal(with(swarm, "-1.0, 0.0, 0.0", "-1.0, .nan, 0.0")),
+            "lab/a.yaml:6: robots.cf1.initial_position[1] = .nan, expected -90 to 90 m");
+  EXPECT_EQ(refusal(with(swarm, "type: plain", "type: gone")),
+            "lab/a.yaml:7: robots.cf1.type = gone, expected one of robot_types");
+  EXPECT_THAT(refusal(with(swarm, "  cf1:", "  1st:")), HasSubstr("a name of 1 to 64 letters, digits and _"));
+  EXPECT_THAT(refusal(with(swarm, "  cf2:", "  cf1:")),
+              HasSubstr("robots.cf1 = {...}, expected each key once"));
+  EXPECT_THAT(refusal(with(swarm, "    uri: radio://0/80/2M/E7E7E7E701\n", "")),
+              HasSubstr("robots.cf1.uri is missing, expected its address"));
+  EXPECT_THAT(refusal(with(swarm, "voltage_critical: 3.6", "voltage_critical: 0.1")),
+              HasSubstr("2.5 to 30 V"));
+  EXPECT_THAT(refusal("robots: {}\nrobot_types: {}\n"), HasSubstr("at least one robot with enabled: true"));
+  EXPECT_THAT(refusal("robots: [1\n"), HasSubstr("cannot be read as YAML"));
+  EXPECT_THAT(refusal("robots: {a: &a {b: *a}}\n"), HasSubstr("expected"));
+}
+
+TEST(ImportCamera, TheCalibrationOfRosIsReadBack) {
+  const Camera camera = camera_of(imported(ros_camera));
+  EXPECT_EQ(camera.width, 640);
+  EXPECT_EQ(camera.height, 480);
+  EXPECT_THAT(camera.focal_length, ElementsAre(301.5, 298.25));
+  EXPECT_THAT(camera.principal_point, ElementsAre(311.0, 251.5));
+  EXPECT_EQ(camera.distortion, Distortion::plumb_bob);
+  EXPECT_THAT(camera.coefficients, ElementsAre(-0.28, 0.07, 0.0003, -0.0011, 0.0));
+  const Imported fisheye = imported(with(with(ros_camera, "plumb_bob", "equidistant"), ", 0.0]", "]"));
+  EXPECT_EQ(camera_of(fisheye).distortion, Distortion::equidistant);
+  const Imported plain = imported(with(ros_camera, "-0.28, 0.07, 0.0003, -0.0011, 0.0", "0, 0, 0, 0, 0"));
+  EXPECT_EQ(camera_of(plain).distortion, Distortion::none);
+  // A rectified picture would be another camera.
+  EXPECT_THAT(imported(with(ros_camera, "data: [1, 0, 0, 0,", "data: [0.9, 0.1, 0, 0,")).notes,
+              Contains(HasSubstr("rectification_matrix has no counterpart")));
+  EXPECT_THAT(imported(ros_camera).notes, testing::IsEmpty());
+}
+
+TEST(ImportCamera, AChainOfKalibrGivesTheCameraThatIsChosen) {
+  const Imported first = imported(chain);
+  const Camera fisheye = camera_of(first);
+  EXPECT_EQ(fisheye.width, 512);
+  EXPECT_EQ(fisheye.distortion, Distortion::equidistant);
+  EXPECT_THAT(fisheye.coefficients, ElementsAre(-0.013, 0.021, -0.012, 0.002));
+  EXPECT_THAT(first.notes, ElementsAre("cam1 is left out, --camera chooses it"));
+  const Camera second = camera_of(imported(chain, {.camera = "cam1"}));
+  EXPECT_EQ(second.distortion, Distortion::plumb_bob);
+  EXPECT_THAT(second.focal_length, ElementsAre(458.6, 457.2));
+  EXPECT_THAT(imported(chain, {.agent = "eye"}).text, HasSubstr("[agent.eye.camera]"));
+}
+
+TEST(ImportCamera, RefusesWithPlaceKeyValueAndWhatWasExpected) {
+  EXPECT_EQ(
+      refusal(with(chain, "pinhole", "omni")),
+      "lab/a.yaml:3: cam0.camera_model = omni, expected pinhole: calibrate with pinhole-equi, which has wide "
+      "angles too");
+  EXPECT_EQ(refusal(chain, {.camera = "cam7"}), "lab/a.yaml: --camera = cam7, expected one of cam0, cam1");
+  EXPECT_THAT(refusal(with(ros_camera, "-0.0011, 0.0]", "-0.0011]\n")), testing::IsEmpty())
+      << "4 of plumb_bob do";
+  EXPECT_THAT(
+      refusal(with(ros_camera, "[-0.28, 0.07, ", "[")),
+      HasSubstr("expected those of its distortion (camera.coefficients has 3 numbers, expected 4 or 5"));
+  EXPECT_THAT(refusal(with(ros_camera, "301.5, 0,", "301.5, 2,")), HasSubstr("pixels without skew"));
+  EXPECT_THAT(refusal(with(ros_camera, "301.5", "-301.5")), HasSubstr("focal lengths of 1 to 1e5 px"));
+  EXPECT_THAT(
+      refusal(with(ros_camera, "plumb_bob", "thin_prism")),
+      HasSubstr("distortion_model = thin_prism, expected plumb_bob, rational_polynomial or equidistant"));
+  EXPECT_THAT(refusal(with(ros_camera, "640", "64000")),
+              HasSubstr("image_width = 64000, expected an integer"));
+  EXPECT_THAT(refusal(ros_camera, {.agent = "a]b"}), HasSubstr("--agent"));
+}
+
+const std::string node_tags = R"(apriltag:
+  ros__parameters:
+    family: 36h11
+    size: 0.173
+    tag:
+      ids: [9, 14]
+      frames: [cart_left, "cart:right"]
+      sizes: [0.162, 0.162]
+)";
+const std::string slam_tags = R"(bodies:
+  - rig:
+      is_static: false
+      default_tag_size: 0.1
+      tags:
+        - id: 3
+        - id: 4
+          pose: { position: { x: 0.1, y: 0, z: 0 } }
+  - wall:
+      is_static: true
+)";
+
+/// The scenario of tags, with the bodies that their tables lack.
+Scenario tagged(const Imported& made) {
+  std::string text = "[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n" + made.text;
+  int x = 2;
+  for (std::size_t at = text.find("[target."); at != std::string::npos; at = text.find("[target.", at + 1)) {
+    const std::string name = text.substr(at + 8, text.find(".tags]", at) - at - 8);
+    const std::string body = fmt::format("[target.{}]\np = [{}, 0, 1]\n", name, x++);
+    text.insert(at, body);
+    at += body.size();
+  }
+  return scenario_of(text);
+}
+
+TEST(ImportTags, EachTagIsATargetOrAFaceOfOneRobot) {
+  const Scenario targets = tagged(imported(node_tags));
+  ASSERT_EQ(targets.vision.tags.size(), 2U);
+  EXPECT_EQ(targets.team.name(targets.vision.tags[1].body), "cart_right");
+  EXPECT_EQ(targets.vision.tags[1].tags.size, 0.162);
+  EXPECT_EQ(targets.vision.tags[1].tags.faces, 1);
+  EXPECT_EQ(targets.vision.tags[1].tags.distance, 0.0);
+  EXPECT_THAT(targets.vision.tag_frames[1], ElementsAre("cart:right"));
+  const Scenario robot = tagged(imported(node_tags, {.agent = "uav0"}));
+  ASSERT_EQ(robot.vision.tags.size(), 1U);
+  EXPECT_EQ(robot.vision.tags[0].tags.faces, 2);
+  EXPECT_THAT(robot.vision.tag_frames[0], ElementsAre("cart_left", "cart:right"));
+  // Without frames and sizes, those of the node.
+  const Scenario plain =
+      tagged(imported(with(with(node_tags, "      frames: [cart_left, \"cart:right\"]\n", ""),
+                           "      sizes: [0.162, 0.162]\n", "")));
+  EXPECT_THAT(plain.vision.tag_frames[1], ElementsAre("tag36h11:14"));
+  EXPECT_EQ(plain.vision.tags[1].tags.size, 0.173);
+  const Scenario first =
+      tagged(imported("standalone_tags:\n  [ {id: 1, size: 0.1, name: cart}, {id: 2, size: 0.2} ]\n"));
+  EXPECT_EQ(first.vision.tags[1].tags.size, 0.2);
+  EXPECT_EQ(first.team.name(first.vision.tags[0].body), "cart");
+}
+
+TEST(ImportTags, ABodyOfTagSlamHasItsTagsAsFaces) {
+  const Imported made = imported(slam_tags);
+  const Scenario read = tagged(made);
+  ASSERT_EQ(read.vision.tags.size(), 1U);
+  EXPECT_EQ(read.team.name(read.vision.tags[0].body), "rig");
+  EXPECT_EQ(read.vision.tags[0].tags.size, 0.1);
+  EXPECT_THAT(read.vision.tag_frames[0], ElementsAre("tag36h11:3", "tag36h11:4"));
+  EXPECT_THAT(made.notes, ElementsAre(HasSubstr("bodies[0].rig.tags[1].pose has no counterpart"),
+                                      "wall has no tags, left out"));
+}
+
+TEST(ImportTags, RefusesWithPlaceKeyValueAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(node_tags, "36h11", "25h9")),
+              StartsWith("lab/a.yaml:3: apriltag.ros__parameters.family = 25h9, expected tag36h11"));
+  EXPECT_THAT(refusal(with(node_tags, "[0.162, 0.162]", "[0.162]")), HasSubstr("one for each of the 2 ids"));
+  EXPECT_THAT(refusal(with(node_tags, "[9, 14]", "[9, 1400]")), HasSubstr("an integer from 0 to 586"));
+  EXPECT_THAT(refusal(with(node_tags, "\"cart:right\"", "cart_left")), HasSubstr("cart_left"));
+  EXPECT_THAT(refusal(with(node_tags, "[0.162, 0.162]", "[0.162, 0.1]"), {.agent = "uav0"}),
+              HasSubstr("tags of one size"));
+  EXPECT_THAT(refusal(with(slam_tags, "      default_tag_size: 0.1\n", "")),
+              HasSubstr("bodies[0].rig.tags[0].size is missing"));
+}
+
+std::string sdf_rotor(int number, double x, double y) {
+  return fmt::format(
+      "<link name='rotor_{0}'><pose>{1} {2} 0.06 0 0 "
+      "0</pose><inertial><mass>0.016</mass><inertia><ixx>4e-7</ixx>"
+      "<iyy>2e-5</iyy><izz>2e-5</izz></inertia></inertial></link>\n"
+      "<joint name='joint_{0}' type='revolute'><parent>base</parent><child>rotor_{0}</child></joint>\n",
+      number, x, y);
+}
+std::string sdf_motor(int number, std::string_view turns) {
+  return fmt::format(
+      "<plugin filename='motor' "
+      "name='m{0}'><jointName>joint_{0}</jointName><turningDirection>{1}</turningDirection>"
+      "<timeConstantUp>0.0125</timeConstantUp><timeConstantDown>0.025</timeConstantDown>"
+      "<maxRotVelocity>1000.0</maxRotVelocity><motorConstant>8.5e-06</motorConstant>"
+      "<momentConstant>0.016</momentConstant><rotorDragCoefficient>8e-05</rotorDragCoefficient></plugin>\n",
+      number, turns);
+}
+/// Its base link is turned by a right angle about z, so that its first two moments change places.
+const std::string sdf_body =
+    "<?xml version='1.0'?>\n<sdf version='1.9'><model name='quad'>\n<link name='base'><inertial>"
+    "<pose>0 0 0.01 0 0 1.5707963267948966</pose><mass>2.0</mass><inertia><ixx>0.02</ixx><iyy>0.03</iyy>"
+    "<izz>0.04</izz></inertia></inertial></link>\n" +
+    sdf_rotor(0, 0.17, -0.17) + sdf_rotor(1, -0.17, 0.17) + sdf_rotor(2, 0.17, 0.17) +
+    sdf_rotor(3, -0.17, -0.17);
+const std::string sdf_motors =
+    sdf_motor(0, "ccw") + sdf_motor(1, "ccw") + sdf_motor(2, "cw") + sdf_motor(3, "cw");
+const std::string quad = sdf_body + sdf_motors + "</model></sdf>\n";
+
+Vehicle vehicle_of(const Imported& made) {
+  const Scenario read = scenario_of(
+      "[world]\nkind = \"rotors\"\n[agent.uav0]\nrobot = \"multirotor\"\nstart = { p = "
+      "[0, 0, 1] }\n" +
+      made.text);
+  return read.vehicles.at(0).vehicle;
+}
+
+TEST(ImportSdf, TheLinksAreOneBodyAndTheMotorsItsRotors) {
+  const Imported made = imported(quad);
+  const Vehicle v = vehicle_of(made);
+  EXPECT_NEAR(v.mass, 2.064, 1e-12);
+  // By the parallel axes, about the common centre.
+  const double z = (2.0 * 0.01 + 4 * 0.016 * 0.06) / 2.064, of_rotors = 4 * 0.016;
+  const double up = 2.0 * (0.01 - z) * (0.01 - z) + of_rotors * (0.06 - z) * (0.06 - z),
+               level = of_rotors * 0.17 * 0.17;
+  EXPECT_NEAR(v.inertia.x, 0.03 + 4 * 4e-7 + level + up, 1e-9);
+  EXPECT_NEAR(v.inertia.y, 0.02 + 4 * 2e-5 + level + up, 1e-9);
+  EXPECT_NEAR(v.inertia.z, 0.04 + 4 * 2e-5 + 2 * level, 1e-9);
+  EXPECT_THAT(v.rotor_x, testing::Pointwise(testing::DoubleNear(1e-12), {0.17, -0.17, 0.17, -0.17}));
+  EXPECT_THAT(v.rotor_y, testing::Pointwise(testing::DoubleNear(1e-12), {-0.17, 0.17, 0.17, -0.17}));
+  EXPECT_THAT(v.spin, ElementsAre(1, 1, -1, -1));
+  EXPECT_EQ(v.k_f, 8.5e-6);
+  EXPECT_EQ(v.k_m, 0.016);
+  EXPECT_EQ(v.speed_max, 1000.0);
+  EXPECT_EQ(v.tau_up, 0.0125);
+  EXPECT_EQ(v.tau_down, 0.025);
+  EXPECT_EQ(v.rotor_drag, 8e-5);
+  EXPECT_THAT(made.notes, ElementsAre(HasSubstr("stay those of the x500")));
+}
+
+TEST(ImportSdf, MotorsMayBeInAnotherFileThanTheLinks) {
+  const std::vector<ImportFile> two = {
+      {"x/model.sdf", "<sdf version='1.9'><model name='x'>" + sdf_motors + "</model></sdf>"},
+      {"base/model.sdf", sdf_body + "</model></sdf>"}};
+  const std::string text = import_texts(two).text, whole = imported(quad).text;
+  EXPECT_EQ(text.substr(text.find('\n')), whole.substr(whole.find('\n')));
+  EXPECT_THAT(refusal(two[0].text), HasSubstr("expected"));
+}
+
+TEST(ImportSdf, RefusesWithPlaceElementTextAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(quad, "<mass>2.0</mass>", "<mass>-2.0</mass>")),
+              StartsWith("lab/a.yaml:3: <mass> = -2.0, expected > 0 kg"));
+  EXPECT_THAT(refusal(with(quad, "turningDirection>ccw", "turningDirection>up")),
+              HasSubstr("<turningDirection> = up, expected cw or ccw"));
+  EXPECT_THAT(refusal(with(quad, "joint_0<", "joint_9<")),
+              HasSubstr("<plugin> = joint_9, expected a link of these files"));
+  EXPECT_THAT(refusal(with(quad, "<mass>2.0</mass>", "<mass>200.0</mass>")), HasSubstr("thrust to weight"));
+  EXPECT_THAT(refusal(with(quad, "8.5e-06", "9.5e-06")), HasSubstr("the constants of the first motor"));
+  EXPECT_THAT(refusal(with(quad, "0.06 0 0 0<", "0.06 0 0.5 0<")), HasSubstr("thrusts along z"));
+  EXPECT_THAT(refusal("<robot name='a'/>"), HasSubstr("<robot> = URDF, expected SDF with motors"));
+  EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("reads MJCF as it is"));
+  EXPECT_THAT(refusal("<sdf><model>"), HasSubstr("cannot be read as XML"));
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<model>";
+  EXPECT_THAT(refusal("<sdf>" + deep), HasSubstr("cannot be read as XML"));
+}
+
+TEST(Import, AFileOfAnotherKindIsNamed) {
+  EXPECT_THAT(refusal("[agent.a]\n"), StartsWith("lab/a.yaml:1: "));
+  EXPECT_THAT(refusal("world: lab\n"), HasSubstr("this is YAML, expected"));
+  EXPECT_THAT(refusal(""), HasSubstr("expected"));
+  const std::vector<ImportFile> three = {{"a", swarm}, {"b", server}, {"c", server}};
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)import_texts(three); }),
+              HasSubstr("at most its server.yaml"));
+  const std::filesystem::path folder = test::fresh_folder();
+  const std::vector<std::filesystem::path> none = {folder / "gone.yaml"};
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)import_files(none); }), HasSubstr("cannot be read"));
+  const std::vector<std::filesystem::path> large = {folder / "large.yaml"};
+  std::ofstream(large[0]) << "a: " << std::string(2'000'000, 'b');
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)import_files(large); }), HasSubstr("too large"));
+}
+
+TEST(Import, NestingIsBounded) {
+  for (const std::string& deep : {std::string(100'000, '['), "a: " + std::string(100'000, '{'), [] {
+                                    std::string text;
+                                    for (int i = 0; i < 100'000; ++i) text += "- ";
+                                    return text + "1\n";
+                                  }()})
+    EXPECT_THAT(refusal(deep), HasSubstr("nested deeper than 64 levels"));
+  std::string blocks;
+  for (int i = 0; i < 900; ++i) blocks += std::string(static_cast<std::size_t>(i), ' ') + "a:\n";
+  EXPECT_FALSE(refusal(blocks).empty());
+  std::string laughs = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int i = 1; i < 30; ++i)
+    laughs += fmt::format("a{0}: &a{0} [*a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}]\n", i, i - 1);
+  EXPECT_FALSE(refusal(laughs).empty());
+  EXPECT_THAT(refusal("a: []0.1, 2]\nb: 3\n"), HasSubstr("YAML")) << "a bracket that is closed twice";
+  EXPECT_THAT(refusal("a: 1\n---\nb: 2\n"), HasSubstr("this is not one YAML document"));
+}
+
+/// Changes bytes, and doubles, removes or swaps parts.
+std::string mutated(std::string text, Random& random) {
+  const auto place = [&] { return static_cast<std::size_t>(random() % (text.size() + 1)); };
+  constexpr std::string_view marks = ":-[]{}&*!|>'\"%#,\n \t?~0123456789eE.+";
+  const int changes = 1 + static_cast<int>(random() % 4);
+  for (int i = 0; i < changes && !text.empty(); ++i) {
+    const std::size_t at = place(), length = std::min<std::size_t>(random() % 24, text.size() - at);
+    switch (random() % 5) {
+      case 0:
+        if (at < text.size()) text[at] = static_cast<char>(random());
+        break;
+      case 1:
+        text.insert(at, 1, marks[random() % marks.size()]);
+        break;
+      case 2:
+        text.erase(at, length);
+        break;
+      case 3:
+        text.insert(place() % (text.size() + 1), text.substr(at, length));
+        break;
+      default:
+        if (at < text.size()) text[at] = marks[random() % marks.size()];
+    }
+  }
+  return text;
+}
+
+// What is accepted is read by our own reader, all else is refused by one line.
+TEST(Import, MutatedFilesAreReadOrRefused) {
+  Random random(11);
+  int accepted = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const std::array all = {swarm, ros_camera, chain, node_tags, quad, slam_tags};
+    const std::string text = mutated(all[static_cast<std::size_t>(k) % all.size()], random);
+    Imported made;
+    try {
+      made = imported(text);
+    } catch (const ScenarioError& error) {
+      ASSERT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
+      ASSERT_THAT(error.what(), StartsWith("lab/a.yaml"));
+      continue;
+    }
+    ++accepted;
+    if (made.text.find("[fleet]") != std::string::npos) {
+      ASSERT_NO_THROW(scenario_of(made.text)) << text << made.text;
+    } else if (made.text.find(".vehicle]") != std::string::npos) {
+      ASSERT_NO_THROW(vehicle_of(made)) << text << made.text;
+    } else if (made.text.find(".tags]") != std::string::npos) {
+      ASSERT_NO_THROW(tagged(made)) << text << made.text;
+    } else {
+      ASSERT_NO_THROW(camera_of(made)) << text << made.text;
+    }
+  }
+  EXPECT_GT(accepted, 200);
+  EXPECT_LT(accepted, 1900);
+}
+
+}  // namespace
+}  // namespace sightline
