@@ -338,8 +338,9 @@ enum class EventKind : std::uint8_t {
   robot_refused,     ///< a robot that an event adds cannot join, the event is ignored; value: the body
   view_certified,    ///< from now on its view of the target is certified; value: the body
   view_uncertified,  ///< it is not certified any more; value: the body
+  view_handed_over,  ///< its view ends, that of another robot is certified; value: the body
 };
-inline constexpr int event_kinds = static_cast<int>(EventKind::view_uncertified) + 1;
+inline constexpr int event_kinds = static_cast<int>(EventKind::view_handed_over) + 1;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -374,6 +375,7 @@ struct ViewRecord {
   bool active = false;     ///< the filter of the view changed the command
   double reserve = std::numeric_limits<double>::infinity();  ///< of the set, least; < 0 outside [m]
   ViewReserve least = ViewReserve::near;                     ///< which one, or the condition that is missed
+  BodyId target{};                                           ///< of the view in force; none: index < 0
 };
 
 /// Record of one control period. All vectors are sized before the loop starts and never grow.
@@ -460,7 +462,8 @@ enum class OutsideView {
 };
 inline constexpr std::array<std::string_view, 2> outside_views = {"solver", "return"};
 
-/// A view that is to be certified; of an observer at most one.
+/// A view that is to be certified, while the observer observes the target. A certified view ends only
+/// once that of another observer of the target is certified, if there is one.
 struct CertifiedView {
   BodyId observer{}, target{};
   ViewBounds bounds{};
@@ -472,8 +475,8 @@ struct CertifiedView {
 
   static constexpr auto parameters() {
     return std::tuple{
-        KeyText{"observer", "a robot", "whose sensor sees the target; each has at most one", "must be given"},
-        KeyText{"target", "a body", "which a coupling of the observer observes", "must be given"},
+        KeyText{"observer", "a robot", "whose sensor sees the target", "must be given"},
+        KeyText{"target", "a body", "which the observer observes, or does after an event", "must be given"},
         parameter("outside", &CertifiedView::outside, outside_views,
                   "outside the set: the solver's command, or the one nearest to the set")};
   }

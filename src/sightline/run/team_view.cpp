@@ -23,12 +23,14 @@ ViewBounds::Known followed_within(ViewBounds bounds, double dt) {
 }  // namespace
 
 void validate_views(const Team& team, const GuardOptions& options) {
-  std::vector<char> observes(size(team.bodies()));
   for (const CertifiedView& view : options.views) {
     if (view.filter == nullptr)
       throw_invalid("a certified view of \"{}\" without a filter, expected one", team.name(view.observer));
-    if (std::exchange(observes[at(view.observer)], 1) != 0)
-      throw_invalid("a second certified view of \"{}\", expected one for each observer",
+    const auto same = [&](const CertifiedView& other) {
+      return other.observer == view.observer && other.target == view.target;
+    };
+    if (std::count_if(options.views.begin(), options.views.end(), same) > 1)
+      throw_invalid("a second certified view of \"{}\" by \"{}\", expected one", team.name(view.target),
                     team.name(view.observer));
   }
 }
@@ -39,8 +41,12 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
   for (const CertifiedView& view : options_.views) {
     const Agent& agent = team_.agent(view.observer);
     const std::size_t nu = size(agent.model.nu());
+    const std::size_t robot = team_.agent_index(view.observer);
+    const bool is_first = !has_view_in_force(robot);
     observers_.push_back({.view = &view,
-                          .robot = team_.agent_index(view.observer),
+                          .is_observed = is_first,
+                          .is_in_force = is_first,
+                          .robot = robot,
                           .x = size(team_.state_offset(view.observer)),
                           .u = size(team_.input_offset(view.observer)),
                           .nx = size(agent.model.nx()),
@@ -56,11 +62,45 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .followed = followed_within(view.bounds, options_.period)});
   }
   records_.resize(team_.agents().size());
-  changes_.reserve(observers_.size());
+  changes_.reserve(2 * observers_.size());
 }
 
-void TeamView::set_limits(std::span<const InputLimits> limits) noexcept {
-  for (Observer& of : observers_) of.limits = &limits[of.robot];
+void TeamView::follow(const Membership& now) noexcept {
+  for (Observer& of : observers_) {
+    of.limits = &now.limits[of.robot];
+    const std::vector<BodyId>& observed = now.observed[of.robot];
+    of.is_observed = std::find(observed.begin(), observed.end(), of.view->target) != observed.end();
+  }
+}
+
+bool TeamView::has_view_in_force(std::size_t robot) const noexcept {
+  return std::any_of(observers_.begin(), observers_.end(),
+                     [&](const Observer& of) { return of.robot == robot && of.is_in_force; });
+}
+
+/// Ends views and begins others, by what the robots observe.
+void TeamView::choose_views() noexcept {
+  for (Observer& of : observers_) {
+    if (!of.is_in_force || of.is_observed) continue;
+    bool is_awaited = false, is_taken = false, goes_on = false;
+    for (const Observer& other : observers_) {
+      if (!other.is_observed) continue;
+      goes_on |= other.robot == of.robot;
+      if (other.view->target != of.view->target) continue;
+      is_awaited = true;
+      is_taken |= other.is_in_force && other.was_certified;
+    }
+    if (of.was_certified && is_awaited && !is_taken) continue;
+    of.is_in_force = false;
+    if (of.was_certified && (is_taken || !goes_on))
+      changes_.push_back(
+          {of.view->observer, is_taken ? EventKind::view_handed_over : EventKind::view_uncertified});
+  }
+  for (Observer& of : observers_) {
+    if (of.is_in_force || !of.is_observed || has_view_in_force(of.robot)) continue;
+    of.is_in_force = true;
+    of.is_known = of.is_judged = of.was_certified = false;
+  }
 }
 
 /// Takes the position of the target, and finds what is not as the certificate assumes.
@@ -119,9 +159,13 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
 }
 
 void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept {
+  changes_.clear();
+  choose_views();
+  std::fill(records_.begin(), records_.end(), ViewRecord{});
   for (Observer& of : observers_) {
+    if (!of.is_in_force) continue;
     ViewRecord& record = records_[of.robot];
-    record = {};
+    record.target = of.view->target;
     see(t, now, of);
     if (!of.is_known) continue;
     now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
@@ -136,8 +180,8 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
 }
 
 void TeamView::judge(std::span<const double> u) noexcept {
-  changes_.clear();
   for (Observer& of : observers_) {
+    if (!of.is_in_force) continue;
     ViewRecord& record = records_[of.robot];
     std::copy_n(u.begin() + static_cast<std::ptrdiff_t>(of.u), of.nu, of.next.begin());
     record.least = of.missed;
@@ -151,7 +195,8 @@ void TeamView::judge(std::span<const double> u) noexcept {
     }
     if (of.is_judged && of.was_certified == record.certified) continue;
     of.is_judged = true, of.was_certified = record.certified;
-    changes_.push_back({of.view->observer, record.certified});
+    changes_.push_back(
+        {of.view->observer, record.certified ? EventKind::view_certified : EventKind::view_uncertified});
   }
 }
 
