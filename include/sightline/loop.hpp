@@ -373,6 +373,7 @@ struct BarrierRecord {
 struct ViewRecord {
   bool certified = false;  ///< the target stays in view, whatever it does within its bounds
   bool active = false;     ///< the filter of the view changed the command
+  bool requests = false;   ///< the target is requested to slow down
   double reserve = std::numeric_limits<double>::infinity();  ///< of the set, least; < 0 outside [m]
   ViewReserve least = ViewReserve::near;                     ///< which one, or the condition that is missed
   BodyId target{};                                           ///< of the view in force; none: index < 0
@@ -468,6 +469,11 @@ struct CertifiedView {
   BodyId observer{}, target{};
   ViewBounds bounds{};
   OutsideView outside = OutsideView::solver;
+  double unrequested = 0.0;    ///< greatest speed of a target that slows down on request [m/s]; 0: none does
+  double request_delay = 0.0;  ///< from a request to the target's command [s]
+  double request_gain = 0.0;   ///< by which such a target gains on one of bounds.speed, at most [m]
+  double slowing = 0.0;        ///< its deceleration on request [m/s^2]
+  bool is_on_request() const { return unrequested > 0; }
   /// Keeps the set of the certificate; constant, shared by all flights.
   std::shared_ptr<const ViewFilter> filter{};
   double speed_most = 0.0;        ///< largest speed of a target that can be certified [m/s]
@@ -477,6 +483,10 @@ struct CertifiedView {
     return std::tuple{
         KeyText{"observer", "a robot", "whose sensor sees the target", "must be given"},
         KeyText{"target", "a body", "which the observer observes, or does after an event", "must be given"},
+        parameter("speed_unrequested", &CertifiedView::unrequested, "m/s", from_zero,
+                  "greatest speed of a robot that slows down to speed_max on request; 0: the target is none"),
+        parameter("request_delay", &CertifiedView::request_delay, "s", Bounds{0.0, 2.0, "0 to 2"},
+                  "from a request to the target's command"),
         parameter("outside", &CertifiedView::outside, outside_views,
                   "outside the set: the solver's command, or the one nearest to the set")};
   }

@@ -48,9 +48,11 @@ inline constexpr std::array<LogTopic, 23> log_topics = {
      {"/ROBOT/barrier", "sightline.Barrier", "active: boolean, conflict: boolean, reserve",
       "whether the command was changed, whether none satisfied all conditions, reserve [m]"},
      {"/ROBOT/view", "sightline.View",
-      "certified: boolean, active: boolean, reserve, least: string, target: string",
+      "certified: boolean, active: boolean, reserve, least: string, target: string, requests: boolean",
       "whether its view of the target is certified, whether the command was changed for it, least reserve "
-      "[m], and its name or the condition that is missed; the target is empty if no view is in force"},
+      "[m], and its name or the condition that is missed; the target is empty if no view is in force; "
+      "whether it is requested to "
+      "slow down"},
      {"/ROBOT/goal", "sightline.Goal", "after[], p[], heading[]",
       "goal that a user sent, as successive waypoints"},
      {"/ROBOT/motion", "sightline.Motion", "t, dt, v[], yaw_rate, roll, pitch, gyro[], force[], compass",

@@ -196,6 +196,7 @@ void LogTopics::add_view(BodyChannels& channels, const Sample& sample) {
   message_.put("reserve", record.reserve);
   message_.put("least", to_string(record.least));
   message_.put("target", record.target.index < 0 ? "" : team_.name(record.target));
+  message_.put("requests", record.requests);
   message_.send(*channels.view, sample.time);
 }
 

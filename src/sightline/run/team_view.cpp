@@ -35,6 +35,15 @@ void validate_views(const Team& team, const GuardOptions& options) {
   }
 }
 
+SlowDownOptions slow_down_options(const CertifiedView& view, double period) {
+  return {.speed = view.bounds.speed,
+          .unrequested = view.unrequested,
+          .climb = view.bounds.climb,
+          .slowing = view.slowing,
+          .delay = view.request_delay,
+          .period = period};
+}
+
 TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team), options_(options) {
   for (int i = 0; i < team_.bodies(); ++i)
     no_inputs_.resize(std::max(no_inputs_.size(), size(team_.model(BodyId{i}).nu()) + 1));
@@ -60,6 +69,12 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .most_lag = view_prediction(view.bounds, options_.period).lag,
                           .known = view.bounds.known(options_.period),
                           .followed = followed_within(view.bounds, options_.period)});
+  }
+  for (Observer& of : observers_) {
+    if (!of.view->is_on_request()) continue;
+    const auto [u_min, u_max] = tightest_limits(team_, of.view->target, options_.limits_to_come);
+    of.slow_down.emplace(team_.model(of.view->target), u_min, u_max,
+                         slow_down_options(*of.view, options_.period));
   }
   records_.resize(team_.agents().size());
   changes_.reserve(2 * observers_.size());
@@ -103,6 +118,28 @@ void TeamView::choose_views() noexcept {
   }
 }
 
+/// Moves the point that the filter follows towards a target that may be faster than the bound until
+/// it slows down: as far as the state stays in the set, and at least by the bound, which keeps it there.
+void TeamView::approach(Observer& of, const Vec3<double>& p) const noexcept {
+  const Vec3<double> from = of.target.p;
+  const auto on_way = [&](double part) {
+    return Vec3<double>{from.x + part * (p.x - from.x), from.y + part * (p.y - from.y), p.z};
+  };
+  const auto keeps_set = [&](double part) {
+    const ViewReserves reserves = of.view->filter->reserves(of.own.state(), {on_way(part), {}});
+    return *std::min_element(reserves.begin(), reserves.end()) >= 0;
+  };
+  const double way = norm(p.x - from.x, p.y - from.y), step = of.known.speed * options_.period;
+  double sure = way > step ? step / way : 1.0, out = 1.0;
+  if (sure < 1 && keeps_set(1.0)) sure = 1.0;
+  constexpr int halvings = 8;
+  for (int k = 0; k < halvings && sure < 1; ++k) {
+    const double middle = 0.5 * (sure + out);
+    (keeps_set(middle) ? sure : out) = middle;
+  }
+  of.target.p = sure < 1 ? on_way(sure) : p;
+}
+
 /// Takes the position of the target, and finds what is not as the certificate assumes.
 void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexcept {
   const BodyId robot = of.view->observer, target = of.view->target;
@@ -121,7 +158,8 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   const double elapsed = t - std::exchange(of.seen_at, t);
   const bool follows = was_known && elapsed < 1.5 * options_.period;
   if (!follows) of.estimate = SlowEstimate(of.view->bounds, options_.period);
-  of.target = {of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
+  const bool lags = of.slow_down && follows && of.was_certified;
+  of.target = {lags ? before.p : of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
 
   const ViewBounds& bounds = of.view->bounds;
   const double delay = options_.command_delays.empty() ? 0.0 : options_.command_delays[at(robot)];
@@ -130,6 +168,8 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
     of.own.follow(of.next, own, own_age + delay > nearly);
   else
     of.own.begin(own);
+  if (lags) approach(of, seen.p);
+  const Vec3<double>& ahead = of.ahead = seen.p - of.target.p;
   const bool is_present = own_age <= nearly || options_.supervisor.has_value();
   if (!is_present || std::max(own_age, is_agent ? 0.0 : age) + delay > bounds.age + nearly ||
       age > bounds.age + nearly)
@@ -145,11 +185,13 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   of.missed = ViewReserve::command;
   if (!follows) return;
   const Vec3<double> moved = of.target.p - before.p;
-  const Vec3<double> ahead = seen.p - of.target.p;
-  bool keeps = norm(ahead.x, ahead.y) <= of.followed.radius + nearly &&
-               std::abs(ahead.z) <= of.followed.height + nearly &&
-               norm(moved.x, moved.y) <= of.known.speed * elapsed + nearly &&
-               std::abs(moved.z) <= of.known.climb * elapsed + nearly;
+  bool keeps = std::abs(moved.z) <= of.known.climb * elapsed + nearly;
+  if (of.slow_down)
+    keeps = keeps && norm(ahead.x, ahead.y) <= of.view->request_gain + nearly;
+  else
+    keeps = keeps && norm(ahead.x, ahead.y) <= of.followed.radius + nearly &&
+            std::abs(ahead.z) <= of.followed.height + nearly &&
+            norm(moved.x, moved.y) <= of.known.speed * elapsed + nearly;
   if (bounds.is_velocity_measured()) {
     const Vec2<double>&v = of.target.v, &w = before.v;
     keeps = keeps && norm(v.x, v.y) <= bounds.speed + nearly &&
@@ -168,6 +210,13 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     record.target = of.view->target;
     see(t, now, of);
     if (!of.is_known) continue;
+    if (of.slow_down && now.presence[at(of.view->target)] == Presence::steered) {
+      const AgentId target{of.view->target};
+      const Model& model = team_.model(target);
+      record.requests = norm(of.ahead.x, of.ahead.y) > 0;
+      of.slow_down->filter(record.requests, now.x.subspan(size(team_.state_offset(target)), size(model.nx())),
+                           u.subspan(size(team_.input_offset(target)), size(model.nu())));
+    }
     now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     const std::span<double> applied = u.subspan(of.u, of.nu);
     std::copy(applied.begin(), applied.end(), of.next.begin());
@@ -184,6 +233,12 @@ void TeamView::judge(std::span<const double> u) noexcept {
     if (!of.is_in_force) continue;
     ViewRecord& record = records_[of.robot];
     std::copy_n(u.begin() + static_cast<std::ptrdiff_t>(of.u), of.nu, of.next.begin());
+    if (of.is_known && of.slow_down && of.missed == ViewReserve::command) {
+      const AgentId target{of.view->target};
+      const std::size_t nu = size(team_.model(target).nu());
+      if (!of.slow_down->keeps(u.subspan(size(team_.input_offset(target)), nu)))
+        of.missed = ViewReserve::speed;
+    }
     record.least = of.missed;
     if (of.is_known) {
       const ViewFilterResult result =

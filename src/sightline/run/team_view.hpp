@@ -6,11 +6,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "sightline/loop.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/safety/slow_down.hpp"
 #include "sightline/safety/view_filter.hpp"
 
 namespace sightline {
@@ -54,11 +56,14 @@ class TeamView {
     bool is_known = false;       // the target has a position in this period
     double seen_at = 0.0;        // time of `target` [s]
     ViewTarget target{};
+    Vec3<double> ahead{};                           // from `target` to the measured position [m]
     ViewReserve missed = ViewReserve::age;          // what is not as assumed; `command`: all is
     bool is_judged = false, was_certified = false;  // since the view is in force
+    std::optional<SlowDown> slow_down{};            // of a target that does on request
   };
 
   void see(double t, const TeamSituation& now, Observer& of) const noexcept;
+  void approach(Observer& of, const Vec3<double>& p) const noexcept;
   bool has_view_in_force(std::size_t robot) const noexcept;
   void choose_views() noexcept;
 
@@ -69,6 +74,9 @@ class TeamView {
   std::vector<ViewRecord> records_;
   std::vector<Change> changes_;
 };
+
+/// Of a view whose target slows down on request.
+SlowDownOptions slow_down_options(const CertifiedView& view, double period);
 
 /// @throws std::invalid_argument for a view without a filter, or a second one of an observer
 void validate_views(const Team& team, const GuardOptions& options);

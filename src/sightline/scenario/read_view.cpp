@@ -11,6 +11,7 @@
 
 #include "sightline/potential/protection.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/run/team_view.hpp"
 #include "sightline/safety/view_cost.hpp"
 #include "sightline/safety/view_filter.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -160,6 +161,31 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
                                             view.limited_by));
 }
 
+/// Adds to the bounds what a target gains that slows down on request.
+void read_slow_down(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
+  const Team& team = scenario.team;
+  if (!view.is_on_request()) {
+    if (view.request_delay > 0) at.throw_invalid("request_delay", "no such key without speed_unrequested");
+    return;
+  }
+  constexpr const char* key = "speed_unrequested";
+  if (!team.is_agent(view.target) || scenario.links)
+    at.throw_invalid(key, "no such key for a target that no solver of this process steers");
+  if (view.bounds.speed == 0 || view.unrequested < view.bounds.speed)
+    at.throw_invalid(key, fmt::format("at least speed_max = {} m/s, which is above 0", view.bounds.speed));
+  if (view.bounds.error > 0 || view.bounds.is_velocity_measured())
+    at.throw_invalid(key, "no such key beside error or acceleration_max");
+  at.checked([&] {
+    const auto [u_min, u_max] = tightest_limits(team, view.target, limits_to_come(scenario));
+    view.slowing = least_deceleration(view_motion(team.model(view.target), u_min, u_max), view.bounds.wind);
+  });
+  if (view.slowing <= 0)
+    at.throw_invalid(
+        key, fmt::format("no such key for {}, whose wind it cannot brake against", team.name(view.target)));
+  view.request_gain = gain_until_slow(slow_down_options(view, scenario.horizon.dt), view.bounds.age);
+  view.bounds.spread += view.request_gain;
+}
+
 CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   CertifiedView view;
@@ -190,6 +216,7 @@ CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
   // An estimate that follows a position slowly has another velocity than the target.
   if (view.bounds.error > 0 && view.bounds.is_velocity_measured())
     at.throw_invalid("acceleration_max", "no such key beside an error of the position");
+  read_slow_down(at, scenario, view);
   return view;
 }
 
@@ -207,6 +234,10 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
     places.push_back(at.where());
     const bool is_first = is_observed(at_start, view.observer, view.target);
     for (const CertifiedView& other : views) {
+      if ((view.is_on_request() && (view.target == other.observer || view.target == other.target)) ||
+          (other.is_on_request() && (other.target == view.observer || other.target == view.target)))
+        at.throw_invalid(view.is_on_request() ? "target" : "observer",
+                         "no robot that slows down on request and has another part in a certified view");
       if (other.observer != view.observer) continue;
       if (other.target == view.target)
         at.throw_invalid("target", "a body without another view by this robot");
@@ -222,7 +253,7 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
 std::string describe(const CertifiedView& view, const Team& team) {
   const ViewCertificate& z = view.filter->certificate();
   const double middle = 0.5 * (z.near + z.far);
-  return fmt::format(
+  std::string text = fmt::format(
       "certify     view of {} by {} is certified up to {:.2f} m/s; {} limits it\n"
       "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of the heading, {:.2f} to "
       "{:.2f} m "
@@ -230,6 +261,11 @@ std::string describe(const CertifiedView& view, const Team& team) {
       team.name(view.target), team.name(view.observer), std::floor(100 * view.speed_most) / 100,
       view.limited_by, view.bounds.speed, z.near, z.far, z.theta * 180 / std::numbers::pi,
       z.at(z.low, middle), z.at(z.high, middle), middle, z.sideward, z.turn);
+  if (view.is_on_request())
+    text +=
+        fmt::format("certify     {} flies at up to {} m/s, gains up to {:.2f} m, and slows down on request\n",
+                    team.name(view.target), view.unrequested, view.request_gain);
+  return text;
 }
 
 std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
