@@ -51,7 +51,7 @@ double excess_of(const Bound& bound, const Vec3<double>& p) {
   return most;
 }
 
-double share(std::int64_t updates, std::int64_t all) {
+double part_of(std::int64_t updates, std::int64_t all) {
   return all > 0 ? static_cast<double>(updates) / static_cast<double>(all) : 0.0;
 }
 
@@ -336,7 +336,7 @@ double SafetySummary::conflict_share() const {
   if (mode_ == BarrierMode::off || samples_ == 0) return no_value;
   std::int64_t most = 0;
   for (const Robot& robot : robots_) most = std::max(most, robot.conflicts);
-  return share(most, samples_);
+  return part_of(most, samples_);
 }
 
 std::string SafetySummary::json() const {
@@ -387,17 +387,17 @@ std::string SafetySummary::json() const {
   json["agents"_key] = Json::array();
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     json["agents"_key].push_back({{"name"_key, names_[i]},
-                                  {"barrier_active"_key, share(robots_[i].active, samples_)},
-                                  {"barrier_conflict"_key, share(robots_[i].conflicts, samples_)}});
+                                  {"barrier_active"_key, part_of(robots_[i].active, samples_)},
+                                  {"barrier_conflict"_key, part_of(robots_[i].conflicts, samples_)}});
   }
   for (const View& view : views_) {
     json["views"_key].push_back({{"observer"_key, names_[at(view.observer)]},
                                  {"target"_key, names_[at(view.target)]},
                                  {"speed_max"_key, view.speed},
-                                 {"in_force"_key, share(view.updates, samples_)},
-                                 {"certified"_key, share(view.certified, view.updates)},
+                                 {"in_force"_key, part_of(view.updates, samples_)},
+                                 {"certified"_key, part_of(view.certified, view.updates)},
                                  {"uncertified"_key, view.uncertified},
-                                 {"active"_key, share(view.active, view.updates)},
+                                 {"active"_key, part_of(view.active, view.updates)},
                                  {"reserve"_key, std::isfinite(view.least) ? Json(view.least) : Json()}});
   }
   return json_text(json);
@@ -408,8 +408,8 @@ std::vector<RobotView> SafetySummary::views() const {
   for (const View& view : views_)
     all.push_back({.observer = names_[at(view.observer)],
                    .target = names_[at(view.target)],
-                   .certified = share(view.certified, view.updates),
-                   .active = share(view.active, view.updates),
+                   .certified = part_of(view.certified, view.updates),
+                   .active = part_of(view.active, view.updates),
                    .uncertified = view.uncertified});
   return all;
 }

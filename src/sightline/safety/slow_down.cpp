@@ -8,7 +8,7 @@
 namespace sightline {
 namespace {
 
-constexpr double sure = 0.98;  // part of the deceleration: the heading turns in a period
+constexpr double usable = 0.98;  // part of the deceleration: the heading turns in a period
 constexpr double nearly_kept = 1e-9;
 
 std::vector<double> periods_of(const SlowDownOptions& options) {
@@ -20,7 +20,7 @@ std::vector<double> periods_of(const SlowDownOptions& options) {
 double least_deceleration(const ViewMotion& motion, double wind) noexcept {
   const double most =
       motion.across.input < 0 ? motion.along.most : std::min(motion.along.most, motion.across.most);
-  return sure * (most - wind);
+  return usable * (most - wind);
 }
 
 double gain_until_slow(const SlowDownOptions& o, double age) noexcept {
