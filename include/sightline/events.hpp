@@ -309,8 +309,9 @@ struct SetReference {
   Reference reference;
 };
 
-/// An observer of a choice (ViewChoice) turns to another target: couplings of these names fade
-/// out, if they are in force; others of the same names fade in. Made by shapes only.
+/// An observer of a choice (ViewChoice) turns to another target, or its certified view does:
+/// couplings of these names fade out, if they are in force; others of the same names fade in. Made
+/// by shapes and for certified views only.
 struct HandOver {
   AgentId observer{};
   std::vector<std::string> names{};
@@ -417,6 +418,7 @@ struct Membership {
       partners;                     ///< [robot]: bodies with couplings that act on it; empty unless steered
   std::vector<InputLimits> limits;  ///< [robot]
   Surroundings around{};            ///< changes by events
+  std::vector<std::vector<BodyId>> observed{};  ///< [robot]: bodies that it observes; empty unless steered
 };
 
 class ActiveTeam {

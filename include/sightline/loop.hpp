@@ -338,8 +338,9 @@ enum class EventKind : std::uint8_t {
   robot_refused,     ///< a robot that an event adds cannot join, the event is ignored; value: the body
   view_certified,    ///< from now on its view of the target is certified; value: the body
   view_uncertified,  ///< it is not certified any more; value: the body
+  view_handed_over,  ///< its view ends, that of another robot is certified; value: the body
 };
-inline constexpr int event_kinds = static_cast<int>(EventKind::view_uncertified) + 1;
+inline constexpr int event_kinds = static_cast<int>(EventKind::view_handed_over) + 1;
 std::string_view to_string(EventKind kind);
 
 struct Event {
@@ -372,8 +373,10 @@ struct BarrierRecord {
 struct ViewRecord {
   bool certified = false;  ///< the target stays in view, whatever it does within its bounds
   bool active = false;     ///< the filter of the view changed the command
+  bool requests = false;   ///< the target is requested to slow down
   double reserve = std::numeric_limits<double>::infinity();  ///< of the set, least; < 0 outside [m]
   ViewReserve least = ViewReserve::near;                     ///< which one, or the condition that is missed
+  BodyId target{};                                           ///< of the view in force; none: index < 0
 };
 
 /// Record of one control period. All vectors are sized before the loop starts and never grow.
@@ -460,11 +463,17 @@ enum class OutsideView {
 };
 inline constexpr std::array<std::string_view, 2> outside_views = {"solver", "return"};
 
-/// A view that is to be certified; of an observer at most one.
+/// A view that is to be certified, while the observer observes the target. A certified view ends only
+/// once that of another observer of the target is certified, if there is one.
 struct CertifiedView {
   BodyId observer{}, target{};
   ViewBounds bounds{};
   OutsideView outside = OutsideView::solver;
+  double unrequested = 0.0;    ///< greatest speed of a target that slows down on request [m/s]; 0: none does
+  double request_delay = 0.0;  ///< from a request to the target's command [s]
+  double request_gain = 0.0;   ///< by which such a target gains on one of bounds.speed, at most [m]
+  double slowing = 0.0;        ///< its deceleration on request [m/s^2]
+  bool is_on_request() const { return unrequested > 0; }
   /// Keeps the set of the certificate; constant, shared by all flights.
   std::shared_ptr<const ViewFilter> filter{};
   double speed_most = 0.0;        ///< largest speed of a target that can be certified [m/s]
@@ -472,8 +481,12 @@ struct CertifiedView {
 
   static constexpr auto parameters() {
     return std::tuple{
-        KeyText{"observer", "a robot", "whose sensor sees the target; each has at most one", "must be given"},
-        KeyText{"target", "a body", "which a coupling of the observer observes", "must be given"},
+        KeyText{"observer", "a robot", "whose sensor sees the target", "must be given"},
+        KeyText{"target", "a body", "which the observer observes, or does after an event", "must be given"},
+        parameter("speed_unrequested", &CertifiedView::unrequested, "m/s", from_zero,
+                  "greatest speed of a robot that slows down to speed_max on request; 0: the target is none"),
+        parameter("request_delay", &CertifiedView::request_delay, "s", Bounds{0.0, 2.0, "0 to 2"},
+                  "from a request to the target's command"),
         parameter("outside", &CertifiedView::outside, outside_views,
                   "outside the set: the solver's command, or the one nearest to the set")};
   }

@@ -492,7 +492,8 @@ speed_max = 0.3
 )"));
   for (const double reserve : {0.2, 0.1, -0.3, 0.4}) {
     summary.sample().views.assign(2, {});
-    summary.sample().views[1] = {.certified = reserve > 0, .active = reserve == 0.1, .reserve = reserve};
+    summary.sample().views[1] = {
+        .certified = reserve > 0, .active = reserve == 0.1, .reserve = reserve, .target = BodyId{2}};
     summary.add(0.0, places(0, 3, 9), there);
   }
   const auto json = nlohmann::json::parse(summary->json());

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sightline/safety/view_filter.hpp"
@@ -52,6 +53,26 @@ TEST(ViewFilterCampaign, WithoutTheFilterOrTheBoundTargetsAreLost) {
   const ViewCampaign faster = fly("at 0.8 m/s instead of 0.5", {}, cone_limits(), flights, {.faster = 1.6});
   EXPECT_GT(faster.lost, flights / 10);
   EXPECT_EQ(faster.unannounced, 0);
+}
+
+// Forty searches of a hundred flights each; in the short form two.
+TEST(ViewFilterCampaign, NoSearchFindsAMotionThatEscapes) {
+  const auto search = [](const ViewBounds& bounds, const std::vector<Potential>& limits, bool filtered) {
+    const int searches = runs(40, 20);
+    const test::ViewSearch all =
+        test::search_escapes(filter_of(bounds, limits), limits, searches, 100, {.filtered = filtered}, 5);
+    std::printf("search, %.2f m/s, filter %d: flights %d, searches %d, lost %d, worst violation %.2e\n",
+                bounds.speed, filtered, all.flights, searches, all.lost, all.worst);
+    EXPECT_EQ(filtered, all.worst < 0);
+    return std::pair(all.lost, searches);
+  };
+  EXPECT_EQ(search({}, cone_limits(), true).first, 0);
+  EXPECT_EQ(search({.speed = 0.96}, cone_limits(), true).first, 0);
+  EXPECT_EQ(search({}, test::pyramid_limits(), true).first, 0);
+  EXPECT_EQ(search({}, cone_limits(0.5, MountFrame::body), true).first, 0);
+  EXPECT_EQ(search({.speed = 1.5, .acceleration = 0.3}, cone_limits(), true).first, 0);
+  const auto [lost, searches] = search({.speed = 0.9}, cone_limits(), false);
+  EXPECT_GE(2 * lost, searches);
 }
 
 TEST(ViewFilterCampaign, NoPeriodFromTheBoundaryLeavesTheSet) {

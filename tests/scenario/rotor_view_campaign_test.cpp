@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -68,45 +70,51 @@ outside = "return"
                                        uniform(random, 0.0, 1.0), of.d_min, of.d_max, of.speed));
 }
 
-TEST(RotorViewCampaign, NoVehicleLosesAViewThatItCertifies) {
-  for (const RotorView& of :
-       {RotorView{"x500", 0.16, 2.0, 1.0, 3.0, 0.3}, RotorView{"crazyflie", 0.114, 1.6, 0.8, 2.5, 0.3}}) {
-    const int flights = runs(1000, 200);
-    Random random(7);
-    int lost = 0, unannounced = 0;
-    long certified = 0, active = 0, updates = 0;
-    std::array<long, 12> missed{};
-    for (int flight = 0; flight < flights; ++flight) {
-      const double from = uniform(random, -4, 4), push = uniform(random, 0.0, 1.0);
-      const Scenario scenario = rotor_view(of, random, {push * std::cos(from), push * std::sin(from)});
-      const Team& team = scenario.team;
-      bool is_lost = false, was_announced = false;
-      for (const Sample& sample : test::samples_of(scenario)) {
-        const Sight<double> robot = true_sight(team, BodyId{0}, sample),
-                            ball = true_sight(team, BodyId{1}, sample);
-        for (std::size_t k = 0; k < 3; ++k)
-          is_lost |= team.couplings()[k].term.potential.violation(robot, ball) > 0;
-        unannounced += is_lost && !was_announced;
-        if (sample.of != Sample::Of::update) continue;
-        const ViewRecord& record = sample.views[0];
-        was_announced |= !record.certified;
-        ++updates, certified += record.certified, active += record.active;
-        if (!record.certified) ++missed[static_cast<std::size_t>(record.least)];
-      }
-      lost += is_lost;
+constexpr std::array<RotorView, 2> vehicles = {
+    {{"x500", 0.16, 2.0, 1.0, 3.0, 0.3}, {"crazyflie", 0.114, 1.6, 0.8, 2.5, 0.3}}};
+constexpr int blocks = 4;  // of each vehicle's flights
+
+class RotorViewCampaign : public testing::TestWithParam<int> {};
+
+TEST_P(RotorViewCampaign, NoVehicleLosesAViewThatItCertifies) {
+  const RotorView& of = vehicles[static_cast<std::size_t>(GetParam() / blocks)];
+  const int flights = runs(1000 / blocks, 125);
+  Random random(static_cast<std::uint64_t>(7 + GetParam() % blocks));
+  int lost = 0, unannounced = 0;
+  long certified = 0, active = 0, updates = 0;
+  std::array<long, 12> missed{};
+  for (int flight = 0; flight < flights; ++flight) {
+    const double from = uniform(random, -4, 4), push = uniform(random, 0.0, 1.0);
+    const Scenario scenario = rotor_view(of, random, {push * std::cos(from), push * std::sin(from)});
+    const Team& team = scenario.team;
+    bool is_lost = false, was_announced = false;
+    for (const Sample& sample : test::samples_of(scenario)) {
+      const Sight<double> robot = true_sight(team, BodyId{0}, sample),
+                          ball = true_sight(team, BodyId{1}, sample);
+      for (std::size_t k = 0; k < 3; ++k)
+        is_lost |= team.couplings()[k].term.potential.violation(robot, ball) > 0;
+      unannounced += is_lost && !was_announced;
+      if (sample.of != Sample::Of::update) continue;
+      const ViewRecord& record = sample.views[0];
+      was_announced |= !record.certified;
+      ++updates, certified += record.certified, active += record.active;
+      if (!record.certified) ++missed[static_cast<std::size_t>(record.least)];
     }
-    std::printf("%-10s flights %d, lost %d, certified %.4f, acts in %.3f, uncertified by", of.preset, flights,
-                lost, static_cast<double>(certified) / static_cast<double>(updates),
-                static_cast<double>(active) / static_cast<double>(updates));
-    for (std::size_t k = 0; k < missed.size(); ++k)
-      if (missed[k] > 0)
-        std::printf(" %s %ld", std::string(to_string(static_cast<ViewReserve>(k))).c_str(), missed[k]);
-    std::printf("\n");
-    EXPECT_EQ(lost, 0) << of.preset;
-    EXPECT_EQ(unannounced, 0) << of.preset;
-    EXPECT_GT(10 * certified, 9 * updates) << of.preset;
+    lost += is_lost;
   }
+  std::printf("%-10s flights %d, lost %d, certified %.4f, acts in %.3f, uncertified by", of.preset, flights,
+              lost, static_cast<double>(certified) / static_cast<double>(updates),
+              static_cast<double>(active) / static_cast<double>(updates));
+  for (std::size_t k = 0; k < missed.size(); ++k)
+    if (missed[k] > 0)
+      std::printf(" %s %ld", std::string(to_string(static_cast<ViewReserve>(k))).c_str(), missed[k]);
+  std::printf("\n");
+  EXPECT_EQ(lost, 0) << of.preset;
+  EXPECT_EQ(unannounced, 0) << of.preset;
+  EXPECT_GT(10 * certified, 9 * updates) << of.preset;
 }
+
+INSTANTIATE_TEST_SUITE_P(Blocks, RotorViewCampaign, testing::Range(0, 2 * blocks));
 
 }  // namespace
 }  // namespace sightline

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "tests/support/view_set.hpp"
@@ -11,21 +13,29 @@
 namespace sightline::test {
 
 enum class ViewNominal { random, adverse, tracking };
-enum class ViewEscape { random, tangential, radial, overhead, greedy };
+enum class ViewEscape { random, tangential, radial, overhead, greedy, planned };
+
+/// A part of a target's motion: velocities as parts of their bounds.
+struct ViewLeg {
+  Vec2<double> direction{};  ///< norm <= 1
+  double climb = 0.0;        ///< -1 to 1
+};
 
 struct ViewFlightOptions {
   ViewNominal nominal = ViewNominal::random;
   ViewEscape escape = ViewEscape::random;
   bool filtered = true, at_edge = false;
   double duration = 15.0;
-  double faster = 1.0;  ///< true speed of the target, relative to its bound
+  double faster = 1.0;              ///< true speed of the target, relative to its bound
+  std::span<const ViewLeg> legs{};  ///< of a planned escape, equally long
 };
 
 struct ViewOutcome {
   int samples = 0, out_of_view = 0, uncertified = 0, active = 0;
-  bool announced = true;    ///< each sample out of view came no later than one uncertified
-  double changed = 0.0;     ///< mean change of an input
-  double least = infinity;  ///< of the checker's reserves [m], for measurements without age and error
+  bool announced = true;     ///< each sample out of view came no later than one uncertified
+  double changed = 0.0;      ///< mean change of an input
+  double least = infinity;   ///< of the checker's reserves [m], for measurements without age and error
+  double worst = -infinity;  ///< violation of a limit, in its unit; < 0: all held
 };
 
 /// One flight of a multirotor. The bounds of the certificate hold for the target's motion and for the
@@ -112,6 +122,10 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
         if (least < worst) worst = least, chosen = i;
       }
       move(s, true_bounds, chosen, dt);
+    } else if (o.escape == ViewEscape::planned) {
+      const auto legs = static_cast<double>(o.legs.size());
+      const ViewLeg& leg = o.legs[static_cast<std::size_t>(std::min(t / o.duration * legs, legs - 1))];
+      move(s, true_bounds, leg.direction, leg.climb, dt);
     } else {
       if (t >= until) {
         until = t + uniform(random, 0.1, 3.0), side = -side;
@@ -129,14 +143,54 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
     // The truth, by the limits themselves.
     ++outcome.samples;
     const Sight<double> seen = {{s.target, {1, 0}}, {}};
-    const bool out = std::any_of(limits.begin(), limits.end(),
-                                 [&](const Potential& limit) { return limit.violation(now, seen) > 0; });
-    outcome.out_of_view += out;
-    is_out = out;
+    double excess = -infinity;
+    for (const Potential& limit : limits) excess = std::max(excess, limit.violation(now, seen));
+    is_out = excess > 0;
+    outcome.out_of_view += is_out;
+    outcome.worst = std::max(outcome.worst, excess);
     if (exact) outcome.least = std::min(outcome.least, checker.least(now, s.target, s.w));
   }
   outcome.changed /= outcome.samples;
   return outcome;
+}
+
+/// A search for the motion of a target that leaves the view, from random motions and by random steps
+/// of one leg each that make the worst violation no smaller.
+struct ViewSearch {
+  int flights = 0, lost = 0;  // flights; searches that found a way out
+  double worst = -infinity;   // violation
+};
+inline ViewSearch search_escapes(const ViewFilter& filter, const std::vector<Potential>& limits, int searches,
+                                 int steps, ViewFlightOptions o, std::uint64_t seed) {
+  const ViewChecker checker(filter.certificate());
+  Random random(seed);
+  const auto random_leg = [&] {
+    const double a = uniform(random, -3.2, 3.2), part = random() & 1 ? 1.0 : uniform(random, 0, 1);
+    return ViewLeg{{part * std::cos(a), part * std::sin(a)},
+                   random() & 1   ? uniform(random, -1, 1)
+                   : random() & 1 ? 1.0
+                                  : -1.0};
+  };
+  o.escape = ViewEscape::planned, o.duration = 6.0;
+  ViewSearch all;
+  for (int search = 0; search < searches; ++search) {
+    o.nominal = o.filtered ? static_cast<ViewNominal>(search % 3) : ViewNominal::tracking;
+    o.at_edge = search % 2 == 0;
+    const std::uint64_t start = random();
+    std::array<ViewLeg, 12> best{};
+    for (ViewLeg& leg : best) leg = random_leg();
+    double worst = -infinity;
+    for (int step = 0; step < steps && worst <= 0; ++step, ++all.flights) {
+      std::array<ViewLeg, 12> legs = best;
+      if (step > 0) legs[random() % legs.size()] = random_leg();
+      o.legs = legs;
+      const double reached = view_flight(filter, checker, limits, o, start).worst;
+      if (reached >= worst) worst = reached, best = legs;
+    }
+    all.lost += worst > 0;
+    all.worst = std::max(all.worst, worst);
+  }
+  return all;
 }
 
 /// Many flights, all nominal commands and escapes alike.

@@ -82,8 +82,15 @@ std::string columns_of(const Scenario& scenario, const CampaignPlan& plan) {
   for (const Agent& agent : scenario.team.agents()) add_endings(agent.name, robot_endings);
   for (const LocalizedRobot& one : scenario.localization.robots)
     add_endings(scenario.team.name(one.robot), localization_endings);
-  for (const CertifiedView& view : scenario.certified_views)
-    add_endings(scenario.team.name(view.observer), view_endings);
+  for (const CertifiedView& view : scenario.certified_views) {
+    const std::string_view observer = scenario.team.name(view.observer);
+    const auto same = [&](const CertifiedView& other) { return other.observer == view.observer; };
+    const bool is_one =
+        std::count_if(scenario.certified_views.begin(), scenario.certified_views.end(), same) == 1;
+    add_endings(
+        is_one ? std::string(observer) : fmt::format("{}.{}", observer, scenario.team.name(view.target)),
+        view_endings);
+  }
   columns.push_back(fmt::format("{} TEXT NOT NULL", sql_name(row_digest_column)));
   return fmt::format("CREATE TABLE runs({})", fmt::join(columns, ", "));
 }

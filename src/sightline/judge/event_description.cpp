@@ -26,7 +26,7 @@ bool is_of_a_body(std::string_view kind) {
          kind == to_string(EventKind::found) || kind == to_string(EventKind::stale) ||
          kind == to_string(EventKind::received) || kind == to_string(EventKind::robot_ready) ||
          kind == to_string(EventKind::robot_refused) || kind == to_string(EventKind::view_certified) ||
-         kind == to_string(EventKind::view_uncertified);
+         kind == to_string(EventKind::view_uncertified) || kind == to_string(EventKind::view_handed_over);
 }
 
 bool is_of_the_script(std::string_view kind) {
@@ -63,6 +63,7 @@ std::string event_words(std::string_view kind, double value, const EventNames& n
   if (kind == to_string(EventKind::robot_refused)) return fmt::format("{}: cannot join", body);
   if (kind == to_string(EventKind::view_certified)) return fmt::format("{}: view certified", body);
   if (kind == to_string(EventKind::view_uncertified)) return fmt::format("{}: view not certified", body);
+  if (kind == to_string(EventKind::view_handed_over)) return fmt::format("{}: view handed over", body);
   if (kind == to_string(EventKind::barrier_conflict)) return fmt::format("{}: barrier conflict", body);
   return fmt::format("{}: {}", body, kind);
 }

@@ -51,6 +51,10 @@ double excess_of(const Bound& bound, const Vec3<double>& p) {
   return most;
 }
 
+double part_of(std::int64_t updates, std::int64_t all) {
+  return all > 0 ? static_cast<double>(updates) / static_cast<double>(all) : 0.0;
+}
+
 std::string for_how_long(double time) {
   return time >= shown_time ? fmt::format(", for {:.2f} s", time) : "";
 }
@@ -169,7 +173,8 @@ void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sig
     if (event.kind == EventKind::missed_period && !sample.truth_known) unseen_ += std::llround(event.value);
     if (event.kind != EventKind::view_uncertified) continue;
     for (View& view : views_)
-      if (view.observer.index == static_cast<int>(event.value)) ++view.uncertified;
+      if (view.observer.index == static_cast<int>(event.value) && view.is_in_force(sample))
+        ++view.uncertified;
   }
   if (sample.of != Sample::Of::update) return;
   ++samples_;
@@ -178,8 +183,9 @@ void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sig
     robots_[i].conflicts += sample.barriers[i].conflict ? 1 : 0;
   }
   for (View& view : views_) {
-    if (view.robot >= sample.views.size()) continue;
+    if (!view.is_in_force(sample)) continue;
     const ViewRecord& record = sample.views[view.robot];
+    ++view.updates;
     view.active += record.active ? 1 : 0;
     view.certified += record.certified ? 1 : 0;
     if (record.certified) view.least = std::min(view.least, record.reserve);
@@ -334,15 +340,11 @@ std::string SafetySummary::broken_zone(const Bound& bound) const {
                      for_how_long(bound.limit.broken_for()));
 }
 
-double SafetySummary::share(std::int64_t updates) const {
-  return samples_ > 0 ? static_cast<double>(updates) / static_cast<double>(samples_) : 0.0;
-}
-
 double SafetySummary::conflict_share() const {
   if (mode_ == BarrierMode::off || samples_ == 0) return no_value;
   std::int64_t most = 0;
   for (const Robot& robot : robots_) most = std::max(most, robot.conflicts);
-  return share(most);
+  return part_of(most, samples_);
 }
 
 std::string SafetySummary::json() const {
@@ -393,16 +395,17 @@ std::string SafetySummary::json() const {
   json["agents"_key] = Json::array();
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     json["agents"_key].push_back({{"name"_key, names_[i]},
-                                  {"barrier_active"_key, share(robots_[i].active)},
-                                  {"barrier_conflict"_key, share(robots_[i].conflicts)}});
+                                  {"barrier_active"_key, part_of(robots_[i].active, samples_)},
+                                  {"barrier_conflict"_key, part_of(robots_[i].conflicts, samples_)}});
   }
   for (const View& view : views_) {
     json["views"_key].push_back({{"observer"_key, names_[at(view.observer)]},
                                  {"target"_key, names_[at(view.target)]},
                                  {"speed_max"_key, view.speed},
-                                 {"certified"_key, share(view.certified)},
+                                 {"in_force"_key, part_of(view.updates, samples_)},
+                                 {"certified"_key, part_of(view.certified, view.updates)},
                                  {"uncertified"_key, view.uncertified},
-                                 {"active"_key, share(view.active)},
+                                 {"active"_key, part_of(view.active, view.updates)},
                                  {"reserve"_key, std::isfinite(view.least) ? Json(view.least) : Json()}});
   }
   return json_text(json);
@@ -413,8 +416,8 @@ std::vector<RobotView> SafetySummary::views() const {
   for (const View& view : views_)
     all.push_back({.observer = names_[at(view.observer)],
                    .target = names_[at(view.target)],
-                   .certified = share(view.certified),
-                   .active = share(view.active),
+                   .certified = part_of(view.certified, view.updates),
+                   .active = part_of(view.active, view.updates),
                    .uncertified = view.uncertified});
   return all;
 }
@@ -478,11 +481,14 @@ std::vector<std::pair<std::string, std::string>> safety_lines(std::string_view t
   }
   for (const Json& view : json.value("views", Json::array())) {
     const auto ended = view.value("uncertified", std::int64_t{0});
+    const double in_force = view.value("in_force", 1.0);
     lines.emplace_back(
         "view of " + view.at("target").get<std::string>(),
-        fmt::format("by {}: certified {:.1f} % of the time for {} m/s, its filter acted {:.1f} %{}",
-                    view.at("observer").get<std::string>(), 100 * view.at("certified").get<double>(),
-                    view.at("speed_max").get<double>(), 100 * view.at("active").get<double>(),
+        fmt::format("by {}{}: certified {:.1f} % of the time for {} m/s, its filter acted {:.1f} %{}",
+                    view.at("observer").get<std::string>(),
+                    in_force < 1 ? fmt::format(", in force {:.1f} % of the run", 100 * in_force) : "",
+                    100 * view.at("certified").get<double>(), view.at("speed_max").get<double>(),
+                    100 * view.at("active").get<double>(),
                     ended > 0 ? fmt::format(", uncertified {} times", ended) : ""));
   }
   return lines;

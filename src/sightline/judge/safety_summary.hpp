@@ -137,11 +137,13 @@ class SafetySummary {
     BodyId observer, target;
     std::size_t robot;                                       // index
     double speed;                                            // that is certified [m/s]
-    std::int64_t certified = 0, active = 0;                  // updates
+    std::int64_t updates = 0, certified = 0, active = 0;     // in force; and of these
     std::int64_t uncertified = 0;                            // events
     double least = std::numeric_limits<double>::infinity();  // reserve while certified [m]
+    bool is_in_force(const Sample& sample) const {
+      return robot < sample.views.size() && sample.views[robot].target == target;
+    }
   };
-  double share(std::int64_t updates) const;  // of all updates
   std::vector<Pair> by_margin() const;
   std::vector<Bound> by_excess() const;
   std::string broken_zone(const Bound& bound) const;

@@ -54,7 +54,8 @@ inline constexpr std::string_view summary_keys = R"(| key | meaning [unit] |
 | `localization[].detections`, `.rejected`, `.restarts`, `.longest_without_sight` | of the filter: detections, those beyond its gate, its restarts; longest time between two accepted [s] |
 | `safety.agents[].barrier_active`, `.barrier_conflict` | share of the updates in which the barrier changed the command; in which no command satisfied all conditions |
 | `safety.views[].observer`, `.target`, `.speed_max` | a certified view, and the speed of the target for which it is [m/s] |
-| `safety.views[].certified`, `.active`, `.reserve` | share of the updates in which it was certified; in which its filter changed the command; least reserve of its set while certified, null if never [m] |
+| `safety.views[].in_force` | share of the updates in which it was in force |
+| `safety.views[].certified`, `.active`, `.reserve` | share of these updates in which it was certified; in which its filter changed the command; least reserve of its set while certified, null if never [m] |
 | `safety.views[].uncertified` | number of events `view_uncertified` |
 | `real_time.periods`, `.missed`, `.wake_us`, `.arrival_us`, `.cpu` | of a flight over links, [flying.md](flying.md) [µs, cores] |
 )";

@@ -5,6 +5,7 @@
 
 #include "sightline/events.hpp"
 #include "sightline/ocp/apply_action.hpp"
+#include "sightline/potential/protection.hpp"
 
 namespace sightline {
 namespace {
@@ -135,16 +136,20 @@ Team ActiveTeam::team(double t) const {
 Membership ActiveTeam::membership() const {
   Membership now{.presence = now_.presence, .partners = {}, .limits = {}, .around = now_.around};
   for (const Agent& agent : now_.agents) now.limits.push_back(agent.limits);
-  now.partners.resize(now_.agents.size());
+  now.partners.resize(now_.agents.size()), now.observed.resize(now_.agents.size());
+  const auto enter = [](std::vector<BodyId>& bodies, BodyId body) {
+    if (std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);
+  };
   for (const Coupling& c : now_.couplings) {
     const auto is_there = [&](BodyId body) { return presence(body) != Presence::absent; };
     if (!c.ramp.lasts() || !is_there(c.between.first) || !is_there(c.between.second)) continue;
     for (const AgentId robot : c.felt_by) {
       if (presence(robot) != Presence::steered) continue;
-      std::vector<BodyId>& partners = now.partners[now_.place(robot)];
-      const BodyId other = c.between.first == robot ? c.between.second : c.between.first;
-      if (std::find(partners.begin(), partners.end(), other) == partners.end()) partners.push_back(other);
+      enter(now.partners[now_.place(robot)], c.between.first == robot ? c.between.second : c.between.first);
     }
+    const auto [first, second] = c.between;
+    if (now_.all.is_agent(first) && presence(first) == Presence::steered && observes(c.term.potential))
+      enter(now.observed[now_.place(AgentId{first})], second);
   }
   return now;
 }

@@ -37,7 +37,9 @@ std::string subject(const Observe& it, const Team& all) { return target_of(all, 
 std::string subject(const SetReference& it, const Team& all) {
   return fmt::format("the reference of {}", of_body(all, it.agent));
 }
-std::string subject(const HandOver& it, const Team& all) { return target_of(all, it.observer); }
+std::string subject(const HandOver& it, const Team& /*all*/) {
+  return it.names.empty() ? std::string() : of_term(it.names.front());
+}
 std::string subject(const MoveBody& it, const Team& all) {
   return fmt::format("the place of {}", of_body(all, it.body));
 }

@@ -47,9 +47,12 @@ inline constexpr std::array<LogTopic, 23> log_topics = {
       "position [m] and heading of the reference that Q weighs, each 0.1 s"},
      {"/ROBOT/barrier", "sightline.Barrier", "active: boolean, conflict: boolean, reserve",
       "whether the command was changed, whether none satisfied all conditions, reserve [m]"},
-     {"/ROBOT/view", "sightline.View", "certified: boolean, active: boolean, reserve, least: string",
+     {"/ROBOT/view", "sightline.View",
+      "certified: boolean, active: boolean, reserve, least: string, target: string, requests: boolean",
       "whether its view of the target is certified, whether the command was changed for it, least reserve "
-      "[m], and its name or the condition that is missed"},
+      "[m], and its name or the condition that is missed; the target is empty if no view is in force; "
+      "whether it is requested to "
+      "slow down"},
      {"/ROBOT/goal", "sightline.Goal", "after[], p[], heading[]",
       "goal that a user sent, as successive waypoints"},
      {"/ROBOT/motion", "sightline.Motion", "t, dt, v[], yaw_rate, roll, pitch, gyro[], force[], compass",

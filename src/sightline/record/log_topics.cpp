@@ -54,8 +54,8 @@ LogTopics::LogTopics(const Scenario& scenario, std::size_t controllers, MessageS
   for (int i = 0; i < team_.bodies(); ++i) open_body(BodyId{i}, is_measured, has_barrier);
   open_attitudes(scenario);
   for (const CertifiedView& view : scenario.certified_views) {
-    bodies_[size(view.observer.index)].view =
-        log_topic("/ROBOT/view").open(to_, *schemas_.view, team_.name(view.observer));
+    auto& channel = bodies_[size(view.observer.index)].view;
+    if (!channel) channel = log_topic("/ROBOT/view").open(to_, *schemas_.view, team_.name(view.observer));
   }
   for (std::size_t c = 0; c < controllers; ++c)
     solvers_.push_back(
@@ -195,6 +195,8 @@ void LogTopics::add_view(BodyChannels& channels, const Sample& sample) {
   message_.put("active", record.active);
   message_.put("reserve", record.reserve);
   message_.put("least", to_string(record.least));
+  message_.put("target", record.target.index < 0 ? "" : team_.name(record.target));
+  message_.put("requests", record.requests);
   message_.send(*channels.view, sample.time);
 }
 

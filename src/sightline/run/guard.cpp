@@ -134,7 +134,7 @@ void Guard::see_absent(double t, std::span<const double> measured, std::span<con
 void Guard::follow(const Membership& now, double t, std::span<const double> x) noexcept {
   std::copy(now.presence.begin(), now.presence.end(), presence_.begin());
   if (barrier_) barrier_->set_limits(now.limits);
-  if (view_) view_->set_limits(now.limits);
+  if (view_) view_->follow(now);
   if (supervisor_) supervisor_->follow(now, t, x);
   search_.follow(now);
 }
@@ -189,10 +189,8 @@ void Guard::keep_distances(double t, const ValidStates& x, std::span<const doubl
   }
   if (!view_) return;
   view_->judge(u);
-  for (const TeamView::Change& change : view_->changes()) {
-    emit({t, change.certified ? EventKind::view_certified : EventKind::view_uncertified, 0,
-          static_cast<double>(change.robot.index)});
-  }
+  for (const TeamView::Change& change : view_->changes())
+    emit({t, change.kind, 0, static_cast<double>(change.robot.index)});
 }
 
 std::span<const BarrierRecord> Guard::barriers() const noexcept {

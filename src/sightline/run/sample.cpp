@@ -34,7 +34,8 @@ std::string_view to_string(EventKind kind) {
                                                                "robot_ready",
                                                                "robot_refused",
                                                                "view_certified",
-                                                               "view_uncertified"};
+                                                               "view_uncertified",
+                                                               "view_handed_over"};
   return names[static_cast<std::size_t>(kind)];
 }
 

@@ -23,14 +23,25 @@ ViewBounds::Known followed_within(ViewBounds bounds, double dt) {
 }  // namespace
 
 void validate_views(const Team& team, const GuardOptions& options) {
-  std::vector<char> observes(size(team.bodies()));
   for (const CertifiedView& view : options.views) {
     if (view.filter == nullptr)
       throw_invalid("a certified view of \"{}\" without a filter, expected one", team.name(view.observer));
-    if (std::exchange(observes[at(view.observer)], 1) != 0)
-      throw_invalid("a second certified view of \"{}\", expected one for each observer",
+    const auto same = [&](const CertifiedView& other) {
+      return other.observer == view.observer && other.target == view.target;
+    };
+    if (std::count_if(options.views.begin(), options.views.end(), same) > 1)
+      throw_invalid("a second certified view of \"{}\" by \"{}\", expected one", team.name(view.target),
                     team.name(view.observer));
   }
+}
+
+SlowDownOptions slow_down_options(const CertifiedView& view, double period) {
+  return {.speed = view.bounds.speed,
+          .unrequested = view.unrequested,
+          .climb = view.bounds.climb,
+          .slowing = view.slowing,
+          .delay = view.request_delay,
+          .period = period};
 }
 
 TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team), options_(options) {
@@ -39,8 +50,12 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
   for (const CertifiedView& view : options_.views) {
     const Agent& agent = team_.agent(view.observer);
     const std::size_t nu = size(agent.model.nu());
+    const std::size_t robot = team_.agent_index(view.observer);
+    const bool is_first = !has_view_in_force(robot);
     observers_.push_back({.view = &view,
-                          .robot = team_.agent_index(view.observer),
+                          .is_observed = is_first,
+                          .is_in_force = is_first,
+                          .robot = robot,
                           .x = size(team_.state_offset(view.observer)),
                           .u = size(team_.input_offset(view.observer)),
                           .nx = size(agent.model.nx()),
@@ -55,12 +70,74 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .known = view.bounds.known(options_.period),
                           .followed = followed_within(view.bounds, options_.period)});
   }
+  for (Observer& of : observers_) {
+    if (!of.view->is_on_request()) continue;
+    const auto [u_min, u_max] = tightest_limits(team_, of.view->target, options_.limits_to_come);
+    of.slow_down.emplace(team_.model(of.view->target), u_min, u_max,
+                         slow_down_options(*of.view, options_.period));
+  }
   records_.resize(team_.agents().size());
-  changes_.reserve(observers_.size());
+  changes_.reserve(2 * observers_.size());
 }
 
-void TeamView::set_limits(std::span<const InputLimits> limits) noexcept {
-  for (Observer& of : observers_) of.limits = &limits[of.robot];
+void TeamView::follow(const Membership& now) noexcept {
+  for (Observer& of : observers_) {
+    of.limits = &now.limits[of.robot];
+    const std::vector<BodyId>& observed = now.observed[of.robot];
+    of.is_observed = std::find(observed.begin(), observed.end(), of.view->target) != observed.end();
+  }
+}
+
+bool TeamView::has_view_in_force(std::size_t robot) const noexcept {
+  return std::any_of(observers_.begin(), observers_.end(),
+                     [&](const Observer& of) { return of.robot == robot && of.is_in_force; });
+}
+
+/// Ends views and begins others, by what the robots observe.
+void TeamView::choose_views() noexcept {
+  for (Observer& of : observers_) {
+    if (!of.is_in_force || of.is_observed) continue;
+    bool is_awaited = false, is_taken = false, goes_on = false;
+    for (const Observer& other : observers_) {
+      if (!other.is_observed) continue;
+      goes_on |= other.robot == of.robot;
+      if (other.view->target != of.view->target) continue;
+      is_awaited = true;
+      is_taken |= other.is_in_force && other.was_certified;
+    }
+    if (of.was_certified && is_awaited && !is_taken) continue;
+    of.is_in_force = false;
+    if (of.was_certified && (is_taken || !goes_on))
+      changes_.push_back(
+          {of.view->observer, is_taken ? EventKind::view_handed_over : EventKind::view_uncertified});
+  }
+  for (Observer& of : observers_) {
+    if (of.is_in_force || !of.is_observed || has_view_in_force(of.robot)) continue;
+    of.is_in_force = true;
+    of.is_known = of.is_judged = of.was_certified = false;
+  }
+}
+
+/// Moves the point that the filter follows towards a target that may be faster than the bound until
+/// it slows down: as far as the state stays in the set, and at least by the bound, which keeps it there.
+void TeamView::approach(Observer& of, const Vec3<double>& p) const noexcept {
+  const Vec3<double> from = of.target.p;
+  const auto on_way = [&](double part) {
+    return Vec3<double>{from.x + part * (p.x - from.x), from.y + part * (p.y - from.y), p.z};
+  };
+  const auto keeps_set = [&](double part) {
+    const ViewReserves reserves = of.view->filter->reserves(of.own.state(), {on_way(part), {}});
+    return *std::min_element(reserves.begin(), reserves.end()) >= 0;
+  };
+  const double way = norm(p.x - from.x, p.y - from.y), step = of.known.speed * options_.period;
+  double sure = way > step ? step / way : 1.0, out = 1.0;
+  if (sure < 1 && keeps_set(1.0)) sure = 1.0;
+  constexpr int halvings = 8;
+  for (int k = 0; k < halvings && sure < 1; ++k) {
+    const double middle = 0.5 * (sure + out);
+    (keeps_set(middle) ? sure : out) = middle;
+  }
+  of.target.p = sure < 1 ? on_way(sure) : p;
 }
 
 /// Takes the position of the target, and finds what is not as the certificate assumes.
@@ -81,7 +158,8 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   const double elapsed = t - std::exchange(of.seen_at, t);
   const bool follows = was_known && elapsed < 1.5 * options_.period;
   if (!follows) of.estimate = SlowEstimate(of.view->bounds, options_.period);
-  of.target = {of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
+  const bool lags = of.slow_down && follows && of.was_certified;
+  of.target = {lags ? before.p : of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
 
   const ViewBounds& bounds = of.view->bounds;
   const double delay = options_.command_delays.empty() ? 0.0 : options_.command_delays[at(robot)];
@@ -90,6 +168,8 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
     of.own.follow(of.next, own, own_age + delay > nearly);
   else
     of.own.begin(own);
+  if (lags) approach(of, seen.p);
+  const Vec3<double>& ahead = of.ahead = seen.p - of.target.p;
   const bool is_present = own_age <= nearly || options_.supervisor.has_value();
   if (!is_present || std::max(own_age, is_agent ? 0.0 : age) + delay > bounds.age + nearly ||
       age > bounds.age + nearly)
@@ -105,11 +185,13 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   of.missed = ViewReserve::command;
   if (!follows) return;
   const Vec3<double> moved = of.target.p - before.p;
-  const Vec3<double> ahead = seen.p - of.target.p;
-  bool keeps = norm(ahead.x, ahead.y) <= of.followed.radius + nearly &&
-               std::abs(ahead.z) <= of.followed.height + nearly &&
-               norm(moved.x, moved.y) <= of.known.speed * elapsed + nearly &&
-               std::abs(moved.z) <= of.known.climb * elapsed + nearly;
+  bool keeps = std::abs(moved.z) <= of.known.climb * elapsed + nearly;
+  if (of.slow_down)
+    keeps = keeps && norm(ahead.x, ahead.y) <= of.view->request_gain + nearly;
+  else
+    keeps = keeps && norm(ahead.x, ahead.y) <= of.followed.radius + nearly &&
+            std::abs(ahead.z) <= of.followed.height + nearly &&
+            norm(moved.x, moved.y) <= of.known.speed * elapsed + nearly;
   if (bounds.is_velocity_measured()) {
     const Vec2<double>&v = of.target.v, &w = before.v;
     keeps = keeps && norm(v.x, v.y) <= bounds.speed + nearly &&
@@ -119,11 +201,22 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
 }
 
 void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept {
+  changes_.clear();
+  choose_views();
+  std::fill(records_.begin(), records_.end(), ViewRecord{});
   for (Observer& of : observers_) {
+    if (!of.is_in_force) continue;
     ViewRecord& record = records_[of.robot];
-    record = {};
+    record.target = of.view->target;
     see(t, now, of);
     if (!of.is_known) continue;
+    if (of.slow_down && now.presence[at(of.view->target)] == Presence::steered) {
+      const AgentId target{of.view->target};
+      const Model& model = team_.model(target);
+      record.requests = norm(of.ahead.x, of.ahead.y) > 0;
+      of.slow_down->filter(record.requests, now.x.subspan(size(team_.state_offset(target)), size(model.nx())),
+                           u.subspan(size(team_.input_offset(target)), size(model.nu())));
+    }
     now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     const std::span<double> applied = u.subspan(of.u, of.nu);
     std::copy(applied.begin(), applied.end(), of.next.begin());
@@ -136,10 +229,16 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
 }
 
 void TeamView::judge(std::span<const double> u) noexcept {
-  changes_.clear();
   for (Observer& of : observers_) {
+    if (!of.is_in_force) continue;
     ViewRecord& record = records_[of.robot];
     std::copy_n(u.begin() + static_cast<std::ptrdiff_t>(of.u), of.nu, of.next.begin());
+    if (of.is_known && of.slow_down && of.missed == ViewReserve::command) {
+      const AgentId target{of.view->target};
+      const std::size_t nu = size(team_.model(target).nu());
+      if (!of.slow_down->keeps(u.subspan(size(team_.input_offset(target)), nu)))
+        of.missed = ViewReserve::speed;
+    }
     record.least = of.missed;
     if (of.is_known) {
       const ViewFilterResult result =
@@ -151,7 +250,8 @@ void TeamView::judge(std::span<const double> u) noexcept {
     }
     if (of.is_judged && of.was_certified == record.certified) continue;
     of.is_judged = true, of.was_certified = record.certified;
-    changes_.push_back({of.view->observer, record.certified});
+    changes_.push_back(
+        {of.view->observer, record.certified ? EventKind::view_certified : EventKind::view_uncertified});
   }
 }
 

@@ -1,29 +1,35 @@
 /// The certified views of a team: what each observer knows of its target, and its command.
+///
+/// A robot has at most one view in force, of a target that it observes. A certified view that is not
+/// observed any more stays in force until that of another observer of the target is certified. From
+/// then on the latter keeps its set, so there is no period in between without a certified view.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "sightline/loop.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/safety/slow_down.hpp"
 #include "sightline/safety/view_filter.hpp"
 
 namespace sightline {
 
 class TeamView {
  public:
-  /// A view that became certified, or ceased to be.
+  /// A view that became certified, ceased to be, or was handed over.
   struct Change {
     BodyId robot;
-    bool certified;
+    EventKind kind;
   };
 
   /// Both arguments must outlive the object.
   TeamView(const Team& team, const GuardOptions& options);
 
-  /// Takes the limits of each robot, which must outlive the next call.
-  void set_limits(std::span<const InputLimits> limits) noexcept;
+  /// Takes what each robot observes, and its limits, which must outlive the next call.
+  void follow(const Membership& now) noexcept;
   /// Changes u (nu) to inputs that keep the states in their sets.
   void keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept;
   /// Judges the inputs u (nu) that the robots receive, after keep_views().
@@ -37,6 +43,7 @@ class TeamView {
  private:
   struct Observer {
     const CertifiedView* view;
+    bool is_observed, is_in_force;           // the target by the robot's couplings; the view
     std::size_t robot, x, u, nx, nu;         // index among the robots; offsets and lengths
     std::vector<double> u_min, u_max, next;  // limits now; a command, at last the applied one
     const InputLimits* limits;               // in force
@@ -49,11 +56,16 @@ class TeamView {
     bool is_known = false;       // the target has a position in this period
     double seen_at = 0.0;        // time of `target` [s]
     ViewTarget target{};
-    ViewReserve missed = ViewReserve::age;  // what is not as assumed; `command`: all is
-    bool is_judged = false, was_certified = false;
+    Vec3<double> ahead{};                           // from `target` to the measured position [m]
+    ViewReserve missed = ViewReserve::age;          // what is not as assumed; `command`: all is
+    bool is_judged = false, was_certified = false;  // since the view is in force
+    std::optional<SlowDown> slow_down{};            // of a target that does on request
   };
 
   void see(double t, const TeamSituation& now, Observer& of) const noexcept;
+  void approach(Observer& of, const Vec3<double>& p) const noexcept;
+  bool has_view_in_force(std::size_t robot) const noexcept;
+  void choose_views() noexcept;
 
   const Team& team_;
   const GuardOptions& options_;
@@ -62,6 +74,9 @@ class TeamView {
   std::vector<ViewRecord> records_;
   std::vector<Change> changes_;
 };
+
+/// Of a view whose target slows down on request.
+SlowDownOptions slow_down_options(const CertifiedView& view, double period);
 
 /// @throws std::invalid_argument for a view without a filter, or a second one of an observer
 void validate_views(const Team& team, const GuardOptions& options);

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "sightline/scenario/read_event.hpp"
+#include "sightline/scenario/read_view.hpp"
 
 namespace sightline {
 namespace {
@@ -129,6 +130,12 @@ std::string describe(const InjectFault& fault, const Team& all) {
                      all.name(fault.body), fault.lasts);
 }
 
+/// Whether an action only turns the soft limits of a view with its observer.
+bool is_of_view_sets(const Action& action) {
+  const auto* turn = std::get_if<HandOver>(&action);
+  return turn != nullptr && !turn->names.empty() && turn->names.front().starts_with(name_of_view_sets);
+}
+
 }  // namespace
 
 std::string describe(const Action& action, const Team& all) {
@@ -141,7 +148,8 @@ std::string describe(const TeamEvent& event, const Team& all) {
   if (!event.stage.empty()) text += fmt::format(", in stage {}", event.stage);
   if (event.repeat) text += ", as often as that comes about";
   std::vector<std::string> changes;
-  for (const Action& action : event.actions) changes.push_back(describe(action, all));
+  for (const Action& action : event.actions)
+    if (!is_of_view_sets(action)) changes.push_back(describe(action, all));
   if (!event.enter.empty()) changes.push_back(fmt::format("enter stage {}", event.enter));
   text += fmt::format(": {}", fmt::join(changes, "; "));
   if (const double ramp = ramp_of(event); ramp > 0) text += fmt::format(", over {} s", ramp);

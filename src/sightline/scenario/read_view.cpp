@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
+#include <variant>
 
 #include "sightline/potential/protection.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/run/team_view.hpp"
 #include "sightline/safety/view_cost.hpp"
 #include "sightline/safety/view_filter.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -22,9 +25,9 @@ struct ViewLimits {
   std::vector<Potential> all;
   double weight = 0.0;  // the greatest of those that act on the observer
 };
-ViewLimits limits_of(const Team& team, BodyId observer, BodyId target) {
+ViewLimits limits_of(const std::vector<Coupling>& couplings, BodyId observer, BodyId target) {
   ViewLimits limits;
-  for (const Coupling& coupling : team.couplings()) {
+  for (const Coupling& coupling : couplings) {
     const Potential& potential = coupling.term.potential;
     const auto is_between = [&](BodyId first, BodyId second) {
       return coupling.between.first == first && coupling.between.second == second;
@@ -40,11 +43,99 @@ ViewLimits limits_of(const Team& team, BodyId observer, BodyId target) {
   return limits;
 }
 
-/// The certificate of a view, its filter and the largest speed; the set becomes a part of the cost.
-void certify(const TomlTable& at, ScenarioSpec& scenario, CertifiedView& view) {
+bool is_observed(const std::vector<Coupling>& couplings, BodyId observer, BodyId target) {
+  return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
+    return c.between.first == observer && c.between.second == target && observes(c.term.potential);
+  });
+}
+
+/// The couplings of the start, or after the first event by which the observer observes the target.
+std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const CertifiedView& view) {
+  const std::vector<Coupling>& at_start = scenario.team.couplings();
+  if (is_observed(at_start, view.observer, view.target)) return at_start;
+  for (const TeamEvent& event : scenario.script.events) {
+    ActiveTeam after(scenario.team, scenario.presence);
+    for (const Action& action : event.actions) (void)after.apply(action, 0.0, 0.0);
+    std::vector<Coupling> couplings = after.couplings();
+    std::erase_if(couplings, [](const Coupling& c) { return !c.ramp.lasts(); });
+    if (is_observed(couplings, view.observer, view.target)) return couplings;
+  }
+  return {};
+}
+
+/// The views that an action ends and begins.
+struct ViewTurn {
+  BodyId observer{};
+  std::optional<BodyId> ends{};  // none: all of the observer
+  std::vector<BodyId> begins{};
+};
+
+/// @param all  the couplings of the flight, for those that an action names
+std::optional<ViewTurn> turn_of(const Action& action, const std::vector<Coupling>& all) {
+  if (const auto* observe = std::get_if<Observe>(&action))
+    return ViewTurn{observe->observer, std::nullopt, {observe->target}};
+  if (const auto* hand_over = std::get_if<HandOver>(&action)) {
+    ViewTurn turn = {hand_over->observer};
+    for (const Coupling& c : hand_over->couplings)
+      if (observes(c.term.potential)) turn.begins.push_back(c.between.second);
+    return turn;
+  }
+  if (const auto* add = std::get_if<AddCoupling>(&action); add && observes(add->coupling.term.potential)) {
+    const auto [observer, target] = add->coupling.between;
+    return ViewTurn{observer, target, {target}};
+  }
+  if (const auto* remove = std::get_if<RemoveTerm>(&action)) {
+    for (const Coupling& c : all)
+      if (c.name == remove->name && observes(c.term.potential))
+        return ViewTurn{c.between.first, c.between.second, {}};
+  }
+  return std::nullopt;
+}
+
+std::vector<Coupling> couplings_of_flight(const ScenarioSpec& scenario) {
+  std::vector<Coupling> all = scenario.team.couplings();
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions)
+      if (const auto* add = std::get_if<AddCoupling>(&action)) all.push_back(add->coupling);
+  }
+  return all;
+}
+
+/// Adds the sets of the views to the costs: at the start, and by the events that turn an observer.
+/// @param sets  of each view; of weight 0: none
+void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views, std::vector<Coupling> sets,
+                 const std::vector<std::string>& places) {
+  const std::vector<Coupling> all = couplings_of_flight(scenario);
+  for (TeamEvent& event : scenario.script.events) {
+    std::vector<Action> changes;
+    for (const Action& action : event.actions) {
+      const std::optional<ViewTurn> turn = turn_of(action, all);
+      if (!turn) continue;
+      HandOver change = {.observer = AgentId{turn->observer}};
+      for (std::size_t k = 0; k < views.size(); ++k) {
+        if (views[k].observer != turn->observer || sets[k].term.weight == 0) continue;
+        if (!turn->ends || *turn->ends == views[k].target) change.names.push_back(sets[k].name);
+        if (std::find(turn->begins.begin(), turn->begins.end(), views[k].target) != turn->begins.end())
+          change.couplings.push_back(sets[k]);
+      }
+      if (!change.names.empty()) changes.emplace_back(std::move(change));
+    }
+    event.actions.insert(event.actions.begin(), changes.begin(), changes.end());
+  }
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const bool at_start = is_observed(scenario.team.couplings(), views[k].observer, views[k].target);
+    if (!at_start || sets[k].term.weight == 0) continue;
+    scenario.team.couple(std::move(sets[k]));
+    scenario.coupling_places.push_back(places[k]);
+  }
+}
+
+/// The certificate of a view, its filter and the largest speed.
+/// @return its set as a part of the cost; of weight 0: none
+Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
   const Team& team = scenario.team;
   const Model& model = team.model(view.observer);
-  ViewLimits limits = limits_of(team, view.observer, view.target);
+  ViewLimits limits = limits_of(couplings_of_view(scenario, view), view.observer, view.target);
   if (std::none_of(limits.all.begin(), limits.all.end(),
                    [](const Potential& limit) { return observes(limit); }))
     at.throw_invalid("target",
@@ -58,12 +149,10 @@ void certify(const TomlTable& at, ScenarioSpec& scenario, CertifiedView& view) {
     const ViewCertificate certificate = certify_view(task, section);
     if (certificate.exists()) view.filter = std::make_shared<const ViewFilter>(model, certificate);
   });
-  if (view.filter) {
-    if (limits.weight == 0) return;
-    scenario.team.couple({ViewCost::weight * limits.weight, ViewCost(view.filter->certificate())},
-                         {view.observer, view.target}, {AgentId{view.observer}});
-    return scenario.coupling_places.push_back(at.where());
-  }
+  if (view.filter)
+    return {.term = {ViewCost::weight * limits.weight, ViewCost(view.filter->certificate())},
+            .between = {view.observer, view.target},
+            .felt_by = {AgentId{view.observer}}};
   const double rounded = std::floor(100 * view.speed_most) / 100;
   if (rounded == 0)
     at.throw_invalid(fmt::format("another view: not even a target at rest can be certified, {} limits it",
@@ -72,7 +161,32 @@ void certify(const TomlTable& at, ScenarioSpec& scenario, CertifiedView& view) {
                                             view.limited_by));
 }
 
-CertifiedView read_view(const TomlTable& at, ScenarioSpec& scenario) {
+/// Adds to the bounds what a target gains that slows down on request.
+void read_slow_down(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
+  const Team& team = scenario.team;
+  if (!view.is_on_request()) {
+    if (view.request_delay > 0) at.throw_invalid("request_delay", "no such key without speed_unrequested");
+    return;
+  }
+  constexpr const char* key = "speed_unrequested";
+  if (!team.is_agent(view.target) || scenario.links)
+    at.throw_invalid(key, "no such key for a target that no solver of this process steers");
+  if (view.bounds.speed == 0 || view.unrequested < view.bounds.speed)
+    at.throw_invalid(key, fmt::format("at least speed_max = {} m/s, which is above 0", view.bounds.speed));
+  if (view.bounds.error > 0 || view.bounds.is_velocity_measured())
+    at.throw_invalid(key, "no such key beside error or acceleration_max");
+  at.checked([&] {
+    const auto [u_min, u_max] = tightest_limits(team, view.target, limits_to_come(scenario));
+    view.slowing = least_deceleration(view_motion(team.model(view.target), u_min, u_max), view.bounds.wind);
+  });
+  if (view.slowing <= 0)
+    at.throw_invalid(
+        key, fmt::format("no such key for {}, whose wind it cannot brake against", team.name(view.target)));
+  view.request_gain = gain_until_slow(slow_down_options(view, scenario.horizon.dt), view.bounds.age);
+  view.bounds.spread += view.request_gain;
+}
+
+CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   CertifiedView view;
   read_keys(at, {}, view.bounds, view);
@@ -102,7 +216,7 @@ CertifiedView read_view(const TomlTable& at, ScenarioSpec& scenario) {
   // An estimate that follows a position slowly has another velocity than the target.
   if (view.bounds.error > 0 && view.bounds.is_velocity_measured())
     at.throw_invalid("acceleration_max", "no such key beside an error of the position");
-  certify(at, scenario, view);
+  read_slow_down(at, scenario, view);
   return view;
 }
 
@@ -110,19 +224,36 @@ CertifiedView read_view(const TomlTable& at, ScenarioSpec& scenario) {
 
 std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioSpec& scenario) {
   std::vector<CertifiedView> views;
+  std::vector<Coupling> sets;
+  std::vector<std::string> places;
+  const std::vector<Coupling>& at_start = scenario.team.couplings();
   for (const TomlTable& at : root.tables("certify_view")) {
-    views.push_back(read_view(at, scenario));
-    const auto same = [&](const CertifiedView& other) { return other.observer == views.back().observer; };
-    if (std::count_if(views.begin(), views.end(), same) > 1)
-      at.throw_invalid("observer", "a robot without another certified view");
+    CertifiedView view = read_view(at, scenario);
+    sets.push_back(certify(at, scenario, view));
+    sets.back().name = fmt::format("{}{}]", name_of_view_sets, views.size());
+    places.push_back(at.where());
+    const bool is_first = is_observed(at_start, view.observer, view.target);
+    for (const CertifiedView& other : views) {
+      if ((view.is_on_request() && (view.target == other.observer || view.target == other.target)) ||
+          (other.is_on_request() && (other.target == view.observer || other.target == view.target)))
+        at.throw_invalid(view.is_on_request() ? "target" : "observer",
+                         "no robot that slows down on request and has another part in a certified view");
+      if (other.observer != view.observer) continue;
+      if (other.target == view.target)
+        at.throw_invalid("target", "a body without another view by this robot");
+      if (is_first && is_observed(at_start, other.observer, other.target))
+        at.throw_invalid("observer", "a robot that observes no other target of a certified view at once");
+    }
+    views.push_back(std::move(view));
   }
+  couple_sets(scenario, views, std::move(sets), places);
   return views;
 }
 
 std::string describe(const CertifiedView& view, const Team& team) {
   const ViewCertificate& z = view.filter->certificate();
   const double middle = 0.5 * (z.near + z.far);
-  return fmt::format(
+  std::string text = fmt::format(
       "certify     view of {} by {} is certified up to {:.2f} m/s; {} limits it\n"
       "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of the heading, {:.2f} to "
       "{:.2f} m "
@@ -130,6 +261,11 @@ std::string describe(const CertifiedView& view, const Team& team) {
       team.name(view.target), team.name(view.observer), std::floor(100 * view.speed_most) / 100,
       view.limited_by, view.bounds.speed, z.near, z.far, z.theta * 180 / std::numbers::pi,
       z.at(z.low, middle), z.at(z.high, middle), middle, z.sideward, z.turn);
+  if (view.is_on_request())
+    text +=
+        fmt::format("certify     {} flies at up to {} m/s, gains up to {:.2f} m, and slows down on request\n",
+                    team.name(view.target), view.unrequested, view.request_gain);
+  return text;
 }
 
 std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
@@ -162,6 +298,7 @@ std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
           fmt::format("{} allows {:.2f} m, and the barrier may break it with d_hard = {} m, "
                       "expected at most {:.2f} m",
                       who, nearest, *d_hard, nearest - apart));
+    if (!is_observed(team.couplings(), view.observer, view.target)) continue;
     const std::vector<double> u(static_cast<std::size_t>(team.model(view.target).nu()) + 1);
     const std::span<const double> x0 = scenario.x0;
     const Sight<double> target =

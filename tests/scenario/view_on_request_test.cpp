@@ -1,0 +1,143 @@
+// Certified views of another robot of the team that is faster than the bound until it is requested to slow down.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "tests/support/campaign.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/sampled_flight.hpp"
+#include "tests/support/scenario_text.hpp"
+
+namespace sightline {
+namespace {
+
+/// uav1 flies to and fro between random places, at more than 0.4 m/s; uav0 is to be elsewhere.
+std::string restless_target(Random& random, const std::string& keys, double away = 0.0) {
+  std::string times, places;
+  for (int i = 1; i < 8; ++i) {
+    times += fmt::format("{}{}", i > 1 ? ", " : "", 2 * i);
+    places += fmt::format("{}[{}, {}, {}]", i > 1 ? ", " : "", uniform(random, -2, 2), uniform(random, -2, 2),
+                          uniform(random, 0.8, 1.2));
+  }
+  return fmt::format(R"(
+[simulation]
+duration = 15.0
+[agent.uav0]
+robot = "multirotor"
+start = {{ p = [-1.35, 0.0, 1.65], heading = 0.0 }}
+sensor = {{ pitch = 0.5, offset = 0.17 }}
+Q = [{0}, {0}, {0}, 0.2, 0.2, 0.0, 0.0]
+reference = {{ constant = {{ p = [-4.0, 0.0, 1.5] }} }}
+R = [0.1, 0.1, 0.1, 0.1]
+[agent.uav1]
+robot = "multirotor"
+sensor = {{ pitch = 0.5, offset = 0.17 }}
+start = {{ p = [0.0, 0.0, 1.0], heading = {1} }}
+Q = [4.0, 4.0, 4.0, 0.2, 0.2, 0.0, 0.0]
+reference = {{ waypoints = {{ times = [{2}], p = [{3}] }} }}
+[[couple]]
+potential = {{ bearing = {{ alpha = 0.5, width = 0.1, tilt = 0.2 }} }}
+between = ["uav0", "uav1"]
+felt_by = ["uav0"]
+weight = 4.0
+[[couple]]
+potential = {{ too_near = {{ d_min = 1.0, kappa = 10.0 }} }}
+between = ["uav0", "uav1"]
+felt_by = ["uav0"]
+weight = 4.0
+[[couple]]
+potential = {{ too_far = {{ d_max = 2.0, kappa = 10.0 }} }}
+between = ["uav0", "uav1"]
+felt_by = ["uav0"]
+weight = 8.0
+[[certify_view]]
+observer = "uav0"
+target = "uav1"
+speed_max = 0.4
+{4})",
+                     away, uniform(random, -3, 3), times, places, keys);
+}
+
+struct OnRequest {
+  int updates = 0, certified = 0, requested = 0, lost = 0;
+  double fastest = 0.0, fast = 0.0;  // speed of the target, and share of the time above speed_max
+};
+
+OnRequest fly_on_request(const std::string& text) {
+  const Scenario scenario = test::scenario_of(text);
+  const Team& team = scenario.team;
+  OnRequest flown;
+  for (const Sample& sample : test::samples_of(scenario)) {
+    if (sample.of != Sample::Of::update) continue;
+    const Sight<double> from = true_sight(team, BodyId{0}, sample), to = true_sight(team, BodyId{1}, sample);
+    for (std::size_t k = 0; k < 3; ++k)
+      flown.lost += team.couplings()[k].term.potential.violation(from, to) > 0;
+    const double speed = std::hypot(to.v.x, to.v.y);
+    ++flown.updates, flown.certified += sample.views[0].certified,
+        flown.requested += sample.views[0].requests;
+    flown.fastest = std::max(flown.fastest, speed), flown.fast += speed > 0.401;
+  }
+  flown.fast /= flown.updates;
+  return flown;
+}
+
+TEST(ViewsOnRequest, StayCertifiedAtAnyCommandOfATargetThatSlowsDown) {
+  const int flights = runs(200, 20);
+  Random random(6);
+  double fast = 0.0, requested = 0.0;
+  for (int flight = 0; flight < flights; ++flight) {
+    const char* const keys = flight % 2 == 0 ? "speed_unrequested = 0.9\nrequest_delay = 0.1\n"
+                                             : "speed_unrequested = 0.7\nage = 0.05\nwind = 0.1\n";
+    const OnRequest flown = fly_on_request(restless_target(random, keys, flight % 4 < 2 ? 4.0 : 0.0));
+    EXPECT_EQ(flown.certified, flown.updates) << flight;
+    EXPECT_EQ(flown.lost, 0) << flight;
+    EXPECT_LE(flown.fastest, flight % 2 == 0 ? 0.9001 : 0.7001) << flight;
+    fast += flown.fast / flights, requested += static_cast<double>(flown.requested) / flown.updates / flights;
+  }
+  std::printf("%d flights: faster than the bound for %.2f of the time, requested for %.2f\n", flights, fast,
+              requested);
+  EXPECT_GT(fast, 0.1);
+  EXPECT_GT(requested, 0.05);
+}
+
+TEST(ViewsOnRequest, AreNotCertifiedForTheSameTargetsWithoutRequests) {
+  Random random(6);
+  int uncertified = 0;
+  for (int flight = 0; flight < 5; ++flight) {
+    const OnRequest flown = fly_on_request(restless_target(random, ""));
+    uncertified += flown.certified < flown.updates;
+  }
+  EXPECT_EQ(uncertified, 5);
+}
+
+TEST(ViewsOnRequest, AreRefusedWhereTheTargetCannotSlowDown) {
+  const auto refusal = [](const std::string& keys) {
+    Random random(1);
+    return refusal_of<ScenarioError>([&] { (void)test::scenario_of(restless_target(random, keys)); });
+  };
+  EXPECT_TRUE(refusal("speed_unrequested = 0.3\n")
+                  .ends_with("expected at least speed_max = 0.4 m/s, which is above 0"));
+  EXPECT_TRUE(refusal("speed_unrequested = 0.8\nerror = 0.02\n")
+                  .ends_with("expected no such key beside error or acceleration_max"));
+  EXPECT_TRUE(refusal("request_delay = 0.1\n").ends_with("expected no such key without speed_unrequested"));
+  EXPECT_TRUE(refusal("speed_unrequested = 0.8\nrequest_delay = 2.0\n")
+                  .ends_with("expected another view: not even a target at rest can be certified, the thrust "
+                             "limits it"));
+  const std::string chain =
+      "speed_unrequested = 0.8\n"
+      "[[couple]]\npotential = { sensor_cone = { alpha = 0.5 } }\nbetween = [\"uav1\", \"uav0\"]\n"
+      "[[couple]]\npotential = { keep_out = { d_min = 1.0 } }\nbetween = [\"uav1\", \"uav0\"]\n"
+      "[[couple]]\npotential = { cohesion = { d_max = 2.0 } }\nbetween = [\"uav1\", \"uav0\"]\n"
+      "[[certify_view]]\nobserver = \"uav1\"\ntarget = \"uav0\"\nspeed_max = 0.2\n";
+  EXPECT_TRUE(refusal(chain).ends_with(
+      "expected no robot that slows down on request and has another part in a certified view"))
+      << refusal(chain);
+}
+
+}  // namespace
+}  // namespace sightline
