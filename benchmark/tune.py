@@ -2,7 +2,7 @@
 """Tunes controllers of the benchmark: random settings, an equal budget for each, the best of them into controllers.json.
 
 A candidate multiplies each number of a controller's solver and couplings by its own factor, log-uniform within
-1/--factor to --factor; the first candidate is the present setting. Its measure is the mean over the tasks of recovered
+1/--factor to --factor; the first candidate is the setting before any tuning. Its measure is the mean over the tasks of recovered
 share and median time in view. The seed of the runs is not that of the table, so the table's runs are held out.
 """
 
@@ -11,11 +11,13 @@ import json
 import math
 import pathlib
 import random
-import shlex
 import sys
 import tempfile
 
 import campaigns
+
+
+TUNED = ("solver", "couplings")
 
 
 def changed(controller, draw):
@@ -23,7 +25,7 @@ def changed(controller, draw):
     def of(table):
         return {key: float(f"{value * draw():.4g}") if isinstance(value, float) else value
                 for key, value in table.items()}
-    return controller | {key: of(controller[key]) for key in ("solver", "couplings") if key in controller}
+    return controller | {key: of(controller[key]) for key in TUNED if key in controller}
 
 
 def measure(run, name, controller, options, folder):
@@ -35,6 +37,11 @@ def measure(run, name, controller, options, folder):
         in_view = campaign["medians"]["fraction_in_view"]
         total += 0.5 * campaign["outcomes"]["recovered"]["share"] + 0.5 * (in_view["median"] if in_view else 0.0)
     return total / len(options.tasks)
+
+
+def command(name, options):
+    settings = " ".join(f"--{key} {getattr(options, key)}" for key in ("candidates", "runs", "duration", "seed", "factor"))
+    return f"benchmark/tune.py --controllers {name} --tasks {' '.join(options.tasks)} {settings}"
 
 
 def main():
@@ -51,14 +58,14 @@ def main():
     parser.add_argument("--program", default="build/release/bin/sightline_keep_in_view")
     options = parser.parse_args()
     run = campaigns.program(options.program, None)
-    shown = [word for word in sys.argv[1:] if not word.startswith("--program=")]
     for name in options.controllers:
         draw = random.Random(f"{options.seed} {name}")
-        best, most, first = listed[name], -math.inf, None
+        start = listed[name] | listed[name].get("tuned", {}).get("from", {})
+        best, most, first = start, -math.inf, None
         for candidate in range(options.candidates):
             value = None
             while value is None:  # draws again where a number leaves its range
-                tried = changed(listed[name], lambda: options.factor ** draw.uniform(-1, 1)) if candidate else best
+                tried = changed(start, lambda: options.factor ** draw.uniform(-1, 1)) if candidate else start
                 with tempfile.TemporaryDirectory() as folder:
                     try:
                         value = measure(run, name, tried, options, pathlib.Path(folder))
@@ -68,9 +75,10 @@ def main():
             first = value if first is None else first
             if value > most:
                 best, most = tried, value
+        listed = json.loads(campaigns.CONTROLLERS.read_text())
         listed[name] = best | {"tuned": {
-            "command": shlex.join(["benchmark/tune.py", *shown]), "candidates": options.candidates,
-            "runs": options.runs * len(options.tasks), "before": round(first, 4), "after": round(most, 4)}}
+            "command": command(name, options), "before": round(first, 4), "after": round(most, 4),
+            "from": {key: start[key] for key in TUNED if key in start}}}
         print(f"{name}: {first:.4f} to {most:.4f}", file=sys.stderr)
         campaigns.CONTROLLERS.write_text(json.dumps(listed, indent=2) + "\n")
 
