@@ -46,7 +46,7 @@ PartitionChoice read_partition(const Scenario& scenario, const std::string& part
         fmt::format("--partition: partition.part = \"{}\" is planned alone, expected the whole team",
                     scenario.partition->part));
   try {
-    check_plans_in_parts(scenario);
+    check_plans_in_parts(scenario, registry_of(scenario));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("--partition: {}", error.what()));
   }
@@ -70,7 +70,7 @@ std::optional<PartitionChoice> partition_of(const Scenario& scenario, int thread
 
 PartitionedFlight::PartitionedFlight(const Scenario& scenario, const PartitionChoice& choice)
     : choice_(choice),
-      solver_name_(scenario.solver.name),
+      subteam_solver_(solver_named(scenario.solver.name, registry_of(scenario))),
       solver_(scenario.team, choice.parts, solver_maker(scenario.solver, scenario.horizon), choice.options()),
       moments_(moments_max) {
   const auto updates =
@@ -108,8 +108,7 @@ Solution PartitionedFlight::solve(double time, std::span<const double> states) n
 std::string PartitionedFlight::print_message(const std::filesystem::path& folder, const std::string& summary,
                                              const std::string& whole) {
   std::vector<std::vector<FromOptimum>> moments;
-  PartitionedSolver still(ocp().team(), choice_.parts,
-                          solver_maker(solver_named(solver_name_), ocp().horizon()),
+  PartitionedSolver still(ocp().team(), choice_.parts, solver_maker(subteam_solver_, ocp().horizon()),
                           {.order = choice_.order});
   const std::unique_ptr<Solver> reference = make_reference_solver(ocp());
   for (std::size_t i = 0; i < kept_; ++i) {

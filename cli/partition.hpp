@@ -65,7 +65,7 @@ class PartitionedFlight final : public Solver {
   };
 
   PartitionChoice choice_;
-  std::string solver_name_;  // of the subteams
+  SolverChoice subteam_solver_;  // with its default options
   PartitionedSolver solver_;
   std::vector<PartSample> moments_;
   std::vector<double> part_us_;               // of each update, the slowest subteam

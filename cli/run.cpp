@@ -43,7 +43,7 @@ Scenario read(const RunOptions& options, const Registry& parts) {
   if (options.seed) scenario.simulation.seed = *options.seed;
   // The scenario's options apply only to its own solver.
   if (options.solver && *options.solver != scenario.solver.name)
-    scenario.solver = solver_named(*options.solver);
+    scenario.solver = solver_named(*options.solver, parts);
   std::erase(scenario.simulation.compare, scenario.solver.name);
   if (!options.realtime) lift_deadline(scenario.solver);
   check_solvers(scenario);
@@ -249,7 +249,7 @@ int fly(Scenario scenario, const RunFolder& run_folder, Clock& clock, const Show
   for (const std::string& name : scenario.simulation.compare) {
     if (!flight.logged) break;
     SimulatedClock simulated;
-    scenario.solver = solver_named(name);
+    scenario.solver = solver_named(name, registry_of(scenario));
     scenario.tuned = nullptr;
     const LoggedFlight other = fly_shown(as_one(scenario), folder / name, simulated, {}, nullptr);
     for (const std::string& fault : other.faults)

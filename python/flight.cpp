@@ -19,7 +19,8 @@ Scenario prepared(Scenario scenario, const std::optional<std::uint64_t>& seed,
                   const std::optional<std::string>& solver) {
   if (seed) scenario.simulation.seed = *seed;
   // The scenario's options apply only to its own solver.
-  if (solver && *solver != scenario.solver.name) scenario.solver = solver_named(*solver);
+  if (solver && *solver != scenario.solver.name)
+    scenario.solver = solver_named(*solver, registry_of(scenario));
   scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);
   check_solvers(scenario);

@@ -1,4 +1,4 @@
-/// The parts that a scenario may name: robots, potentials, limits, references, solvers, worlds; and links to real robots.
+/// The parts that a scenario may name: robots, potentials, limits, references, worlds, solvers; and links to real robots.
 #pragma once
 
 #include <algorithm>
@@ -13,17 +13,20 @@
 #include "sightline/base.hpp"
 #include "sightline/model.hpp"
 #include "sightline/potential.hpp"
+#include "sightline/solvers.hpp"
 #include "sightline/vehicle.hpp"
 
 namespace sightline {
 
-// Registry of the parts that a scenario may name: robots, potentials, references, limits, worlds.
+// Registry of the parts that a scenario may name: robots, potentials, references, limits, worlds,
+// solvers.
 // The library and a user's program register parts by the same calls:
 //
 //   Registry registry;                          // the parts of the library
 //   registry.robots.add<Boat>();
 //   registry.potentials.add<Downwash>();
 //   registry.worlds.add("basin", make_basin);
+//   registry.solvers.add<PursuitOptions>("pursuit", {}, make_pursuit);
 //   return command_line(argc, argv, registry);
 //
 // A part is a struct with `name`, a word. A scenario may set the parameters that its
@@ -186,7 +189,7 @@ class WorldList {
   std::vector<WorldPart> worlds_;
 };
 
-/// What a solver supports beyond one team that never changes; flags of its entry in the table of
+/// What a solver supports beyond one team that never changes; flags of its entry in the list of
 /// solvers.
 struct SolverAbilities {
   bool changing_teams = false;   ///< plans for a team that changes in flight: team_planner()
@@ -194,10 +197,53 @@ struct SolverAbilities {
   bool uncertain_views = false;  ///< uses_uncertainty()
   bool input_rates = false;      ///< R_rate, a cost of the rates of inputs
 };
-/// @throws std::invalid_argument as solver_named()
-SolverAbilities abilities_of(std::string_view solver);
-/// The names of the solvers with that ability, as text: "newton_riccati".
-std::string solvers_that(bool SolverAbilities::*can);
+
+/// A solver as a scenario may name it.
+struct SolverPart {
+  std::string name;
+  SolverAbilities can{};
+  /// Reads the options in [solver].
+  /// @param beside  keys that the table may have beside the options
+  std::function<SolverChoice(const ParameterSource& from, std::span<const std::string_view> beside,
+                             const Horizon& horizon)>
+      read;
+};
+
+/// Solvers by their names in `[solver] name`.
+class SolverList {
+ public:
+  /// Adds a solver.
+  /// @tparam Options  what [solver] may set, a struct as a part: its `parameters()` describe the keys
+  /// @param make      makes one: (const Team&, const Horizon&, const Options&) to std::unique_ptr<Solver>;
+  ///                  it may throw std::invalid_argument for a team that it does not support. Campaigns
+  ///                  call it on several threads
+  /// @throws std::invalid_argument for a name that is not a word or that another solver has
+  template <class Options, class Make>
+  requires std::is_invocable_r_v < std::unique_ptr<Solver>, Make,
+  const Team&, const Horizon&,
+      const Options& > SolverList& add(std::string_view name, const SolverAbilities& can, Make make) {
+    return add({std::string(name), can,
+                [called = std::string(name), make](const ParameterSource& from,
+                                                   std::span<const std::string_view> beside, const Horizon&) {
+                  return SolverChoice{called,
+                                      MakeTeamSolver([make, options = read_part<Options>(from, beside)](
+                                                         const Team& team, const Horizon& horizon) {
+                                        return make(team, horizon, options);
+                                      })};
+                }});
+  }
+  SolverList& add(SolverPart part);
+  /// In the order of adding. The first is the default of a scenario.
+  std::vector<std::string_view> names() const;
+  /// The solver of that name.
+  /// @throws std::invalid_argument with the known names if there is none
+  const SolverPart& named(std::string_view name) const;
+  /// The names of the solvers with that ability, as text: "newton_riccati".
+  std::string names_that(bool SolverAbilities::*can) const;
+
+ private:
+  std::vector<SolverPart> solvers_;
+};
 
 /// Every kind of part. A value: filled first, then passed to read_scenario().
 struct Registry {
@@ -209,6 +255,7 @@ struct Registry {
   PartList<Reference> references{"reference", {"state"}};
   PartList<Limit> limits{"limit"};
   WorldList worlds;
+  SolverList solvers;
   std::shared_ptr<const LinkReader> links{};  ///< for files with [fleet]; null: refuses them
   std::shared_ptr<const Bridge> bridge{};     ///< flies fleets; null: no fleet can fly
 };

@@ -318,12 +318,6 @@ void check_text(std::string_view text, std::string_view file);
 struct Registry;
 const Registry& built_in_registry();
 
-/// Name and options of a solver.
-struct SolverChoice {
-  std::string name = "newton_riccati";
-  std::variant<NewtonRiccatiOptions, ContinuationOptions> options{};
-};
-
 /// Settings of the closed loop and of its evaluation.
 struct Simulation {
   double duration = 60.0;
@@ -496,7 +490,8 @@ struct ScenarioSpec {
 
 /// A specification with the objects of its flights.
 struct Scenario : ScenarioSpec {
-  std::shared_ptr<const Registry> registry{};  ///< the registry used for reading, also for reading again
+  std::shared_ptr<const Registry>
+      registry{};  ///< used for reading, also for reading again; null: the built-in one
   /// Events added in flight, after those of the script; shared by all threads that use it. Null: no
   /// tuning.
   std::shared_ptr<TunedScript> tuned{};
@@ -553,12 +548,15 @@ bool plans_apart(const ScenarioSpec& scenario);
 bool changes_in_flight(const ScenarioSpec& spec);
 bool changes_in_flight(const Scenario& scenario);
 
+/// The registry that a scenario was read with.
+const Registry& registry_of(const Scenario& scenario);
+
 /// The names of all solvers.
-std::vector<std::string_view> solver_names();
+std::vector<std::string_view> solver_names(const Registry& registry = built_in_registry());
 
 /// A solver with its default options.
 /// @throws std::invalid_argument for an unknown name; the sentence lists the known ones
-SolverChoice solver_named(std::string_view name);
+SolverChoice solver_named(std::string_view name, const Registry& registry = built_in_registry());
 
 /// Makes the chosen solver for a team and a horizon.
 std::unique_ptr<Solver> make_solver(const SolverChoice& choice, const Team& team, const Horizon& horizon);
@@ -604,7 +602,7 @@ Preflight check_scenario(const Scenario& scenario);
 
 /// @throws std::invalid_argument if the solver, or one of simulation.compare, lacks an ability that
 /// the scenario needs (SolverAbilities)
-void check_solvers(const ScenarioSpec& spec);
+void check_solvers(const ScenarioSpec& spec, const Registry& registry = built_in_registry());
 void check_solvers(const Scenario& scenario);
 
 /// The world that the scenario names. Adds cameras if there are cameras and tags, and telemetry if

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <variant>
 #include <vector>
 
 #include "sightline/base.hpp"
@@ -933,6 +935,17 @@ class PartitionedSolver : public Solver, public TeamPlanner, public Connectivity
   std::optional<SimulatedMessages> messages_;  // none: predictions arrive immediately
   std::vector<double> x_now_, u_, raw_u_, u_stage_, x_;
   ThreadPool pool_;
+};
+
+// The solver that a scenario names.
+
+/// Makes a solver of a team, with options that were read before.
+using MakeTeamSolver = std::function<std::unique_ptr<Solver>(const Team&, const Horizon&)>;
+
+/// Name and options of a solver; of one that a program adds, the function that makes it.
+struct SolverChoice {
+  std::string name = "newton_riccati";
+  std::variant<NewtonRiccatiOptions, ContinuationOptions, MakeTeamSolver> options{};
 };
 
 }  // namespace sightline

@@ -12,6 +12,7 @@ namespace {
 
 using test::fresh_folder;
 using test::read_file;
+using testing::AllOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -54,6 +55,52 @@ TEST(OwnCommandLine, FliesAScenarioWithARobotAPotentialAndAReferenceOfItsOwn) {
 
   EXPECT_EQ(own("report " + (folder / "out").string(), folder).code, 0);
   EXPECT_TRUE(fs::exists(folder / "out/report.html"));
+}
+
+TEST(OwnCommandLine, ASolverOfItsOwnFliesReplaysAndIsCompared) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  const std::string scenario =
+      with(folder, "[simulation]\nduration = 15.0",
+           "[solver]\nname = \"one_move\"\nrate = 0.1\n[simulation]\nduration = 6.0\n"
+           "compare = [\"one_move\", \"cgmres\"]");
+  const auto run = own("run " + scenario + " -o " + out.string(), folder);
+  EXPECT_EQ(run.code, 0) << run.err;
+  const auto summary = nlohmann::json::parse(read_file(out / "summary.json"));
+  EXPECT_EQ(summary.at("solver"), "one_move");
+  EXPECT_EQ(summary.at("updates"), 600);
+  EXPECT_EQ(summary.at("allocations_per_update"), 0);
+  EXPECT_TRUE(fs::exists(out / "cgmres/summary.json"));
+
+  const auto replay = own("replay " + out.string(), folder);
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  EXPECT_THAT(replay.out, HasSubstr("1200 commands, 0 differ"));
+  const auto other_rate = own("replay " + out.string() + " --set solver.rate=0.3", folder);
+  EXPECT_EQ(other_rate.code, 0) << other_rate.err;
+  EXPECT_THAT(other_rate.out, AllOf(HasSubstr("1200 commands, 600 differ"), HasSubstr("u[0] of blimp")));
+  // A program without it cannot read the log's scenario, and says which solvers it has.
+  const auto without = test::sightline("replay " + out.string(), folder);
+  EXPECT_EQ(without.code, 2);
+  EXPECT_THAT(without.err, HasSubstr("expected one of"));
+
+  const auto chosen = own("run " + own_parts + " --solver one_move --set simulation.duration=2.0 -o " +
+                              (folder / "chosen").string(),
+                          folder);
+  EXPECT_EQ(chosen.code, 0) << chosen.err;
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "chosen/summary.json")).at("solver"), "one_move");
+  EXPECT_EQ(own("replay " + (folder / "chosen").string(), folder).code, 0);
+  EXPECT_EQ(own("run " + own_parts + " --solver two_moves -o " + (folder / "none").string(), folder).code, 2);
+}
+
+TEST(OwnCommandLine, WhatASolverOfItsOwnCannotDoIsRefused) {
+  const auto solver = [](const std::string& keys) {
+    return refusal("[simulation]", "[solver]\nname = \"one_move\"\n" + keys + "\n[simulation]");
+  };
+  EXPECT_EQ(solver("steps = 0"), "own.toml:23: solver.steps = 0, expected an integer, 1 to 100\n");
+  EXPECT_EQ(solver("zeta = 1.0"), "own.toml:23: solver.zeta = 1, expected a known key: steps, rate, name\n");
+  EXPECT_THAT(
+      solver("[[event]]\nat = 1.0\nremove = { couple = \"beside\" }"),
+      HasSubstr(
+          "the team changes in flight, which the solver one_move cannot follow, expected newton_riccati"));
 }
 
 TEST(OwnCommandLine, EveryOtherCommandKnowsTheWordsToo) {

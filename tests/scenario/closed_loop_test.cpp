@@ -150,7 +150,7 @@ TEST(ClosedLoop, ASolverThatAScenarioAsksTooMuchOfIsRefusedWithTheNeedAndThoseTh
   EXPECT_NO_THROW(check_solvers(swarm));
   changing.simulation.compare = {"cgmres"};
   EXPECT_NE(refusal_of([&] { check_solvers(changing); }), "") << "what is compared flies the same";
-  EXPECT_EQ(solvers_that(&SolverAbilities::changing_teams), "newton_riccati");
+  EXPECT_EQ(built_in_registry().solvers.names_that(&SolverAbilities::changing_teams), "newton_riccati");
 }
 
 TEST(ClosedLoop, EachSolverHasTheAbilitiesOfItsEntry) {
@@ -158,7 +158,7 @@ TEST(ClosedLoop, EachSolverHasTheAbilitiesOfItsEntry) {
   one.add(PointMass{});
   rated.add(PointMass{}, {.R_rate = {1, 1, 1}});
   for (const std::string_view name : solver_names()) {
-    const SolverAbilities can = abilities_of(name);
+    const SolverAbilities can = built_in_registry().solvers.named(name).can;
     const auto solver = make_solver(solver_named(name), one, Horizon{});
     EXPECT_EQ(can.changing_teams, solver->team_planner() != nullptr) << name;
     EXPECT_EQ(can.keep_apart, solver->keeps_apart()) << name;

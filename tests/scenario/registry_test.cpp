@@ -152,6 +152,42 @@ TEST(Parts, ANameIsAWordAndOfOnePartAlone) {
             "bad_default.d = -1, expected > 0 m");
 }
 
+/// Options of a solver of somebody else.
+struct Patience {
+  int steps = 3;
+  static constexpr auto parameters() {
+    return std::tuple{parameter("steps", &Patience::steps, "", {1, 9, "1 to 9"}, "of an update")};
+  }
+};
+
+TEST(Parts, ASolverOfSomebodyElseIsMadeWithItsOptionsAndIsNoneOfOurs) {
+  Registry registry = with_own();
+  std::vector<int> steps;
+  const auto make = [&](const Team& team, const Horizon& horizon, const Patience& options) {
+    steps.push_back(options.steps);
+    return std::make_unique<NewtonRiccati>(team, horizon);
+  };
+  registry.solvers.add<Patience>("patient", {.keep_apart = true}, make);
+  const Scenario given = read("[solver]\nname = \"patient\"\nsteps = 7\n", registry);
+  EXPECT_EQ(given.solver.name, "patient");
+  EXPECT_EQ(make_solver(given.solver, given.team, given.horizon)->ocp().nx(), given.team.nx());
+  const SolverChoice plain = solver_named("patient", registry);
+  (void)make_solver(plain, given.team, given.horizon);
+  EXPECT_EQ(steps, (std::vector{7, 3}));
+
+  EXPECT_EQ(solver_names(registry).back(), "patient");
+  EXPECT_EQ(solver_names().back(), "cgmres");
+  EXPECT_EQ(registry.solvers.names_that(&SolverAbilities::keep_apart), "newton_riccati or patient");
+  EXPECT_EQ(refusal_of<std::exception>([&] { read("[solver]\nname = \"patient\"\nsteps = 70\n", registry); }),
+            "a:10: solver.steps = 70, expected an integer, 1 to 9");
+  EXPECT_EQ(refusal_of<std::exception>([&] { registry.solvers.add<Patience>("cgmres", {}, make); }),
+            "a solver is called \"cgmres\", expected a name of its own, another has this one");
+  EXPECT_EQ(refusal_of<std::exception>([&] {
+              registry.solvers.add({"empty", {}, {}});
+            }),
+            "the solver \"empty\" has no function, expected one that reads its options");
+}
+
 TEST(Parts, EveryOneOfOursDescribesItsParametersWithUnitRangeDefaultAndMeaning) {
   const Registry& registry = built_in_registry();
   const auto described = [](const auto& list) {

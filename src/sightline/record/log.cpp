@@ -30,11 +30,11 @@ const std::filesystem::path& prepared(const std::filesystem::path& folder) {
 }
 
 // Removes results of an earlier run that this run writes only at its end, or never.
-void remove_results(const std::filesystem::path& folder) {
+void remove_results(const std::filesystem::path& folder, const std::vector<std::string>& solvers) {
   std::error_code ignored;
   for (const char* name : {"summary.json", "report.html", "partition.json", "whole/summary.json"})
     std::filesystem::remove(folder / name, ignored);
-  for (const std::string_view solver : solver_names())  // of comparisons
+  for (const std::string& solver : solvers)  // of comparisons
     std::filesystem::remove(folder / solver / "summary.json", ignored);
 }
 
@@ -65,6 +65,7 @@ class Log::Files {
   double period_;  // [s]
   std::function<void(double)> written_;
   Summary summary_;
+  std::vector<std::string> solvers_;  // names of all
   std::filesystem::path folder_;
   McapWriter mcap_;
   std::optional<LogTopics> topics_;
@@ -100,6 +101,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
                      {"controllers", fmt::format("{}", controllers)},
                      {"team", team_json(scenario)}};
   words.insert(flown.begin(), flown.end());
+  for (const std::string_view solver : solver_names(registry_of(scenario))) solvers_.emplace_back(solver);
   if (scenario.tuned) words.emplace(TunedLog::word, "true");
   mcap_.metadata("sightline", words);
   if (!scenario.files.empty()) mcap_.metadata("files", scenario.files);
@@ -114,7 +116,7 @@ Log::Files::Files(const Scenario& scenario, const std::filesystem::path& folder,
 void Log::Files::begin() {
   timing_.write(std::exchange(rows_, {}));
   if (!mcap_.ok() || !timing_.error().empty()) return remove_parts();
-  remove_results(folder_);
+  remove_results(folder_, solvers_);
   timing_.settle();
   mcap_.settle(folder_ / "run.mcap");
   begun_ = mcap_.ok();

@@ -50,7 +50,7 @@ RunFolder::RunFolder(const std::filesystem::path& folder, const Scenario& scenar
   const auto add = [&](std::string_view name, bool needed) {
     if (needed || std::filesystem::is_directory(folder / name)) folders.push_back(folder / name);
   };
-  for (const std::string_view name : solver_names())
+  for (const std::string_view name : solver_names(registry_of(scenario)))
     add(name, std::find(compare.begin(), compare.end(), name) != compare.end());
   add("whole", in_parts);
   for (const std::filesystem::path& one : folders)

@@ -181,10 +181,12 @@ std::optional<FirstDifference> CommandComparison::first() const {
   const RecordedPeriod& period = flight_.periods()[first_->update];
   const Robot& robot = robots_[first_->robot];
   const Team& team = flight_.team();
+  const auto inputs = team.model(robot.body).inputs();  // empty: a robot that does not name them
   return FirstDifference{.update = flight_.number(period.time),
                          .time = period.time,
                          .robot = std::string(team.name(robot.body)),
-                         .input = std::string(team.model(robot.body).inputs()[first_->input]),
+                         .input = first_->input < inputs.size() ? std::string(inputs[first_->input])
+                                                                : fmt::format("u[{}]", first_->input),
                          .recorded = period.u[robot.u + first_->input],
                          .replayed = first_->replayed};
 }
@@ -226,9 +228,9 @@ Scenario flown_scenario(const FlownAs& flown, const std::filesystem::path& log, 
         log.native(), scenario.partition->part));
   const bool in_parts = !flown.partition.empty() || (scenario.partition && scenario.partition->part.empty());
   if (solver) {
-    if (*solver != scenario.solver.name) scenario.solver = solver_named(*solver);
+    if (*solver != scenario.solver.name) scenario.solver = solver_named(*solver, registry);
   } else if (!in_parts && flown.solver != scenario.solver.name && !sets_solver(set)) {
-    scenario.solver = solver_named(flown.solver);
+    scenario.solver = solver_named(flown.solver, registry);
   }
   lift_deadline(scenario.solver);
   scenario.simulation.compare.clear();

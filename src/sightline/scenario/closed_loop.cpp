@@ -59,7 +59,7 @@ bool has_uncertain_views(const ScenarioSpec& scenario) {
 }
 
 /// @param changes  whether the team changes in flight
-void check_abilities(const ScenarioSpec& scenario, bool changes) {
+void check_abilities(const ScenarioSpec& scenario, bool changes, const SolverList& solvers) {
   const bool swarms = !scenario.team.swarms().empty();
   const auto& agents = scenario.team.agents();
   const auto rated =
@@ -68,26 +68,35 @@ void check_abilities(const ScenarioSpec& scenario, bool changes) {
   names.insert(names.begin(), scenario.solver.name);
   for (const std::string& name : names) {
     using Can = SolverAbilities;
-    const Can can = abilities_of(name);
+    const Can can = solvers.named(name).can;
     if (changes && !can.changing_teams)
       throw_invalid("the team changes in flight, which the solver {} cannot follow, expected {}", name,
-                    solvers_that(&Can::changing_teams));
+                    solvers.names_that(&Can::changing_teams));
     if (swarms && !can.keep_apart)
-      throw_invalid("the solver {} knows no keep_apart, expected {}", name, solvers_that(&Can::keep_apart));
+      throw_invalid("the solver {} knows no keep_apart, expected {}", name,
+                    solvers.names_that(&Can::keep_apart));
     if (has_uncertain_views(scenario) && !can.uncertain_views)
       throw_invalid("the solver {} lets no view shrink by the sigmas of a sensor, expected {}", name,
-                    solvers_that(&Can::uncertain_views));
+                    solvers.names_that(&Can::uncertain_views));
     if (rated != agents.end() && !can.input_rates)
       throw_invalid("{} has a cost of its inputs' rates, R_rate, expected the solver {}, which plans with it",
-                    rated->name, solvers_that(&Can::input_rates));
+                    rated->name, solvers.names_that(&Can::input_rates));
   }
 }
 
 }  // namespace
 
-void check_solvers(const ScenarioSpec& spec) { check_abilities(spec, changes_in_flight(spec)); }
+const Registry& registry_of(const Scenario& scenario) {
+  return scenario.registry ? *scenario.registry : built_in_registry();
+}
 
-void check_solvers(const Scenario& scenario) { check_abilities(scenario, changes_in_flight(scenario)); }
+void check_solvers(const ScenarioSpec& spec, const Registry& registry) {
+  check_abilities(spec, changes_in_flight(spec), registry.solvers);
+}
+
+void check_solvers(const Scenario& scenario) {
+  check_abilities(scenario, changes_in_flight(scenario), registry_of(scenario).solvers);
+}
 
 void make_tunable(Scenario& scenario, TunedScript::Scope scope) {
   if (scenario.partition) throw_invalid("--tune of a team that plans in parts, expected one solver for all");
@@ -168,7 +177,7 @@ KernelUse Controls::kernels() const {
 }
 
 std::unique_ptr<World> make_world(const Scenario& scenario) {
-  const Registry& registry = scenario.registry ? *scenario.registry : built_in_registry();
+  const Registry& registry = registry_of(scenario);
   const WorldPart* const kind = registry.worlds.find(scenario.world);
   if (kind == nullptr)
     throw_invalid("world.kind = {}, expected one of {}", scenario.world,

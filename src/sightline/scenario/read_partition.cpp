@@ -124,17 +124,17 @@ void read_partition(const TomlTable& root, ScenarioSpec& scenario) {
     plan.part = at.word(part_key, names);
   }
   at.checked([&] {
-    check_plans_in_parts(scenario);
+    check_plans_in_parts(scenario, at.registry());
     for (const std::vector<AgentId>& part : partition_of(plan, scenario.team))
       (void)subteam_of(scenario.team, part);
     if (plan.apart()) scenario = part_of(scenario);
   });
 }
 
-void check_plans_in_parts(const ScenarioSpec& scenario) {
-  if (!abilities_of(scenario.solver.name).changing_teams)
+void check_plans_in_parts(const ScenarioSpec& scenario, const Registry& registry) {
+  if (!registry.solvers.named(scenario.solver.name).can.changing_teams)
     throw_invalid("the solver {} cannot plan a part, expected {}", scenario.solver.name,
-                  solvers_that(&SolverAbilities::changing_teams));
+                  registry.solvers.names_that(&SolverAbilities::changing_teams));
   if (changes_in_flight(scenario))
     throw_invalid("the team changes in flight, expected a scenario without events");
 }

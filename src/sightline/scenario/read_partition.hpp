@@ -14,7 +14,7 @@ namespace sightline {
 void read_partition(const TomlTable& root, ScenarioSpec& scenario);
 
 /// @throws std::invalid_argument if parts of the scenario's team cannot plan separately
-void check_plans_in_parts(const ScenarioSpec& scenario);
+void check_plans_in_parts(const ScenarioSpec& scenario, const Registry& registry);
 
 /// The parts as agent ids of that team, for a solver.
 Partition partition_of(const PartitionPlan& plan, const Team& team);

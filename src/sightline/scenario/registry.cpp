@@ -10,6 +10,7 @@
 #include "sightline/potentials.hpp"
 #include "sightline/robots.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/built_in_solvers.hpp"
 #include "sightline/worlds.hpp"
 
 namespace sightline {
@@ -51,6 +52,8 @@ Registry::Registry() {
                                         plant_options(scenario), sensor_options(scenario));
   };
   worlds.add("rotors", rotors, MovedBy::vehicles);
+
+  add_built_in(solvers);
 }
 
 WorldList& WorldList::add(std::string_view name, MakeWorld make, MovedBy robots, VehicleOfModel of_model,

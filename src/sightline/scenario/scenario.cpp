@@ -82,7 +82,7 @@ class Reader {
     }
     read_estimates(root_, scenario_);
     scenario_.certified_views = read_certified_views(root_, scenario_);
-    root_.table_or_empty("solver").checked([&] { check_solvers(scenario_); });
+    root_.table_or_empty("solver").checked([&] { check_solvers(scenario_, root_.registry()); });
     read_partition(root_, scenario_);
     // A log is replayed without the world.
     if (root_.from_disk()) root_.table_or_empty("world").checked([&] { check_world(); });
@@ -146,7 +146,7 @@ class Reader {
   }
 
   void read_compare(const TomlTable& at) {
-    const auto known = solver_names();
+    const auto known = root_.registry().solvers.names();
     auto& compare = scenario_.simulation.compare;
     compare = at.texts("compare", TomlTable::any_length, "solvers");
     for (std::size_t i = 0; i < compare.size(); ++i) {
