@@ -1,4 +1,4 @@
-// The figures of section 7.1 in closed loop: docs/equations.md, 9, and the saturation test of 7.4.
+// The figures of section 7.1 in closed loop: docs/equations.md, 9, and saturation by 7.4.
 #include <gtest/gtest.h>
 
 #include <cmath>

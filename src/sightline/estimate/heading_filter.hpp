@@ -59,7 +59,7 @@ struct HeadingTransition {
 ///   dy: e_p: R_GV^T,  e_psi: e_z x e,  e_tau: (R_y e_x) x m and e_y x m.
 ///
 /// The heading error enters e beyond its first order. For this, P_psi^2 e_l e_l^T / 2, e_l the
-/// level part of e, is added to the measurement's covariance. docs/localization.md derives both.
+/// level part of e, is added to the covariance of the measurement.
 ///
 /// With `others` = 1 the state has one more part, for an observed robot that is itself localized
 /// and broadcasts its estimate:
