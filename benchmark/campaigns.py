@@ -8,7 +8,7 @@ import tomllib
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTROLLERS = HERE / "controllers.json"
-# Potentials of one purpose; "third" of a kind has no other form.
+# Potentials of one purpose, sightline's and the paper's.
 VIEWS, NEAR, FAR = ("bearing", "sensor_cone"), ("too_near", "keep_out"), ("too_far", "cohesion")
 OWN, PAPER = 0, 1
 
@@ -73,6 +73,8 @@ def couplings(given, weights, folder):
         for pair in sorted(pairs - moving):
             listed.append({"potential": {"relative_velocity": {"v_0": 1.0}}, "between": list(pair),
                            "felt_by": [pair[0]], "weight": weights["relative_velocity"]})
+    # The judge takes the first view of a pair: those that judge alone have the weight 0.
+    listed.sort(key=lambda couple: couple["weight"] > 0)
     return listed, sorted(pair[0] for pair in pairs)
 
 

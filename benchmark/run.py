@@ -9,6 +9,15 @@ import sys
 import campaigns
 
 
+def rows_of(result):
+    """JSON with one line for each cell."""
+    tasks = ",\n".join(
+        f"  {json.dumps(task)}: {{\n" + ",\n".join(f"   {json.dumps(name)}: {json.dumps(cell)}" for name, cell in cells.items())
+        + "}" for task, cells in result["tasks"].items())
+    rest = {key: of for key, of in result.items() if key != "tasks"}
+    return json.dumps(rest)[:-1] + ",\n \"tasks\": {\n" + tasks + "}}\n"
+
+
 def percent(of):
     return "-" if of is None else f"{100 * of[0]:.1f} ({100 * of[1]:.1f} to {100 * of[2]:.1f})"
 
@@ -102,7 +111,7 @@ def main():
                 result |= {"version": campaign["version"], "compiler": campaign["compiler"],
                            "machine": f"{machine['processor']}, {machine['cores']} cores"}
             print(f"{task} {name}: {cells[name].get('refused') or percent(cells[name]['recovered'])}", file=sys.stderr)
-    (options.output / "table.json").write_text(json.dumps(result, indent=2) + "\n")
+    (options.output / "table.json").write_text(rows_of(result))
     (options.output / "table.md").write_text(markdown(result))
     print(options.output / "table.md")
 

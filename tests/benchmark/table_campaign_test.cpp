@@ -43,6 +43,9 @@ TEST(Benchmark, FliesEveryTaskWithEveryController) {
       EXPECT_TRUE(recovered[1] <= recovered[0] && recovered[0] <= recovered[2]) << task << ' ' << name;
     }
   }
+  // What judges comes first: the first view of a pair counts.
+  const std::string leader = read_file(folder / "sightline/leader_1/leader_1.toml");
+  EXPECT_LT(leader.find("contact.toml"), leader.find("bearing"));
   const std::string text = read_file(folder / "table.md");
   EXPECT_THAT(text, testing::HasSubstr("Where a baseline wins:"));
   EXPECT_THAT(text, testing::HasSubstr("| paper_7_1 |"));

@@ -26,9 +26,12 @@ TEST(Margins, AreNegativeInTheRunsThatTheOtherFiguresBlame) {
   int lost = 0, kept = 0;
   fly_campaign(
       scenario, plan, {.runs = 60, .seed = 3, .threads = 1}, [&](const RunDraw&, const RunResult& run) {
-        if (run.longest_out_of_view > view_lost_after + 0.011) EXPECT_LT(run.view_margin, 0);
-        if (run.time_to_first_view <= plan.view_within && run.longest_out_of_view < view_lost_after - 0.011)
+        if (run.longest_out_of_view > view_lost_after + 0.011) {
+          EXPECT_LT(run.view_margin, 0);
+        }
+        if (run.time_to_first_view <= plan.view_within && run.longest_out_of_view < view_lost_after - 0.011) {
           EXPECT_FALSE(run.view_margin < 0);
+        }
         (run.view_margin < 0 ? lost : kept) += 1;
         EXPECT_EQ(run.distance_margin < 0, run.outcome == Outcome::too_close);
         EXPECT_FALSE(run.landed);
