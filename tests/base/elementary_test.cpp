@@ -11,7 +11,6 @@ namespace sightline {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The largest error of f against `exact` (long double) over n arguments that `draw` gives [ulp].
 template <class F, class Exact, class Draw>

@@ -19,7 +19,6 @@ namespace sightline {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The laws of every robot; a new one is added to the list and obeys them all.
 template <class M>

@@ -14,8 +14,6 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 Team mixed() {
   Team team;
   team.add(Multirotor{}, {.name = "a"});

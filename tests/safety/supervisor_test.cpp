@@ -17,8 +17,6 @@ using test::control_period;
 using Numbers = std::vector<double>;
 using enum FallbackLevel;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // a observes b and target, b stands by itself.
 Team team_of_two() {
   Team team;

@@ -15,7 +15,6 @@ namespace {
 using Numbers = std::vector<double>;
 
 constexpr double control_period = 0.01;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A robot whose inputs change slowly, one whose inputs may jump, and a body that is no robot.
 Team slow_and_quick() {
