@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Camera camera_with(Distortion distortion, std::vector<double> coefficients) {
   return {.width = 640,
@@ -179,7 +179,7 @@ TEST(CameraLens, RefusesCoefficientsThatItsDistortionDoesNotHave) {
 }
 
 /// A body with its first face towards the camera, in this direction.
-RigidPose facing(const Vec3<double>& p) {
+RigidPose tag_facing(const Vec3<double>& p) {
   const Vec3<double> back = (-1 / norm(p.x, p.y)) * Vec3<double>{p.x, p.y, 0};
   return {p, {back, {-back.y, back.x, 0}, {0, 0, 1}}};
 }
@@ -191,7 +191,7 @@ TEST(CameraLens, TagPosesAreFoundThroughEachLensWithoutAGuess) {
     const std::vector<double> angles =
         fisheye ? std::vector{0.0, 0.6, -1.5, 1.75, 2.2} : std::vector{0.0, 0.3, -0.45};
     for (const double angle : angles) {
-      RigidPose pose = facing({1.1 * std::cos(angle), 1.1 * std::sin(angle), 0.2});
+      RigidPose pose = tag_facing({1.1 * std::cos(angle), 1.1 * std::sin(angle), 0.2});
       pose.R = compose(pose.R, turn_by({0.05, -0.1, 0.3}));
       std::vector<FoundTag> found = {{0, {}}};
       const auto corners = tags.corners(0);
@@ -231,7 +231,7 @@ TEST(CameraLens, AFisheyeDetectsTagsBesideAndBehindThePlaneOfItsPicture) {
       with.cameras[0].camera.coefficients = {};
     }
     SyntheticDetections source(team, with);
-    RigidPose pose = facing({1.0 * std::cos(angle), 1.0 * std::sin(angle), 0.0});
+    RigidPose pose = tag_facing({1.0 * std::cos(angle), 1.0 * std::sin(angle), 0.0});
     const std::vector<ExposedBody> bodies = {{{}, {}}, {pose, pose}};
     int count = 0;
     for (int k = 0; k < 200; ++k) {

@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Of a vehicle of 2 kg with four rotors of 0.127 m, at the origin.
 Jet jet_of(double thrust = 19.62) {
