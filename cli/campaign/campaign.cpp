@@ -334,9 +334,9 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
           evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
     if (input.plan.evasion) print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
     std::string bounds;
-    if (command.certify) {
+    if (command.certify > 0) {
       const Certificate certificate =
-          certify(input.scenarios.front(), input.plan, tables.front(), input.options, *command.certify);
+          certify(input.scenarios.front(), input.plan, tables.front(), input.options, command.certify);
       print("\n");
       print_lines(certificate_lines(certificate));
       write_text(input.folder / "certificate.json", certificate_json(certificate));

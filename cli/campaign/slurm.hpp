@@ -21,7 +21,8 @@ struct CampaignCommand {
   std::filesystem::path output, compare_with;
   int runs = 200, threads = 0;  ///< threads: 0 for the number of cores
   std::optional<std::uint64_t> seed;
-  std::optional<int> only, certify;
+  std::optional<int> only;
+  int certify = 0;  ///< runs of importance sampling of each event; 0: no bounds
   std::string shard;
   bool resume = false;
   std::vector<std::filesystem::path> merge;
