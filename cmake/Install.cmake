@@ -62,6 +62,9 @@ install(FILES cmake/SightlineFormulas.cmake ${generated}/sightlineConfig.cmake $
 # For pkg-config. A shared library brings along what it is linked with.
 list(JOIN numerics_of_users " " pc_flags)
 file(RELATIVE_PATH pc_to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+if(BUILD_SHARED_LIBS)
+  set(pc_of_sightline)  # pkg-config would look for them
+endif()
 function(sightline_pc name description library requires links)
   set(private .private)
   if(NOT BUILD_SHARED_LIBS)

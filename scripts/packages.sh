@@ -10,6 +10,7 @@ build() {
   apt-get -q update
   apt-get -qy install --no-install-recommends dpkg-dev lintian
   apt-get -qy build-dep --no-install-recommends ./
+  rm -f ../sightline_*.changes
   dpkg-buildpackage -b -us -uc
   lintian --allow-root --fail-on error,warning ../sightline_*.changes
 }

@@ -84,7 +84,7 @@ void ProcessControl::restart() noexcept {
 
 bool ProcessControl::write(std::string_view line) noexcept {
   while (!line.empty()) {
-    const ssize_t sent = ::send(socket_, line.data(), line.size(), MSG_NOSIGNAL);
+    const ssize_t sent = ::send(socket_, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent <= 0) return false;
     line.remove_prefix(static_cast<std::size_t>(sent));
   }

@@ -419,6 +419,8 @@ TEST(ImportSdf, RefusesWithPlaceElementTextAndWhatWasExpected) {
   EXPECT_THAT(refusal("<robot name='a'/>"), HasSubstr("<robot> = URDF, expected SDF with motors"));
   EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("reads MJCF as it is"));
   EXPECT_THAT(refusal("<sdf><model>"), HasSubstr("cannot be read as XML"));
+  for (const char* empty : {"<!-- no model -->\n", "<?xml version='1.0'?>\n"})
+    EXPECT_THAT(refusal(empty), HasSubstr("XML without an element"));
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<model>";
   EXPECT_THAT(refusal("<sdf>" + deep), HasSubstr("cannot be read as XML"));
@@ -437,6 +439,19 @@ TEST(Import, AFileOfAnotherKindIsNamed) {
   const std::vector<std::filesystem::path> large = {folder / "large.yaml"};
   std::ofstream(large[0]) << "a: " << std::string(2'000'000, 'b');
   EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)import_files(large); }), HasSubstr("too large"));
+}
+
+TEST(ImportCamera, AMatrixThatNamesItselfIsRefused) {
+  for (const char* key : {"camera_matrix", "distortion_coefficients"})
+    EXPECT_THAT(refusal("image_width: 640\nimage_height: 480\n" + std::string(key) + ": &m {data: *m}\n"),
+                HasSubstr("expected"));
+}
+
+TEST(ImportSdf, APartThatIsIncludedIsNoted) {
+  const Imported made = imported(
+      with(quad, "<joint", "<include><uri>model://pod</uri><pose>0 0 1 0 0 0</pose></include><joint"));
+  EXPECT_THAT(made.notes,
+              testing::Contains(HasSubstr("model://pod count if its file is given, and at the origin")));
 }
 
 TEST(Import, NestingIsBounded) {

@@ -113,6 +113,11 @@ TEST(ULog, EachFaultIsRefusedWithItsByte) {
             "x.ulg: byte 16: a field of the format t that has no type and name");
   EXPECT_EQ(after(ulog_message('F', "t:float[0] a;")),
             "x.ulg: byte 16: a field of the format t that has no type and name");
+  EXPECT_EQ(after(ulog_message('M', std::string("\x01\x1a") + "char[0] perf_top_preflight")), "");
+  EXPECT_EQ(after(ulog_message('M', std::string("\x01\x23") + "char[3] perf_counter_preflight-00abc")), "");
+  EXPECT_EQ(after(ulog_message('I', std::string("\x06") + "char a")), "");
+  EXPECT_EQ(after(ulog_message('I', std::string("\x05") + "char ")),
+            "x.ulg: byte 16: a key that has no type and name");
   EXPECT_EQ(after(ulog_message('F', "t:")), "x.ulg: byte 16: the format t has no fields");
   EXPECT_EQ(after(ulog_message('F', time + "t a;") + ulog_topic(4, "t")),
             "x.ulg: byte 44: the format t nests more than 16 formats");

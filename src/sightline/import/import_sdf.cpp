@@ -33,6 +33,7 @@ class SdfFile {
     if (document_.Error())
       throw ScenarioError(name_, static_cast<std::size_t>(std::max(1, document_.ErrorLineNum())),
                           fmt::format("cannot be read as XML ({})", document_.ErrorName()));
+    if (root() == nullptr) throw ScenarioError(name_, 1, "XML without an element, expected SDF");
   }
   const XMLElement* root() const { return document_.RootElement(); }
 
@@ -142,6 +143,7 @@ class SdfVehicle {
       const std::string_view name = at.Name();
       if (name == "link") read_link(file, at);
       if (name == "joint") read_joint(file, at);
+      if (name == "include") read_include(at);
     });
   }
   void read_motors(const SdfFile& file) {
@@ -153,6 +155,7 @@ class SdfVehicle {
 
   std::vector<Mass> masses{};
   std::vector<SdfMotor> motors{};
+  std::vector<std::string> notes{};
 
  private:
   template <class Do>
@@ -177,6 +180,13 @@ class SdfVehicle {
       file.refuse(at, name == nullptr ? "without a name" : name, "a name of its own");
     if (const XMLElement* const inertial = at.FirstChildElement("inertial"))
       masses.push_back(read_mass(file, *inertial, pose));
+  }
+  void read_include(const XMLElement& at) {
+    const XMLElement* const uri = at.FirstChildElement("uri");
+    const char* const text = uri != nullptr ? uri->GetText() : nullptr;
+    notes.push_back(fmt::format(
+        "the parts of the included {} count if its file is given{}", one_line(text != nullptr ? text : "?"),
+        at.FirstChildElement("pose") != nullptr ? ", and at the origin: its pose has no counterpart" : ""));
   }
   void read_joint(const SdfFile& file, const XMLElement& at) {
     if (const char* const name = at.Attribute("name"))
@@ -267,6 +277,7 @@ Imported import_sdf(std::span<const ImportFile> files, const ImportOptions& opti
   const double off = std::max({std::abs(body.I(0, 1)), std::abs(body.I(0, 2)), std::abs(body.I(1, 2))});
   if (off > 0.01 * inertia[0])
     made.notes.push_back(fmt::format("products of inertia have no counterpart, {:.3g} kg m^2", off));
+  made.notes.insert(made.notes.end(), found.notes.begin(), found.notes.end());
   made.notes.emplace_back("rotor_radius, radius, height, drag and gains stay those of the x500");
   return made;
 }

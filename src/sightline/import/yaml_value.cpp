@@ -172,7 +172,11 @@ std::string YamlValue::text(std::string_view expected) const {
 }
 
 std::vector<double> YamlValue::numbers(std::size_t length, const Range& range) const {
-  if (is_map()) return at("data", "the numbers of the matrix").numbers(length, range);
+  if (is_map()) {
+    const YamlValue data = at("data", "the numbers of the matrix");
+    if (data.is_map()) data.throw_invalid("a list of numbers");  // an alias may name its own map
+    return data.numbers(length, range);
+  }
   const std::string expected =
       length > 0 ? fmt::format("{} numbers", length) : std::string("a list of numbers");
   const std::vector<YamlValue> all = items(expected);

@@ -134,6 +134,13 @@ std::vector<VelocityCommand> px4_velocity_commands(const ULog& log) {
   const std::vector<double> yaw_rate = log.column(*topic, "yawspeed");
   const Interruptions interruptions(log);
   std::vector<VelocityCommand> longest, now;
+  const auto seconds = [](const std::vector<VelocityCommand>& of) {
+    return of.empty() ? -1.0 : of.back().t - of.front().t;
+  };
+  const auto end = [&] {
+    if (seconds(now) > seconds(longest)) longest = std::move(now);
+    now.clear();
+  };
   for (std::size_t i = 0; i < times.size(); ++i) {
     const VelocityCommand command{microsecond * static_cast<double>(times[i]), of_ned(v[i]),
                                   std::isfinite(yaw_rate[i]) ? -yaw_rate[i] : 0.0};
@@ -142,17 +149,13 @@ std::vector<VelocityCommand> px4_velocity_commands(const ULog& log) {
     const bool goes_on = !now.empty() && command.t > now.back().t &&
                          command.t - now.back().t <= set_points_gap &&
                          !interruptions.reset_between(times[i - 1], times[i]);
-    if (!goes_on) now.clear();
-    if (!by_velocity || !interruptions.followed(times[i])) {
-      now.clear();
-      continue;
-    }
-    now.push_back(command);
-    const auto seconds = [](const std::vector<VelocityCommand>& of) {
-      return of.empty() ? -1.0 : of.back().t - of.front().t;
-    };
-    if (seconds(now) > seconds(longest)) longest = now;
+    if (!goes_on) end();
+    if (by_velocity && interruptions.followed(times[i]))
+      now.push_back(command);
+    else
+      end();
   }
+  end();
   return longest;
 }
 

@@ -108,13 +108,13 @@ std::string_view taken_before(std::string_view& text, char mark) {
   return part;
 }
 
-/// A type with its array length: "float[3]"; empty if it is none.
+/// A type with its array length, of `least` at least: "float[3]"; empty if it is none.
 struct ArrayType {
   std::string_view type;
   std::size_t count = 1;
   bool is_array = false;
 };
-std::optional<ArrayType> array_type(std::string_view text) {
+std::optional<ArrayType> array_type(std::string_view text, std::size_t least = 1) {
   ArrayType read{text.substr(0, text.find('['))};
   if (!is_name(read.type)) return {};
   text.remove_prefix(read.type.size());
@@ -122,7 +122,7 @@ std::optional<ArrayType> array_type(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), read.count);
   if (error != std::errc() ||
       std::string_view(end, static_cast<std::size_t>(text.data() + text.size() - end)) != "]" ||
-      read.count < 1 || read.count > message_max)
+      read.count < least || read.count > message_max)
     return {};
   read.is_array = true;
   return read;
@@ -330,8 +330,11 @@ class ULog::Parser {
     if (length > content.size() - 1)
       refuse(at, fmt::format("a key of {} bytes where {} are left", length, content.size() - 1));
     std::string_view key = content.substr(1, length);
-    const std::optional<ArrayType> type = array_type(taken_before(key, ' '));
-    if (!type || !is_name(key)) refuse(at, "a key that has no type and name");
+    // PX4 logs empty texts, char[0], and keys with a dash, perf_counter_preflight-00.
+    const std::optional<ArrayType> type = array_type(taken_before(key, ' '), 0);
+    const bool printable =
+        !key.empty() && std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
+    if (!type || !printable) refuse(at, "a key that has no type and name");
     return {*type, key, content.substr(1 + length)};
   }
 

@@ -95,6 +95,7 @@ const std::vector<double>* CsvColumns::find(std::string_view name) const {
 CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<std::string> names) {
   CsvColumns columns;
   columns.names = std::move(names);
+  for (std::string& one : columns.names) one = column_name(one);
   const bool named = !columns.names.empty();
   NumberTable table(std::string(file), text);
   std::size_t rows = 0;
@@ -178,7 +179,6 @@ ListSource::ListSource(const TomlTable& at) : TableSource(at) {
   file_ = (std::filesystem::path(at.file()).parent_path() / name).lexically_normal().native();
   std::vector<std::string> names;
   if (at.has("columns")) names = at.texts("columns", TomlTable::any_length, "names of columns in quotes");
-  for (std::string& one : names) one = column_name(one);
   const std::string text = at.has("body") ? recording_text(at, name) : table_text(at, name);
   columns_ = read_csv(text, file_, std::move(names));
   for (const std::string_view key : {"times", "p", "heading", "v"}) {

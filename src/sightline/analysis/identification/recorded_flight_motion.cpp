@@ -16,6 +16,8 @@ namespace sightline {
 namespace {
 
 constexpr double recorded_period = 0.02, samples_gap = 0.2;  // [s]
+constexpr double seconds_most =
+    36'000;  // of a flight: longer ones have times in another unit, or a clock that jumps
 constexpr double held_most = 0.05;   // greatest time between commands that stay in force until the next [s]
 constexpr double least_limit = 0.1;  // of an input [m/s], [rad/s]
 
@@ -53,6 +55,9 @@ FlownMotion motion_of(const std::string& robot, const std::vector<VelocityComman
   motion.period = recorded_period;
   motion.u_max.fill(least_limit);
   const double seconds = commands.back().t - commands.front().t;
+  if (!(seconds <= seconds_most))
+    throw_invalid("commands over {:.4g} s, expected at most {} s: times in seconds, of one clock", seconds,
+                  seconds_most);
   SinCos<double> d{0.0, 1.0};
   for (std::size_t k = 0; static_cast<double>(k) * recorded_period <= seconds; ++k) {
     const double t = commands.front().t + static_cast<double>(k) * recorded_period;
