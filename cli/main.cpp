@@ -31,7 +31,11 @@ void add_component(sightline::Registry& registry, const char* name) {
   }
   using Add = void(sightline::Registry&);
   const auto add = reinterpret_cast<Add*>(dlsym(opened, fmt::format("sightline_add_{}", name).c_str()));
-  if (add != nullptr) add(registry);
+  if (add == nullptr) {
+    fmt::print(stderr, "sightline: without {}: {} has no sightline_add_{}\n", name, library, name);
+    return;
+  }
+  add(registry);
 }
 
 void add_components(sightline::Registry& registry) {

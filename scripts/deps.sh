@@ -5,7 +5,7 @@ set -euo pipefail
 
 packages=(cmake esbuild g++ libboost-dev libcli11-dev libfmt-dev libjs-three libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
-test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-dev cyclonedds-tools doxygen dpkg-dev
+test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-dev cyclonedds-tools doxygen
   file furo iproute2 libapriltag-dev libblas-dev libegl1-mesa-dev libeigen3-dev libfastcdr-dev libfastrtps-dev
   jq libgl1-mesa-dri libgmock-dev libgtest-dev libjs-katex liblapack-dev libmujoco-dev librsvg2-bin libssl-dev libtinyxml2-dev libyaml-cpp-dev openssl pandoc
   pybind11-dev python3-breathe python3-dev python3-ipykernel python3-matplotlib python3-myst-parser python3-nbclient

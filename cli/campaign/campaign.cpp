@@ -76,8 +76,9 @@ using Counts = std::array<int, outcome_count>;
 struct Tables {
   explicit Tables(const Input& input) {
     for (std::size_t i = 0; i < input.scenarios.size(); ++i)
-      locks.emplace_back(input.folder_of(i), std::initializer_list<std::string_view>{
-                                                 "campaign.sqlite", "campaign.json", "campaign.html"});
+      locks.emplace_back(input.folder_of(i),
+                         std::initializer_list<std::string_view>{"campaign.sqlite", "campaign.json",
+                                                                 "campaign.html", "certificate.json"});
     for (std::size_t i = 0; i < input.scenarios.size(); ++i) open(input, i);
   }
 
@@ -150,8 +151,9 @@ std::string words_of(const RunDraw& run, const RunResult& result, const Campaign
   if (result.barrier_conflict > 0)
     words += fmt::format(", barrier in conflict {:.1f} % of the time", 100 * result.barrier_conflict);
   for (const RobotView& view : result.views)
-    words += fmt::format(", view of {} by {} certified {:.1f} % of the time", view.target, view.observer,
-                         100 * view.certified);
+    if (std::isfinite(view.certified))
+      words += fmt::format(", view of {} by {} certified {:.1f} % of the time", view.target, view.observer,
+                           100 * view.certified);
   if (!result.reason.empty()) words += fmt::format("\n{:24}  {}", "failed by", result.reason);
   words += '\n';
   const std::vector<std::string> names = drawn_names(plan);
@@ -334,6 +336,8 @@ int campaign(const CampaignCommand& command, const Registry& registry) {
           evasion_runs(input.scenarios[i], input.plan, input.options.seed, input.options.runs));
     if (input.plan.evasion) print("\n{}\n", evasion_text(*input.plan.evasion, evasions));
     std::string bounds;
+    std::error_code ignored;
+    fs::remove(input.folder / "certificate.json", ignored);  // of other runs
     if (command.certify > 0) {
       const Certificate certificate =
           certify(input.scenarios.front(), input.plan, tables.front(), input.options, command.certify);

@@ -47,8 +47,8 @@ struct RobotResult {
 /// Certified view of one observer in a run.
 struct RobotView {
   std::string observer, target;
-  double certified = 0.0;        ///< share of the updates in force in which it was certified
-  double active = 0.0;           ///< share of these updates in which its filter changed the command
+  double certified = 0.0;  ///< share of the updates in force in which it was certified; NaN: never in force
+  double active = 0.0;     ///< share of these updates in which its filter changed the command
   std::int64_t uncertified = 0;  ///< number of events view_uncertified
 };
 

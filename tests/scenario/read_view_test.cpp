@@ -294,5 +294,14 @@ TEST(CertifiedViews, WarnWhereAnotherPartOfTheScenarioEndangersThem) {
   EXPECT_NE(near[0].find("the barrier may break it with d_hard = 0.95 m"), std::string::npos);
 }
 
+TEST(CertifyView, SeveralCouplingsOfOneEventTurnItsObserverOnce) {
+  const std::string text = leaving_robot(0.3, "[-0.8, 0.0, 1.5]", certified) + R"([[event]]
+at = 1.0
+add = [{ couple = { potential = { bearing = { alpha = 0.5 } }, between = ["uav0", "ball"] } },
+       { couple = { potential = { sensor_cone = { alpha = 0.6 } }, between = ["uav0", "ball"] } }]
+)";
+  EXPECT_EQ(test::scenario_refusal(text), "");
+}
+
 }  // namespace
 }  // namespace sightline

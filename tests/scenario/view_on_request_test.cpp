@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/support/campaign.hpp"
 #include "tests/support/random.hpp"
@@ -137,6 +139,49 @@ TEST(ViewsOnRequest, AreRefusedWhereTheTargetCannotSlowDown) {
   EXPECT_TRUE(refusal(chain).ends_with(
       "expected no robot that slows down on request and has another part in a certified view"))
       << refusal(chain);
+}
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+TEST(ViewsOnRequest, ATargetWhoseDataWereLostLands) {
+  Random random(3);
+  const std::string flight = restless_target(random, "speed_unrequested = 0.7\nclimb_max = 0.0\n") +
+                             "[safety]\n[safety.supervisor]\n[[simulation.fault]]\nkind = \"dropout\"\n"
+                             "body = \"uav1\"\nfrom = 2.0\nuntil = 5.0\n";
+  const Scenario scenario = test::scenario_of(flight);
+  const Sample last = test::samples_of(scenario).back();
+  EXPECT_GE(last.levels[1], FallbackLevel::land);
+  EXPECT_LT(true_sight(scenario.team, BodyId{1}, last).p.z, 0.1);
+}
+
+TEST(ViewsOnRequest, ATargetThatHoldsIsCertifiedAgain) {
+  Random random(3);
+  const std::string flight = restless_target(random, "speed_unrequested = 0.9\n", 4.0) +
+                             "[[event]]\nat = 0.8\nremove = { agent = \"uav1\", then = \"hold\" }\n";
+  const std::vector<Sample> samples = test::samples_of(test::scenario_of(flight));
+  EXPECT_TRUE(samples.back().views[0].certified);
+}
+
+TEST(ViewsOnRequest, ATargetFasterThanWithoutRequestsIsNotCertified) {
+  Random random(3);
+  const std::string text =
+      with(restless_target(random, "speed_unrequested = 0.7\n"), "start = { p = [0.0, 0.0, 1.0], ",
+           "start = { p = [0.0, 0.0, 1.0], v = [2.2, 0.0], ");
+  const Scenario scenario = test::scenario_of(text);
+  const Team& team = scenario.team;
+  bool was_certified = false, began = false;
+  for (const Sample& sample : test::samples_of(scenario)) {
+    if (sample.of != Sample::Of::update) continue;
+    if (!std::exchange(began, true)) {
+      EXPECT_FALSE(sample.views[0].certified);
+    }
+    const Sight<double> from = true_sight(team, BodyId{0}, sample), to = true_sight(team, BodyId{1}, sample);
+    for (std::size_t k = 0; was_certified && k < 3; ++k)
+      EXPECT_LE(team.couplings()[k].term.potential.violation(from, to), 0) << sample.time;
+    was_certified = sample.views[0].certified;
+  }
 }
 
 }  // namespace

@@ -119,7 +119,8 @@ void RunEvaluator::judge() {
   localization_.add(sample_);
   for (std::size_t i = 0; i < sample_.levels.size(); ++i)
     result_.landed =
-        result_.landed || (sample_.levels[i] >= FallbackLevel::land && sample_.presence[i] != Presence::land);
+        result_.landed || (sample_.levels[i] >= FallbackLevel::land &&
+                           sample_.presence[i] != Presence::land && sample_.presence[i] != Presence::absent);
   for (Robot& robot : robots_)
     if (const Agent* const steered = present_.agent(robot.body))
       robot.error.add(*steered, sample_.time, sights_[at(robot.body)]);

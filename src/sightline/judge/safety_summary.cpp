@@ -173,7 +173,8 @@ void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sig
     if (event.kind == EventKind::missed_period && !sample.truth_known) unseen_ += std::llround(event.value);
     if (event.kind != EventKind::view_uncertified) continue;
     for (View& view : views_)
-      if (view.observer.index == static_cast<int>(event.value) && view.is_in_force(sample))
+      if (view.observer.index == static_cast<int>(event.value) &&
+          (view.is_in_force(sample) || (view.was_in_force && view.ends(sample))))
         ++view.uncertified;
   }
   if (sample.of != Sample::Of::update) return;
@@ -183,7 +184,8 @@ void SafetySummary::add(const Sample& sample, std::span<const Sight<double>> sig
     robots_[i].conflicts += sample.barriers[i].conflict ? 1 : 0;
   }
   for (View& view : views_) {
-    if (!view.is_in_force(sample)) continue;
+    view.was_in_force = view.is_in_force(sample);
+    if (!view.was_in_force) continue;
     const ViewRecord& record = sample.views[view.robot];
     ++view.updates;
     view.active += record.active ? 1 : 0;
@@ -416,8 +418,8 @@ std::vector<RobotView> SafetySummary::views() const {
   for (const View& view : views_)
     all.push_back({.observer = names_[at(view.observer)],
                    .target = names_[at(view.target)],
-                   .certified = part_of(view.certified, view.updates),
-                   .active = part_of(view.active, view.updates),
+                   .certified = view.updates > 0 ? part_of(view.certified, view.updates) : no_value,
+                   .active = view.updates > 0 ? part_of(view.active, view.updates) : no_value,
                    .uncertified = view.uncertified});
   return all;
 }

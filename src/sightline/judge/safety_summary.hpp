@@ -140,8 +140,13 @@ class SafetySummary {
     std::int64_t updates = 0, certified = 0, active = 0;     // in force; and of these
     std::int64_t uncertified = 0;                            // events
     double least = std::numeric_limits<double>::infinity();  // reserve while certified [m]
+    bool was_in_force = false;                               // in the last update
     bool is_in_force(const Sample& sample) const {
       return robot < sample.views.size() && sample.views[robot].target == target;
+    }
+    /// Whether its observer has no view any more.
+    bool ends(const Sample& sample) const {
+      return robot < sample.views.size() && sample.views[robot].target.index < 0;
     }
   };
   std::vector<Pair> by_margin() const;

@@ -1,6 +1,7 @@
 #include "sightline/run/team_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -182,6 +183,12 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   if (t - of.left_at < settling) return;
   of.missed = ViewReserve::error;
   if (3 * norm(now.sigmas[at(robot)], now.sigmas[at(target)]) > bounds.error) return;
+  // A target that is faster than it may be without requests gains more than `request_gain`.
+  if (of.slow_down && !lags &&
+      norm(seen.v.x, seen.v.y) > of.view->unrequested + bounds.wind * options_.period + nearly) {
+    of.missed = ViewReserve::speed;
+    return;
+  }
   of.missed = ViewReserve::command;
   if (!follows) return;
   const Vec3<double> moved = of.target.p - before.p;
@@ -210,12 +217,19 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     record.target = of.view->target;
     see(t, now, of);
     if (!of.is_known) continue;
-    if (of.slow_down && now.presence[at(of.view->target)] == Presence::steered) {
+    if (of.slow_down) {
       const AgentId target{of.view->target};
       const Model& model = team_.model(target);
-      record.requests = norm(of.ahead.x, of.ahead.y) > 0;
-      of.slow_down->filter(record.requests, now.x.subspan(size(team_.state_offset(target)), size(model.nx())),
-                           u.subspan(size(team_.input_offset(target)), size(model.nu())));
+      // A target that brakes or lands on its own is judged, and goes on as it does.
+      const bool obeys = now.presence[at(of.view->target)] == Presence::steered &&
+                         now.levels[at(of.view->target)] < FallbackLevel::land;
+      const bool is_ahead = norm(of.ahead.x, of.ahead.y) > 0;
+      const std::span<double> command = u.subspan(size(team_.input_offset(target)), size(model.nu()));
+      std::array<double, ViewFilter::most_inputs> unused{};
+      std::copy(command.begin(), command.end(), unused.begin());
+      record.requests = is_ahead && obeys;
+      of.slow_down->filter(is_ahead, now.x.subspan(size(team_.state_offset(target)), size(model.nx())),
+                           obeys ? command : std::span<double>(unused).first(command.size()));
     }
     now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     const std::span<double> applied = u.subspan(of.u, of.nu);

@@ -107,19 +107,28 @@ void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views
                  const std::vector<std::string>& places) {
   const std::vector<Coupling> all = couplings_of_flight(scenario);
   for (TeamEvent& event : scenario.script.events) {
-    std::vector<Action> changes;
+    std::vector<HandOver> changes;  // one of each observer: two of one subject would contradict each other
     for (const Action& action : event.actions) {
       const std::optional<ViewTurn> turn = turn_of(action, all);
       if (!turn) continue;
-      HandOver change = {.observer = AgentId{turn->observer}};
+      auto change = std::find_if(changes.begin(), changes.end(),
+                                 [&](const HandOver& one) { return BodyId(one.observer) == turn->observer; });
+      if (change == changes.end())
+        change = changes.insert(change, HandOver{.observer = AgentId{turn->observer}});
       for (std::size_t k = 0; k < views.size(); ++k) {
         if (views[k].observer != turn->observer || sets[k].term.weight == 0) continue;
-        if (!turn->ends || *turn->ends == views[k].target) change.names.push_back(sets[k].name);
-        if (std::find(turn->begins.begin(), turn->begins.end(), views[k].target) != turn->begins.end())
-          change.couplings.push_back(sets[k]);
+        const std::string& name = sets[k].name;
+        if ((!turn->ends || *turn->ends == views[k].target) &&
+            std::find(change->names.begin(), change->names.end(), name) == change->names.end())
+          change->names.push_back(name);
+        const bool begins =
+            std::find(turn->begins.begin(), turn->begins.end(), views[k].target) != turn->begins.end();
+        if (begins && std::none_of(change->couplings.begin(), change->couplings.end(),
+                                   [&](const Coupling& one) { return one.name == name; }))
+          change->couplings.push_back(sets[k]);
       }
-      if (!change.names.empty()) changes.emplace_back(std::move(change));
     }
+    std::erase_if(changes, [](const HandOver& one) { return one.names.empty(); });
     event.actions.insert(event.actions.begin(), changes.begin(), changes.end());
   }
   for (std::size_t k = 0; k < views.size(); ++k) {

@@ -139,7 +139,7 @@ FlownMotion motion_of(const RosBag& bag, const std::string& robot, std::string b
 
 FlownMotion recorded_motion(const std::filesystem::path& file, RecordingKind kind, RecordedRobot robot) {
   if (robot.name.empty()) {
-    robot.name = file.filename().native();
+    robot.name = (file.has_filename() ? file : file.parent_path()).filename().native();
     robot.name.resize(std::min(robot.name.find('.', 1), robot.name.size()));
   }
   if (kind != RecordingKind::table && !robot.columns.empty())
