@@ -13,7 +13,7 @@ namespace {
 
 constexpr double decay_rate = 4.0;  // greatest decay rate of a reserve [1/s]
 constexpr double strict = 1e-5;     // below this a reserve may not fall [m]
-constexpr double rounding = 1e-7;
+constexpr double reserve_rounding = 1e-7;
 constexpr double exact = 1e-6;  // of predictions by the same model [m], [m/s]
 
 /// (1 - e^{-c t}) / c and its integral over t, by their series.
@@ -324,7 +324,8 @@ ViewFilterResult ViewFilter::judge(Period& now, std::span<const double> u) const
   ViewFilterResult result;
   result.reserve = *least;
   result.least = static_cast<ViewReserve>(least - now.reserves.begin());
-  result.certified = *least >= -rounding && *std::min_element(then.begin(), then.end()) >= -rounding &&
+  result.certified = *least >= -reserve_rounding &&
+                     *std::min_element(then.begin(), then.end()) >= -reserve_rounding &&
                      keeps(certificate_.task.motion.turn, certificate_.turn) &&
                      keeps(certificate_.task.motion.climb, certificate_.climb);
   return result;
