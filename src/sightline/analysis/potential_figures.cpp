@@ -24,7 +24,7 @@ constexpr double worth = 0.5;                     // level of the border in Figs
 constexpr int map_side = 268;                     // of two figures side by side [px]
 constexpr int map_size = 120, surface_size = 32;  // points per side; even: none on an axis
 /// Pose of the robot in the paper's figures in the global frame, Fig. 12.
-constexpr Vec3<double> robot = {-1.0, -1.0, 0.0};
+constexpr Vec3<double> robot_place = {-1.0, -1.0, 0.0};
 constexpr double robot_heading = pi / 4;
 
 using Value = std::function<double(const Station&)>;
@@ -267,13 +267,14 @@ class Pictures {
   void global_frame() {
     const auto in_plane = [](double height) {
       return [height](double x, double y) {
-        return Station{.observer = robot, .target = {x, y, robot.z + height}, .psi = robot_heading};
+        return Station{
+            .observer = robot_place, .target = {x, y, robot_place.z + height}, .psi = robot_heading};
       };
     };
     const auto picture = [&](const Potential& p, double height, std::string title) {
       Panel panel = map(std::move(title), in_plane(height), value_of(p), "l [-]", map_side);
       panel.x_label = "x_G [m]", panel.y_label = "y_G [m]";
-      panel.curves = {observer(robot.x, robot.y, robot_heading)};
+      panel.curves = {observer(robot_place.x, robot_place.y, robot_heading)};
       return panel;
     };
     Drawing drawing{
@@ -303,7 +304,7 @@ class Pictures {
   /// Figs. 14 and 16.
   void level_in_space() {
     const auto place = [](const Vec3<double>& p) {
-      return Station{.observer = robot, .target = p, .psi = robot_heading};
+      return Station{.observer = robot_place, .target = p, .psi = robot_heading};
     };
     const auto above = [this](const Station& s) {
       return potential_(observer_of(s), target_of(s), 0.0) > worth;
@@ -313,7 +314,8 @@ class Pictures {
          fmt::format("Points of the border of l > {} in the global frame; the robot is at (-1, -1, 0) m and "
                      "heads 45 degrees from x to y.",
                      worth),
-         {cloud("", border(place, above, window), "_G", observer(robot.x, robot.y, robot_heading))}});
+         {cloud("", border(place, above, window), "_G",
+                observer(robot_place.x, robot_place.y, robot_heading))}});
   }
 
   void gradient() {
