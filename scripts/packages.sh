@@ -28,7 +28,7 @@ use() {
   sightline run $share/scenarios/cooperative_localization.toml -o "$work/flight"
   sightline run $share/scenarios/rotors/cooperative_localization.toml --set 'world.kind="mujoco"' -o "$work/mujoco" | head -n 1
   sightline doctor --help | head -n 1
-  python3 -c "import sightline as sl; print('python', sl.__version__, sl.check(sl.Scenario.read('$share/scenarios/paper_7_2.toml')).splitlines()[0])"
+  python3 -c "import sightline as sl; print('python', sl.__version__, str(sl.check(sl.Scenario.read('$share/scenarios/paper_7_2.toml'))).splitlines()[0])"
   sightline view "$work/flight" --port 0 >"$work/view.txt" 2>&1 &
   local server=$!
   for _ in {1..50}; do
