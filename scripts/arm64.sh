@@ -15,22 +15,7 @@ esac
 x86=build/release arm=build/arm64 out=out/arm64
 layers=(base formula model potential)
 
-passed=0 failed=0
-stage() {
-  local begin=$SECONDS name=$1 code=0
-  shift
-  echo "=== $name"
-  "$@" || code=$?
-  ((code == 0)) && passed=$((passed + 1)) || failed=$((failed + 1))
-  echo "=== $name: $((SECONDS - begin)) s, exit $code"
-  return "$code"
-}
-finish() {
-  echo "$passed passed, $failed failed"
-  ((failed == 0 && passed > 0))
-  exit
-}
-refuse() { echo "arm64.sh: $*" >&2; exit 2; }
+. scripts/stages.sh
 
 scripts/deps.sh arm64 || refuse "packages for AArch64 are missing and could not be installed, expected those of scripts/deps.sh arm64"
 for program in aarch64-linux-gnu-g++ qemu-aarch64 node; do

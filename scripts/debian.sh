@@ -23,22 +23,7 @@ for name in "${stages[@]}"; do
 done
 folder=$PWD/build/debian root=$PWD/build/debian/$release
 
-passed=0 failed=0
-stage() {
-  local begin=$SECONDS name=$1 code=0
-  shift
-  echo "=== $name"
-  "$@" || code=$?
-  ((code == 0)) && passed=$((passed + 1)) || failed=$((failed + 1))
-  echo "=== $name: $((SECONDS - begin)) s, exit $code"
-  return "$code"
-}
-finish() {
-  echo "$passed passed, $failed failed"
-  ((failed == 0 && passed > 0))
-  exit
-}
-refuse() { echo "debian.sh: $*" >&2; exit 2; }
+. scripts/stages.sh
 
 ((EUID == 0)) || refuse "user = $(id -un), expected root, whom chroot is for"
 command -v debootstrap >/dev/null || refuse "debootstrap is missing, expected Debian's package of that name"

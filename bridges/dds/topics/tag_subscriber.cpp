@@ -76,19 +76,19 @@ bool find_corners(const Camera& camera, const Tags& tags, int face, const SeenTa
 bool pose_of_body(const WatchedCamera& eye, const Tags& tags, const FoundBody& body, Detection& to) noexcept {
   const Camera& camera = eye.camera.camera;
   const auto found = std::span(body.tags).first(body.count);
-  const std::optional<TagPose> said = pose_of(camera, tags, found, up_in_S(eye));
-  if (!said || !(said->rms <= TagSubscriber::misfit_most)) return false;
-  PoseInformation information(camera, tags, said->pose);
+  const std::optional<TagPose> estimate = pose_of(camera, tags, found, up_in_S(eye));
+  if (!estimate || !(estimate->rms <= TagSubscriber::misfit_most)) return false;
+  PoseInformation information(camera, tags, estimate->pose);
   for (const FoundTag& tag : found) {
-    const double depth = camera.depth(said->pose.p + said->pose.R.to_G(tags.centre(tag.face)));
-    const double cosine = std::max(0.3, cos_incidence(tags, tag.face, said->pose));
+    const double depth = camera.depth(estimate->pose.p + estimate->pose.R.to_G(tags.centre(tag.face)));
+    const double cosine = std::max(0.3, cos_incidence(tags, tag.face, estimate->pose));
     information.add(tag.face, corner_sigma(camera.pixels(tags.size, depth), cosine, camera.noise, 0.0));
   }
   const std::optional<Mat<6, 6>> covariance = information.covariance();
   if (!covariance) return false;
   to.set_covariance(*covariance);
-  to.p = said->pose.p;
-  to.q = quaternion(said->pose.R);
+  to.p = estimate->pose.p;
+  to.q = quaternion(estimate->pose.R);
   to.tags = static_cast<int>(body.count);
   return true;
 }

@@ -14,11 +14,12 @@ namespace sightline {
 
 /// An event and the bounds of its probability in a run.
 struct CertifiedEvent {
-  std::string name;                 ///< "view lost for more than 0.5 s"
-  std::int64_t runs = 0;            ///< independent runs, drawn as the campaign says
-  std::int64_t seen = 0;            ///< of these, runs with the event
-  Interval bounds{};                ///< of 95 %, from these runs alone: clopper_pearson()
-  std::optional<RareEvent> rare{};  ///< by importance sampling; none: not asked for, or without a margin
+  std::string name;       ///< "view lost for more than 0.5 s"
+  std::int64_t runs = 0;  ///< independent runs, drawn by the campaign
+  std::int64_t seen = 0;  ///< of these, runs with the event
+  Interval bounds{};      ///< of 95 %, from these runs alone: clopper_pearson()
+  std::optional<RareEvent>
+      rare{};  ///< by importance sampling; none: nothing is drawn, or the event has no margin
 };
 
 struct Certificate {

@@ -33,12 +33,10 @@ double squared_distance(std::span<const double> a, std::span<const double> b) {
   return sum;
 }
 
-std::size_t whole(int number) { return static_cast<std::size_t>(number); }
-
 }  // namespace
 
 NormalMixture::NormalMixture(int dimensions) : dimensions_(dimensions) {
-  const std::size_t d = whole(dimensions);
+  const std::size_t d = size(dimensions);
   std::vector<double> identity(d * d);
   for (std::size_t i = 0; i < d; ++i) identity[i * d + i] = 1.0;
   components_.push_back({1.0, std::vector<double>(d), identity, 0.0});
@@ -63,7 +61,7 @@ NormalMixture::NormalMixture(const std::vector<std::vector<double>>& points, std
 
 NormalMixture::Component NormalMixture::component(double share, std::vector<double> mean,
                                                   std::vector<double> covariance, double points) const {
-  const std::size_t d = whole(dimensions_);
+  const std::size_t d = size(dimensions_);
   const double keep = points / (points + static_cast<double>(d) + 1.0);
   for (std::size_t i = 0; i < d * d; ++i)
     covariance[i] = keep * covariance[i] + (i % (d + 1) == 0 ? 1 - keep : 0.0);
@@ -81,7 +79,7 @@ NormalMixture::Component NormalMixture::component(double share, std::vector<doub
 
 /// Without the constant of the normal distribution.
 double NormalMixture::log_density(const Component& component, std::span<const double> point) const {
-  const std::size_t d = whole(dimensions_);
+  const std::size_t d = size(dimensions_);
   std::vector<double> y(d);
   double squares = 0.0;
   for (std::size_t i = 0; i < d; ++i) {
@@ -95,7 +93,7 @@ double NormalMixture::log_density(const Component& component, std::span<const do
 
 double NormalMixture::fit(const std::vector<std::vector<double>>& points, std::span<const double> weights,
                           int components) {
-  const std::size_t d = whole(dimensions_), n = points.size(), count = whole(components);
+  const std::size_t d = size(dimensions_), n = points.size(), count = size(components);
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   double squares = 0.0;
   for (const double weight : weights) squares += weight * weight;
@@ -161,7 +159,7 @@ std::vector<double> NormalMixture::draw(std::uint64_t seed) const {
   double left = random.uniform();
   std::size_t c = 0;
   while (c + 1 < components_.size() && left > components_[c].share) left -= components_[c++].share;
-  const std::size_t d = whole(dimensions_);
+  const std::size_t d = size(dimensions_);
   std::vector<double> normal(d), point = components_[c].mean;
   for (double& value : normal) value = random.normal();
   for (std::size_t i = 0; i < d; ++i)
@@ -198,8 +196,8 @@ RareEvent estimate_rare_event(int dimensions, int trials, std::uint64_t seed,
     }
     const std::vector<double> flown = fly(level);
     for (int i = 0; i < of_level; ++i) {
-      points.push_back(std::move(level[whole(i)].point));
-      severities.push_back(flown[whole(i)]);
+      points.push_back(std::move(level[size(i)].point));
+      severities.push_back(flown[size(i)]);
     }
     event.trials += of_level;
     if (event.levels == 0) {
@@ -211,7 +209,7 @@ RareEvent estimate_rare_event(int dimensions, int trials, std::uint64_t seed,
 
     std::vector<double> sorted = flown;
     std::sort(sorted.begin(), sorted.end(), std::greater());
-    const double threshold = std::min(0.0, sorted[whole(static_cast<int>(worst_share * of_level))]);
+    const double threshold = std::min(0.0, sorted[size(static_cast<int>(worst_share * of_level))]);
     std::vector<std::vector<double>> worst;
     std::vector<double> weights;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -241,10 +239,10 @@ RareEvent estimate_rare_event(int dimensions, int trials, std::uint64_t seed,
   event.trials += n;
   of_truth += draws.front();
   double sum = 0.0, squares = 0.0;
-  std::vector<double> values(whole(n));
+  std::vector<double> values(size(n));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(flown[i] >= 0)) continue;
-    if (i < whole(draws.front())) ++seen_of_truth;
+    if (i < size(draws.front())) ++seen_of_truth;
     ++event.seen;
     double density = 0.0;  // relative to the true one
     for (std::size_t k = 0; k < proposals.size(); ++k)
