@@ -18,7 +18,7 @@ cp -a examples scenarios CMakeLists.txt "$source/"
 sed 's#(docs/#(#g; s#(\([A-Z]*\.md\))#(../\1)#g' CONTRIBUTING.md >"$source/docs/contributing.md"
 sed -i 's#(../CONTRIBUTING.md)#(contributing.md)#g' "$source"/docs/*.md
 
-(cat docs/site/Doxyfile; echo "INPUT = include/sightline src/sightline"; echo "OUTPUT_DIRECTORY = $source/doxygen") | doxygen - >/dev/null
+(cat docs/site/Doxyfile; echo "INPUT = include/sightline"; echo "OUTPUT_DIRECTORY = $source/doxygen") | doxygen - >/dev/null
 
 printf '# Python\n\n```{eval-rst}\n.. automodule:: sightline\n   :members:\n   :imported-members:\n   :undoc-members:\n\n.. automodule:: sightline.plot\n   :members:\n```\n' \
   >"$source/docs/api/python.md"

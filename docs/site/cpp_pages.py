@@ -1,4 +1,4 @@
-"""Writes a page of the C++ API for each room of the library, from what Doxygen found in its headers:
+"""Writes a page of the C++ API for each public header, from what Doxygen found in it:
 
     python3 docs/site/cpp_pages.py XML FOLDER
 """
@@ -36,16 +36,10 @@ for member in of.iter("memberdef"):
     headers[place.get("declfile") or place.get("file")].append(
         (int(place.get("declline") or place.get("line")), directive(kind, f"sightline::{name}{arguments}")))
 
-rooms = defaultdict(list)
+names = []
 for header in sorted(headers):
-    inside = header.split("sightline/", 1)[1]
-    rooms[inside.split("/")[0].removesuffix(".hpp")].append((inside, [part for _, part in sorted(headers[header])]))
-for room, of_room in rooms.items():
-    page = [f"# {room}\n"]
-    for header, parts in of_room:
-        page.append(f"## {header}\n")
-        page += parts
-    (folder / f"{room}.md").write_text("\n".join(page))
-listed = "\n".join(sorted(rooms))
-(folder / "index.md").write_text(
-    f"# C++\n\nThe rooms of the library, and what the headers of each have.\n\n```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n")
+    names.append(Path(header).stem)
+    parts = [part for _, part in sorted(headers[header])]
+    (folder / f"{names[-1]}.md").write_text("\n".join([f"# sightline/{names[-1]}.hpp\n", *parts]))
+listed = "\n".join(names)
+(folder / "index.md").write_text(f"# C++\n\nThe public headers.\n\n```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n")
