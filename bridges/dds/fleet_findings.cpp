@@ -116,18 +116,18 @@ class NearestPair {
     const bool bad = d < least;
     if (bad > bad_ || (bad == bad_ && d - least < margin_)) {
       bad_ = bad, margin_ = d - least;
-      said_ = fmt::format("{} and {} are {:.2f} m apart, d_hard = {} m", scenario_.team.name(a),
+      text_ = fmt::format("{} and {} are {:.2f} m apart, d_hard = {} m", scenario_.team.name(a),
                           scenario_.team.name(b), d, least);
     }
   }
   bool bad() const { return bad_; }
-  const std::string& said() const { return said_; }
+  const std::string& text() const { return text_; }
 
  private:
   const Scenario& scenario_;
   bool bad_ = false;
   double margin_ = std::numeric_limits<double>::infinity();
-  std::string said_;
+  std::string text_;
 };
 
 bool is_same_origin(const ExaminedRobot& a, const ExaminedRobot& b) {
@@ -152,8 +152,8 @@ void examine_distances(const Scenario& scenario, std::span<const ExaminedRobot> 
       nearest.look(robots[i].link->robot, placed[i].p, other.body, sight_at_start(scenario, other.body).p);
     }
   }
-  if (!nearest.said().empty())
-    to.add(Aspect::distance, nearest.bad() ? Light::red : Light::green, "{}{}", nearest.said(),
+  if (!nearest.text().empty())
+    to.add(Aspect::distance, nearest.bad() ? Light::red : Light::green, "{}{}", nearest.text(),
            nearest.bad() ? "" : ": none is nearer to its own");
   if (!shared.empty())
     to.add(Aspect::origins, Light::red,
@@ -176,13 +176,13 @@ void examine_origins(std::span<const ExaminedRobot> robots, FindingList& to) {
     const double heading = first->link->origin.heading;
     const Vec2<double> measured =
         rotate<double>(Vec2<double>{std::cos(heading), std::sin(heading)}, Vec2<double>{enu.x, enu.y});
-    const Vec3<double> said = robot.link->origin.p - first->link->origin.p;
-    const double apart = norm(measured.x - said.x, measured.y - said.y);
+    const Vec3<double> stated = robot.link->origin.p - first->link->origin.p;
+    const double apart = norm(measured.x - stated.x, measured.y - stated.y);
     ++compared;
     if (apart > references_apart)
       to.add(Aspect::origins, Light::red,
              "{} began [{:.1f}, {:.1f}] m from {} by satellite, by their origins [{:.1f}, {:.1f}] m",
-             robot.name, measured.x, measured.y, first->name, said.x, said.y);
+             robot.name, measured.x, measured.y, first->name, stated.x, stated.y);
   }
   if (compared > 0)
     to.add_green(Aspect::origins, "{} origins agree with where the vehicles began by satellite",

@@ -181,7 +181,7 @@ class GoalTrack {
     double begin = 0.0, end = 0.0;  // [s]
     Vec3<double> p_0{}, v_0{}, p_1{}, v_1{};
     double heading_0 = 0.0, heading_1 = 0.0;
-    Waypoint said{};
+    Waypoint waypoint{};
   };
   struct Message {
     double t = 0.0;  // [s]

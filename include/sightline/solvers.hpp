@@ -557,7 +557,7 @@ double chance_of(MessageChance what, std::uint64_t seed, int to, int from, std::
 /// parallel, and send in parallel.
 class SimulatedMessages {
  public:
-  /// @param said  predictions of each part, in their final sizes
+  /// @param predictions  those of each part, in their final sizes
   SimulatedMessages(const ExchangeOptions& options, const Horizon& horizon,
                     std::span<const std::vector<Prediction>> predictions);
 

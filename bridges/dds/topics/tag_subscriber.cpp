@@ -119,14 +119,14 @@ void TagSubscriber::on_transforms(const void* message, const Arrival& arrival) n
       ++eye.foreign;
       continue;
     }
-    const Nanoseconds said = of_ros(first->header.stamp.sec, first->header.stamp.nanosec);
-    eye.arrivals.note(said, arrival.monotonic);
-    const Nanoseconds stamp = said - real_ahead, age = arrival.monotonic - stamp;
+    const Nanoseconds sent = of_ros(first->header.stamp.sec, first->header.stamp.nanosec);
+    eye.arrivals.note(sent, arrival.monotonic);
+    const Nanoseconds stamp = sent - real_ahead, age = arrival.monotonic - stamp;
     if (age < -std::llround(1e9 * ahead_most))
       ++eye.ahead;
     else if (age > std::llround(1e9 * age_most))
       ++eye.old;
-    else if (!is_new(eye, said))
+    else if (!is_new(eye, sent))
       ++eye.repeated;
     else
       look(eye, message, std::min(stamp, arrival.monotonic), arrival.monotonic);

@@ -64,7 +64,7 @@ GoalAnswer GoalTrack::add(double t, std::span<const Waypoint> waypoints) noexcep
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const Waypoint& to = waypoints[i];
     Leg& next = legs_[first + i];
-    next = {.begin = begin, .end = t + to.after, .p_0 = from.p, .v_0 = from.v, .p_1 = to.p, .said = to};
+    next = {.begin = begin, .end = t + to.after, .p_0 = from.p, .v_0 = from.v, .p_1 = to.p, .waypoint = to};
     next.heading_0 = from.heads ? from.heading : to.heading;
     next.heading_1 = next.heading_0 + wrap_angle(to.heading - next.heading_0);
     const double distance = norm(to.p - from.p);
@@ -87,9 +87,9 @@ GoalAnswer GoalTrack::add(double t, std::span<const Waypoint> waypoints) noexcep
 }
 
 void GoalTrack::waypoints(std::size_t message, std::vector<Waypoint>& waypoints) const {
-  const Message& said = messages_.list[message];
+  const Message& goal = messages_.list[message];
   waypoints.clear();
-  for (std::size_t i = 0; i < said.legs; ++i) waypoints.push_back(legs_[said.first + i].said);
+  for (std::size_t i = 0; i < goal.legs; ++i) waypoints.push_back(legs_[goal.first + i].waypoint);
 }
 
 GoalTrack::State GoalTrack::state(double t) const {

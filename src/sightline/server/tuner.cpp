@@ -86,10 +86,10 @@ std::pair<Json, Json> bounds_in(std::string_view words) {
 Json parameters_of(const std::vector<ParameterText>& texts, const Json& given) {
   Json list = Json::array();
   for (const ParameterText& p : texts) {
-    const auto said = given.is_object() ? given.find(std::string(p.key)) : given.end();
+    const auto found = given.is_object() ? given.find(std::string(p.key)) : given.end();
     Json value;
-    if (given.is_object() && said != given.end()) {
-      value = *said;
+    if (given.is_object() && found != given.end()) {
+      value = *found;
     } else {
       double number = 0.0;
       const auto [end, fault] = std::from_chars(p.value.data(), p.value.data() + p.value.size(), number);

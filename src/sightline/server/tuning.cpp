@@ -132,19 +132,19 @@ class Tuning::Thread {
 
   void answer(const std::string& text) {
     const Message message = Message::parse(text, nullptr, false);
-    Answer said{0, id_of(message), true, {}};
+    Answer sent{0, id_of(message), true, {}};
     try {
       check_message(message);
-      said.sentence = act(message);
+      sent.sentence = act(message);
     } catch (const std::exception& error) {
-      said.accepted = false;
-      said.sentence = sentence_of(error);
+      sent.accepted = false;
+      sent.sentence = sentence_of(error);
       ++refused;
     }
     write_files(false);  // before the answer, so that its receiver finds the change in the files
     const std::scoped_lock lock(lock_);
-    said.number = answered_++;
-    answers_.push_back(std::move(said));
+    sent.number = answered_++;
+    answers_.push_back(std::move(sent));
     if (answers_.size() > answers_reported) answers_.pop_front();
     ++version;
   }

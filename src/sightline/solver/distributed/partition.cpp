@@ -148,13 +148,13 @@ PartitionedSolver::PartitionedSolver(const Team& whole_team, const Partition& pa
     members_.push_back(std::move(member));
   }
   part_of_.resize(at(team.bodies()), -1);
-  std::vector<std::vector<Prediction>> said;
+  std::vector<std::vector<Prediction>> received;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     for (const AgentId robot : partition[i]) part_of_[at(robot.index)] = static_cast<int>(i);
     const auto predictions = members_[i].subteam->predictions();
-    said.emplace_back(predictions.begin(), predictions.end());
+    received.emplace_back(predictions.begin(), predictions.end());
   }
-  if (options.messages) messages_.emplace(*options.messages, whole_->ocp().horizon(), said);
+  if (options.messages) messages_.emplace(*options.messages, whole_->ocp().horizon(), received);
   x_now_.resize(at(team.nx()));
   for (std::vector<double>* u : {&u_, &raw_u_, &u_stage_}) u->resize(at(team.nu()));
   x_.resize(at(team.nx()) * at(whole_->ocp().horizon().N + 1));
