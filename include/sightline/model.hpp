@@ -221,6 +221,7 @@ class Model {
   int nx() const { return block_->nx; }
   int nu() const { return block_->nu; }
   std::string_view name() const { return block_->name; }
+  /// Names of the states, nx, and of the inputs, nu; x_0, x_1, ... and u_0, u_1, ... where the robot has none.
   std::span<const std::string_view> states() const { return block_->states; }
   std::span<const std::string_view> inputs() const { return block_->inputs; }
   /// Default limits of the inputs; the team may override them.
@@ -276,6 +277,26 @@ class Model {
 double wrap_angle(double psi) noexcept;
 [[nodiscard]] bool all_finite(std::span<const double> values) noexcept;
 
+/// Characters of "u_0", "u_1", ... (letter u), four each.
+template <char letter, std::size_t n>
+requires(n <= 100) inline constexpr std::array<char, 4 * n> numbered_text = [] {
+  std::array<char, 4 * n> text{};
+  for (std::size_t i = 0; i < n; ++i) {
+    text[4 * i] = letter;
+    text[4 * i + 1] = '_';
+    text[4 * i + 2] = static_cast<char>('0' + (i < 10 ? i : i / 10));
+    if (i >= 10) text[4 * i + 3] = static_cast<char>('0' + i % 10);
+  }
+  return text;
+}();
+/// Names of the states or inputs of a robot that does not name them.
+template <char letter, std::size_t n>
+inline constexpr std::array<std::string_view, n> numbered_names = [] {
+  std::array<std::string_view, n> names;
+  for (std::size_t i = 0; i < n; ++i) names[i] = {&numbered_text<letter, n>[4 * i], i < 10 ? 3U : 4U};
+  return names;
+}();
+
 template <RobotModel M>
 struct Model::Block final : Model::Interface {
   M model;
@@ -284,8 +305,18 @@ struct Model::Block final : Model::Interface {
     this->nx = M::nx;
     this->nu = M::nu;
     this->name = M::name;
-    if constexpr (requires { M::states; }) this->states = M::states;
-    if constexpr (requires { M::inputs; }) this->inputs = M::inputs;
+    if constexpr (requires { M::states; }) {
+      static_assert(std::size(M::states) == M::nx, "a name for each state");
+      this->states = M::states;
+    } else {
+      this->states = numbered_names<'x', M::nx>;
+    }
+    if constexpr (requires { M::inputs; }) {
+      static_assert(std::size(M::inputs) == M::nu, "a name for each input");
+      this->inputs = M::inputs;
+    } else {
+      this->inputs = numbered_names<'u', M::nu>;
+    }
     this->rolls = requires { M::rolls; };
     this->turns = requires { M::heading_at; }
     || requires { M::angle_at; };

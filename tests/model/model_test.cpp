@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -380,6 +382,15 @@ TEST(Model, WhatThrowsLeavesNumbersThatAreNone) {
   EXPECT_EQ(x[2], 9);
   model.at_rest({}, x);
   EXPECT_TRUE(std::isnan(x[0]));
+}
+
+TEST(Model, StatesAndInputsWithoutNamesAreNumbered) {
+  const Model model{Moody{}};
+  EXPECT_TRUE(std::ranges::equal(model.states(), std::array{"x_0", "x_1"}));
+  EXPECT_TRUE(std::ranges::equal(model.inputs(), std::array{"u_0"}));
+  EXPECT_EQ((numbered_names<'u', 100>[9]), "u_9");
+  EXPECT_EQ((numbered_names<'u', 100>[10]), "u_10");
+  EXPECT_EQ((numbered_names<'u', 100>[99]), "u_99");
 }
 
 }  // namespace

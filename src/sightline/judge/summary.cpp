@@ -302,10 +302,8 @@ std::vector<SummaryValues::Chatter> Summary::chatter() const {
       return static_cast<std::size_t>(team.input_offset(r.body)) <= found.input;
     });
     const std::size_t input = found.input - static_cast<std::size_t>(team.input_offset(robot->body));
-    const auto names = team.model(robot->body).inputs();
-    all.push_back({std::string(team.name(robot->body)),
-                   input < names.size() ? std::string(names[input]) : fmt::format("u_{}", input), found.from,
-                   found.share, found.jump, feels_region(robot->body)});
+    all.push_back({std::string(team.name(robot->body)), std::string(team.model(robot->body).inputs()[input]),
+                   found.from, found.share, found.jump, feels_region(robot->body)});
   }
   return all;
 }
