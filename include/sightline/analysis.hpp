@@ -158,7 +158,9 @@ class Variants {
 
   /// @throws ScenarioError if a drawn number is refused
   Scenario of(const RunDraw& run) const;
-  /// The same with a text to be written into `folder` and flown from there: it contains duration
+  /// The same without [campaign], which takes as long to read as the rest.
+  Scenario flight(const RunDraw& run) const;
+  /// As of(), with a text to be written into `folder` and flown from there: it contains duration
   /// and seed, and its file names are valid from there.
   Scenario of(const RunDraw& run, const std::filesystem::path& folder) const;
 
@@ -172,6 +174,7 @@ class Variants {
   };
   using Changes = std::vector<std::pair<NumberInText, double>>;
 
+  Scenario drawn(std::string_view text, const RunDraw& run) const;
   Scenario flown(std::string text, const std::filesystem::path& file, std::vector<std::string> set,
                  const RunDraw& run) const;
   /// Builds a run to check that the numbers to add may be added.
@@ -180,7 +183,7 @@ class Variants {
 
   CampaignPlan plan_;
   std::filesystem::path file_;
-  std::string text_, name_;
+  std::string text_, text_of_flight_, name_;
   std::shared_ptr<const Registry> registry_;
   std::vector<Start> starts_;
   /// A number that follows from a drawn value.

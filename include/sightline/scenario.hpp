@@ -579,6 +579,9 @@ using ScenarioNumbers = std::map<std::string, NumberInText, std::less<>>;
 
 ScenarioNumbers numbers_of(const TomlDocument& document);
 
+/// The text with spaces for a section and its subsections: all else stays where it is.
+std::string with_spaces_for(std::string_view section, const TomlDocument& document);
+
 /// The text with other numbers at some places, each at most once; all else stays, comments and
 /// lines too. A written number is read back bit for bit.
 std::string with_numbers(std::string_view text, std::span<const std::pair<NumberInText, double>> changes);

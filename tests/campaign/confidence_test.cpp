@@ -86,6 +86,8 @@ TEST(BootstrapMedian, HoldsTheMedianAboutAsOftenAsItSaysAndIsTheSameEachTime) {
   EXPECT_NEAR(covered / 300.0, 0.95, 0.05);
   EXPECT_EQ(bootstrap_median({4.0}).low, 4.0);
   EXPECT_EQ(bootstrap_median({1.0, 3.0}).median, 2.0);
+  EXPECT_EQ(bootstrap_median({4.0, 1.0, 2.0, 2.5}).median, 2.25);
+  EXPECT_EQ(bootstrap_median({9.0, 5.0, 1.0}).median, 5.0);
 }
 
 TEST(SignTest, IsTheBinomialOfOneHalf) {

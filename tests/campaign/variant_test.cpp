@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -184,6 +185,44 @@ uniform = [0.4, 0.6]
   const RunDraw run = draw_run(*scenario.campaign, 1, 0);
   const Scenario drawn = variants.of(run);
   for (const Agent& agent : drawn.team.agents()) EXPECT_EQ(agent.R[1], run.values[0]);
+}
+
+TEST(Variant, AFlightIsTheRunWithoutTheCampaign) {
+  const std::string campaign = R"(
+[campaign]  # a comment
+duration = 5.0
+[[campaign.start]]
+agent = "seer"
+around = "seen"
+range = { uniform = [0.5,
+  6.0] }
+bearing = { constant = 1.0, fraction = 0.5, uniform = [-1.0, 1.0] }
+height = { uniform = [0.0, 1.0] }
+)",
+                    drawn = R"(
+[[campaign.draw]]
+key = "agent.seen.start.p[0]"
+uniform = [1.0, 2.0]
+)";
+  // In one piece, in two, and where no header tells its end.
+  for (const std::string& whole :
+       {text + campaign + drawn, campaign + text + drawn,
+        "campaign = { draw = [{ key = \"agent.seen.start.p[0]\", uniform = [1.0, 2.0] }] }\n" + text}) {
+    const Scenario scenario = parse_scenario(whole, "some.toml");
+    ASSERT_TRUE(scenario.campaign);
+    const Variants variants(scenario, *scenario.campaign);
+    const RunDraw run = draw_run(*scenario.campaign, 1, 3);
+    const Scenario made = variants.of(run), flight = variants.flight(run);
+    EXPECT_EQ(made.text.size(), flight.text.size());
+    EXPECT_EQ(std::count(made.text.begin(), made.text.end(), '\n'),
+              std::count(flight.text.begin(), flight.text.end(), '\n'));
+    EXPECT_TRUE(made.campaign);
+    EXPECT_EQ(flight.campaign.has_value(), whole.starts_with("campaign"));
+    EXPECT_EQ(made.x0, flight.x0);
+    EXPECT_EQ(made.simulation.seed, flight.simulation.seed);
+    EXPECT_EQ(made.team.couplings().size(), flight.team.couplings().size());
+    EXPECT_EQ(made.text.find("[simulation]"), flight.text.find("[simulation]"));
+  }
 }
 
 /// The same team as vehicles whose numbers only their presets say, with a campaign.

@@ -69,5 +69,27 @@ TEST(ScenarioNumbers, OfEachShippedScenarioEveryNumberCanBeWrittenOver) {
   }
 }
 
+TEST(ScenarioNumbers, SpacesForASectionLeaveAllElseWhereItIs) {
+  for (const auto& entry : std::filesystem::directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string text = test::read_file(entry.path());
+    const TomlDocument document = parse_toml(text, "a");
+    for (const std::string section : {"campaign", "couple", "agent", "no_section"}) {
+      const std::string left = with_spaces_for(section, document);
+      ScenarioNumbers rest;
+      for (const auto& [key, number] : numbers(text)) {
+        if (!key.starts_with(section + ".") && !key.starts_with(section + "[")) rest.emplace(key, number);
+      }
+      const ScenarioNumbers found = numbers(left);
+      ASSERT_EQ(found.size(), rest.size()) << entry.path() << ' ' << section;
+      for (const auto& [key, number] : found) {
+        EXPECT_EQ(number.offset, rest.at(key).offset) << key;
+        EXPECT_EQ(number.size, rest.at(key).size) << key;
+      }
+      EXPECT_FALSE(parse_toml(left, "a").root.contains(section)) << entry.path() << ' ' << section;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -79,7 +79,7 @@ Controls& RunWorker::controls_of(const RunDraw& run, const Scenario& scenario) {
 }
 
 RunResult RunWorker::fly(const RunDraw& run) {
-  Scenario scenario = variants_.of(run);
+  Scenario scenario = variants_.flight(run);
   scenario.log.prediction_period = 0;
   Controls& controls = controls_of(run, scenario);
   const Controllers controllers = controls.controllers();

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <numbers>
+#include <span>
 
 #include "sightline/base/split_mix.hpp"
 
@@ -37,12 +39,17 @@ double log_gamma(double x) {
   return ::lgamma_r(x, &sign);
 }
 
-/// Reorders the values.
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+/// The median of sorted values, value i taken times[i] times; times sum to their number.
+double median_of(std::span<const double> sorted, std::span<const std::uint32_t> times) {
+  const std::size_t half = sorted.size() / 2;
+  std::size_t i = 0, until = times[0];  // values until i
+  const auto value = [&](std::size_t rank) {
+    while (until <= rank) until += times[++i];
+    return sorted[i];
+  };
+  if (sorted.size() % 2 == 1) return value(half);
+  const double below = value(half - 1);
+  return 0.5 * (value(half) + below);
 }
 
 }  // namespace
@@ -103,17 +110,20 @@ MedianBounds bootstrap_median(std::vector<double> values, double confidence, int
                               std::uint64_t seed) {
   assert(!values.empty() && resamples > 1 && "there is a median");
   std::sort(values.begin(), values.end());  // the result must not depend on their order
-  std::vector<double> drawn(values.size()), medians;
+  std::vector<std::uint32_t> times(values.size(), 1);
+  const double median = median_of(values, times);
+  std::vector<double> medians;
   for (int i = 0; i < resamples; ++i) {
-    for (double& value : drawn) value = values[next_split_mix(seed) % values.size()];
-    medians.push_back(median_of(drawn));
+    std::fill(times.begin(), times.end(), 0);
+    for (std::size_t drawn = 0; drawn < values.size(); ++drawn) ++times[next_split_mix(seed) % values.size()];
+    medians.push_back(median_of(values, times));
   }
   std::sort(medians.begin(), medians.end());
   const auto at_share = [&](double share) {
     return medians[static_cast<std::size_t>(std::llround(share * static_cast<double>(resamples - 1)))];
   };
   const double tail = (1 - confidence) / 2;
-  return {at_share(tail), median_of(values), at_share(1 - tail)};
+  return {at_share(tail), median, at_share(1 - tail)};
 }
 
 double sign_test(std::int64_t less, std::int64_t more) {

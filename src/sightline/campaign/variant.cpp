@@ -30,7 +30,9 @@ Variants::Variants(const Scenario& base, const CampaignPlan& plan)
       name_(base.name),
       registry_(base.registry),
       solver_(base.solver) {
-  const ScenarioNumbers numbers = numbers_of(parse_toml(text_, file_.native()));
+  const TomlDocument document = parse_toml(text_, file_.native());
+  const ScenarioNumbers numbers = numbers_of(document);
+  text_of_flight_ = with_spaces_for("campaign", document);
   const auto find = [&](const std::string& key) {
     const auto found = numbers.find(key);
     if (found != numbers.end()) return found->second;
@@ -119,22 +121,26 @@ void Variants::place_start(const StartDraw& draw, const Start& at, const double*
   changes.emplace_back(at.v[1], *value++);
 }
 
-Scenario Variants::of(const RunDraw& run) const {
+Scenario Variants::of(const RunDraw& run) const { return drawn(text_, run); }
+
+Scenario Variants::flight(const RunDraw& run) const { return drawn(text_of_flight_, run); }
+
+Scenario Variants::drawn(std::string_view text, const RunDraw& run) const {
   Changes changes;
   // Draws by key come first: a start may be around a body whose position is drawn.
   std::vector<std::string> added;
-  for (const Drawn& drawn : draws_) {
-    if (drawn.number) {
-      changes.emplace_back(*drawn.number, drawn.of(run));
+  for (const Drawn& one : draws_) {
+    if (one.number) {
+      changes.emplace_back(*one.number, one.of(run));
     } else {
-      added.push_back(assignment(drawn.key, drawn.of(run)));
+      added.push_back(assignment(one.key, one.of(run)));
     }
   }
   const double* value = run.values.data();
   for (std::size_t i = 0; i < starts_.size(); ++i) place_start(plan_.starts[i], starts_[i], value, changes);
   if (duration_) changes.emplace_back(*duration_, plan_.duration);
   if (seed_) changes.emplace_back(*seed_, static_cast<double>(run.seed));  // below 2^53
-  return flown(with_numbers(text_, changes), file_, std::move(added), run);
+  return flown(with_numbers(text, changes), file_, std::move(added), run);
 }
 
 Scenario Variants::of(const RunDraw& run, const std::filesystem::path& folder) const {

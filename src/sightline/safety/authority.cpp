@@ -21,32 +21,25 @@ constexpr double rounding = 1e-6;     // smaller values count as zero
 using Inputs = std::array<double, most_inputs>;
 
 struct Motion {
-  std::vector<double> x;
+  std::array<double, most_states> x{};  // the first nx
   Inputs u{};
 };
 
-Vec3<double> velocity(const Model& model, const Motion& at) {
-  return model.sight(at.x.data(), at.u.data()).v;
-}
+/// Motion under constant inputs.
+struct Response {
+  Vec3<double> v, a;       // velocity [m/s] and its derivative [m/s^2]
+  Vec2<double> d;          // heading
+  double turn_rate = 0.0;  // [rad/s]
+};
 
-/// Derivative of the velocity under constant inputs [m/s^2].
-Vec3<double> acceleration(const Model& model, const Motion& at) {
-  Motion later = at;
-  std::vector<double> rate(at.x.size());
+Response response(const Model& model, const Motion& at) {
+  std::array<double, most_states> later = at.x, rate{};
   model.f(at.x.data(), at.u.data(), rate.data());
-  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += finite_step * rate[i];
-  return (1.0 / finite_step) * (velocity(model, later) - velocity(model, at));
-}
-
-/// Turn rate of the heading under constant inputs [rad/s].
-double turning(const Model& model, const Motion& at) {
-  Motion later = at;
-  std::vector<double> rate(at.x.size());
-  model.f(at.x.data(), at.u.data(), rate.data());
-  for (std::size_t i = 0; i < rate.size(); ++i) later.x[i] += finite_step * rate[i];
-  const Vec2<double> d = model.sight(at.x.data(), at.u.data()).d,
-                     then = model.sight(later.x.data(), at.u.data()).d;
-  return (d.x * then.y - d.y * then.x) / finite_step;
+  for (std::size_t i = 0; i < rate.size(); ++i) later[i] += finite_step * rate[i];
+  const Sight<double> now = model.sight(at.x.data(), at.u.data()),
+                      then = model.sight(later.data(), at.u.data());
+  return {now.v, (1.0 / finite_step) * (then.v - now.v), now.d,
+          (now.d.x * then.d.y - now.d.y * then.d.x) / finite_step};
 }
 
 /// Derivatives of the horizontal acceleration, and of the vertical velocity and acceleration, by
@@ -63,8 +56,9 @@ Columns columns(const Model& model, const Motion& at) {
     Motion up = at, down = at;
     up.u[k] += 0.5;
     down.u[k] -= 0.5;
-    const Vec3<double> a = acceleration(model, up) - acceleration(model, down);
-    const double climb = velocity(model, up).z - velocity(model, down).z;
+    const Response higher = response(model, up), lower = response(model, down);
+    const Vec3<double> a = higher.a - lower.a;
+    const double climb = higher.v.z - lower.v.z;
     c.thrust[k] = {std::abs(a.x) > rounding ? a.x : 0.0, std::abs(a.y) > rounding ? a.y : 0.0};
     c.climb[k] = std::abs(climb) > rounding ? climb : 0.0;
     c.climbs = c.climbs || std::abs(climb) > rounding;
@@ -116,18 +110,19 @@ std::vector<ResponseSample> response_samples(const Model& model, std::span<const
   std::vector<ResponseSample> found;
   for (int i = 0; i < headings; ++i) {
     const double psi = 0.1 + 2 * std::numbers::pi * i / headings;
-    Motion at{std::vector<double>(static_cast<std::size_t>(model.nx())), {}};
+    Motion at;
+    const auto x = std::span(at.x).first(static_cast<std::size_t>(model.nx()));
     model.at_rest({{0, 0, 1}, {std::cos(psi), std::sin(psi)}}, at.x.data());
     const Columns resting = columns(model, at);
-    std::vector<double> rows(RungeKuttaScratch::rows_needed * at.x.size());
+    std::vector<double> rows(RungeKuttaScratch::rows_needed * x.size());
     Inputs driven{};
     for (std::size_t k = 0; k < u_min.size(); ++k)
       driven[k] = ((i >> (k % 3)) + static_cast<int>(k / 3)) % 2 == 0 ? u_min[k] : u_max[k];
     for (int stop = 0; stop < stops; ++stop) {
       for (double t = 0; stop > 0 && t < longest; t += pace) {
-        rk4_step([&](std::span<const double> x,
-                     std::span<double> rate) { model.f(x.data(), driven.data(), rate.data()); },
-                 at.x, pace, {rows});
+        rk4_step([&](std::span<const double> z,
+                     std::span<double> rate) { model.f(z.data(), driven.data(), rate.data()); },
+                 x, pace, {rows});
         if (!model.normalise(at.x.data())) break;
       }
       // Inputs that do not push at rest, such as yaw, do not count.
@@ -142,9 +137,8 @@ std::vector<ResponseSample> response_samples(const Model& model, std::span<const
       for (std::size_t k = 0; k < most_inputs; ++k) {
         if (dot(resting.thrust[k], resting.thrust[k]) == 0) here.thrust[k] = {};
       }
-      const Vec3<double> v = velocity(model, at), a = acceleration(model, at);
-      const Vec2<double> d = model.sight(at.x.data(), at.u.data()).d;
-      found.push_back({{v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turning(model, at), here, push, rise});
+      const auto& [v, a, d, turn_rate] = response(model, at);
+      found.push_back({{v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turn_rate, here, push, rise});
     }
   }
   return found;

@@ -127,17 +127,21 @@ void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noe
     const double least = bound.side * bound.level + kept_height(bound.room);
     now.rows.push_back(row_of_wall({0, 0, bound.side}, 0.0, least, bound.wall));
   }
+  if (now.planes.empty()) return;
+  const EscapeShape step = law.plans.shape(law.dt), end = law.plans.shape(0.0);
   for (const BoundPlane& plane : now.planes) {
     // The plan brakes straight away from the wall, until the velocity towards it is zero.
     const Vec3<double> n = {plane.n.x, plane.n.y, 0.0};
     const double away = n.x * now.self.v.x + n.y * now.self.v.y - law.predicted.v,
                  here = plane.offset + dot(n, now.self.p) - law.predicted.p;
-    const double t = std::max(law.stopping_time(away, now.part), law.dt), left = t - law.dt;
-    const double later = here + law.plans.E(t) * away + b * law.plans.F(t);
+    const double t = law.stopping_time(away, now.part);
+    const EscapeShape whole = t > law.dt ? law.plans.shape(t) : step,
+                      left = t > law.dt ? law.plans.shape(t - law.dt) : end;
+    const double later = here + whole.E * away + b * whole.F;
     const double wanted = kept_part * std::min(here, later);
-    const double least = wanted - plane.offset - b * law.plans.F(left) + law.next_predicted.p +
-                         law.plans.E(left) * law.next_predicted.v;
-    now.rows.push_back(row_of_wall(n, law.plans.E(left), least, plane.wall));
+    const double least =
+        wanted - plane.offset - b * left.F + law.next_predicted.p + left.E * law.next_predicted.v;
+    now.rows.push_back(row_of_wall(n, left.E, least, plane.wall));
   }
 }
 

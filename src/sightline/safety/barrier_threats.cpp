@@ -15,6 +15,7 @@ bool is_far(const Vec3<double>& r) {
 
 /// Adds w F(delay + t) to the radius: the deviation by an acceleration w since the measurement.
 void add_residual(Tube& tube, const BarrierLaw& law, double w) {
+  if (w == 0) return;
   constexpr double slight = 1e-3;  // drag [1/s], below which F(t) counts as t^2 / 2
   const double c = law.can.drag, delay = law.options.command_delay;
   tube.rho0 += w * law.plans.F(delay);

@@ -47,7 +47,41 @@ void collect(const toml::node& node, const std::string& key, const Lines& lines,
   }
 }
 
+/// Offsets of the headers "[...]" of a table and of those in it.
+void find_headers(const toml::node& node, std::string_view text, const Lines& lines,
+                  std::vector<std::size_t>& headers) {
+  if (const toml::table* table = node.as_table()) {
+    if (table->source().begin) {
+      const std::size_t begin = lines.offset(table->source().begin);
+      if (begin < text.size() && text[begin] == '[') headers.push_back(begin);
+    }
+    for (const auto& [name, inner] : *table) find_headers(inner, text, lines, headers);
+  } else if (const toml::array* array = node.as_array()) {
+    for (const toml::node& item : *array) find_headers(item, text, lines, headers);
+  }
+}
+
 }  // namespace
+
+std::string with_spaces_for(std::string_view section, const TomlDocument& document) {
+  std::string text = document.text;
+  const toml::node* const its_node = document.root.get(section);
+  if (its_node == nullptr) return text;
+  const Lines lines(document.text);
+  std::vector<std::size_t> all, its;
+  find_headers(document.root, document.text, lines, all);
+  find_headers(*its_node, document.text, lines, its);
+  for (const std::size_t begin : its) {
+    std::size_t end = text.size();
+    for (const std::size_t other : all) {
+      if (other > begin) end = std::min(end, other);
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      if (text[i] != '\n') text[i] = ' ';
+    }
+  }
+  return text;
+}
 
 ScenarioNumbers numbers_of(const TomlDocument& document) {
   ScenarioNumbers numbers;
