@@ -176,6 +176,14 @@ TEST(ReadRegion, TheDownwashThatAPlanAvoidsIsThatOfTheWorld) {
     EXPECT_LT(region_of(s).violation(below, above, 0), 0.0);
   }
   EXPECT_GT(outside, 300);
+  const std::string file = (tree / "scenarios/obstacles/downwash.toml").native();
+  for (const auto& [key, value] : {std::pair{"downwash", "3"}, {"most", "0"}, {"disc", "0"}, {"lift", "-1"}})
+    EXPECT_NE(region_refusal(
+                  fmt::format("region = {{ file = \"{}\", parameters = {{ {} = {} }} }}", file, key, value))
+                  .find(fmt::format("region.parameters.{} = {}, it is {} in SI units, expected", key, value,
+                                    value)),
+              std::string::npos)
+        << key;
 }
 
 TEST(ReadRegion, AViewNeedsASensorAndADistanceNone) {
