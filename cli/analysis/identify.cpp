@@ -9,6 +9,7 @@
 #include "cli/arguments.hpp"
 #include "cli/fleet.hpp"
 #include "cli/output.hpp"
+#include "sightline/analysis/identification/downwash_fit.hpp"
 #include "sightline/analysis/identification/identification_text.hpp"
 #include "sightline/analysis/identification/recorded_flight_motion.hpp"
 #include "sightline/base.hpp"
@@ -31,6 +32,7 @@ struct IdentifyCommand {
   std::optional<std::uint64_t> seed;
   std::vector<std::string> columns;
   std::string body, commands;
+  std::vector<std::string> flights, held_out, vehicles;
   bool json = false;
 };
 
@@ -106,7 +108,53 @@ FlownMotion excite_over_link(const Scenario& fleet, AgentId robot, const Excitat
   return motion;
 }
 
+/// The recordings of a flight, FILE,FILE; one where the text has no comma or is the name of a file.
+std::vector<fs::path> recordings_of(const std::string& text) {
+  std::error_code ignored;
+  std::vector<fs::path> files;
+  if (fs::exists(text, ignored)) return {text};
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t end = std::min(text.find(',', from), text.size());
+    files.emplace_back(text.substr(from, end - from));
+    from = end + 1;
+  }
+  return files;
+}
+
+/// The downwash of vehicles above one another, from their recordings.
+int identify_flights(const IdentifyCommand& command) {
+  std::optional<FolderLock> lock;
+  DownwashIdentification found;
+  try {
+    if (!command.of.set.empty() || !command.agent.empty() || !(command.body + command.commands).empty())
+      throw std::invalid_argument(
+          "--set, --agent, --body or --commands of recordings of a flight, expected none");
+    std::vector<Vehicle> vehicles;
+    for (const std::string& name : command.vehicles) vehicles.push_back(named_vehicle(name));
+    if (vehicles.empty()) throw std::invalid_argument("--vehicle is missing, expected a preset or a file");
+    const auto read = [&](const std::string& text) {
+      return downwash_flight(recordings_of(text), vehicles, command.columns);
+    };
+    std::vector<DownwashFlight> flights = {read(command.of.file.native())}, held_out;
+    for (const std::string& text : command.flights) flights.push_back(read(text));
+    for (const std::string& text : command.held_out) held_out.push_back(read(text));
+    found = identify_downwash(flights, held_out);
+    lock.emplace(command.output.empty() ? fs::path("out") / flights[0][0].name / "identify" : command.output,
+                 std::initializer_list<std::string_view>{"identify.json"});
+  } catch (const std::exception& error) {
+    print_message("{}\n", sentence_of(error));
+    return 2;
+  }
+  const std::string json = to_json(found);
+  print("{}", command.json ? json : to_string(found) + "\n");
+  const fs::path file = lock->folder() / "identify.json";
+  write_text(file, json);
+  if (!command.json) print("{}\n", file.native());
+  return 0;
+}
+
 int identify(const IdentifyCommand& command, const Registry& registry) {
+  if (recordings_of(command.of.file.native()).size() > 1) return identify_flights(command);
   std::error_code ignored;  // the reading reports the error of an inaccessible file
   const bool of_log = fs::is_directory(command.of.file, ignored);
   const RecordingKind recording = kind_at(command.of.file).recording;
@@ -118,6 +166,10 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
                  std::initializer_list<std::string_view>{"identify.json", "identify.html"});
   };
   try {
+    if (!(command.flights.empty() && command.held_out.empty() && command.vehicles.empty()))
+      throw std::invalid_argument(
+          "--flight, --held-out or --vehicle of one recording, expected the recordings FILE,FILE of a "
+          "flight");
     if (recording != RecordingKind::none) {
       if (!command.of.set.empty()) throw std::invalid_argument("--set of a recording, expected a scenario");
       found = in(command.of.file, [&] {
@@ -172,10 +224,13 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
 
 Execute describe_identify(CLI::App& app) {
   const auto command = std::make_shared<IdentifyCommand>();
-  app.description("Fit the model of a multirotor to a flight that excites it, to a run, or to a recording");
+  app.description(
+      "Fit the model of a multirotor to a flight that excites it, to a run, or to a recording; fit downwash "
+      "to "
+      "recordings of vehicles above one another");
   add_scenario(app, command->of, "SCENARIO",
                "Scenario file (TOML), the folder of a run, a log of PX4 (ULog), a bag of ROS 2 (MCAP) or a "
-               "table (CSV)");
+               "table (CSV); FILE,FILE: tables of vehicles that fly above one another");
   app.add_option("--agent", command->agent,
                  "Robot [the only multirotor; of a recording, the name of its file]");
   app.add_option("--excitation", command->excitation, "steps, chirp, 3211 or bang_bang, in a scenario")
@@ -190,6 +245,15 @@ Execute describe_identify(CLI::App& app) {
       ->delimiter(',');
   app.add_option("--body", command->body, "Topic of the motion in a bag, /odom or /poses:cf1 [the only one]");
   app.add_option("--commands", command->commands, "Topic of the velocity commands in a bag [the only one]");
+  app.add_option("--vehicle", command->vehicles,
+                 "Preset or file (TOML) of the vehicles of a flight: one for all, or one for each recording")
+      ->delimiter(',');
+  app.add_option("--flight", command->flights, "Another flight, FILE,FILE; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--held-out", command->held_out,
+                 "A flight that judges alone; may be repeated [each flight, or fifth of the only one, by the "
+                 "others]")
+      ->allow_extra_args(false);
   app.add_option("-o,--output", command->output,
                  "Folder for the results [out/NAME/identify; of a run, its own]");
   app.add_flag("--json", command->json, "JSON instead of a table");

@@ -44,8 +44,9 @@ struct DownwashOptions {
 /// v_i = sqrt(T / (2 rho pi R^2)) at the disc and approaches 2 v_i. Where the jet has grown, it
 /// decays as 1 / z. Above the disc the air is at rest.
 ///
-/// The jet follows the thrust without delay and stays straight: wind and ground do not bend it.
-/// Sources: docs/vehicles.md.
+/// The air at depth z left the disc z / w(0, z) ago and stays below the place of the disc at that
+/// time, at constant velocity v of the disc: p - z / w(0, z) v. The speed follows the thrust without
+/// delay. Wind and ground do not bend the jet. Sources: docs/vehicles.md.
 struct Jet {
   static constexpr double air_density = 1.225;  ///< rho [kg/m^3]
   static constexpr double growth = 0.113;       ///< of the radius b at which the speed is 1/e, over z
@@ -54,6 +55,7 @@ struct Jet {
   Vec3<double> down{0, 0, -1};  ///< opposite to the thrust, |down| = 1
   double thrust = 0.0;          ///< T [N], >= 0
   double radius2 = 1.0;         ///< R^2 [m^2], > 0
+  Vec3<double> v{};             ///< velocity of the disc, in G [m/s]
 
   /// Velocity in G of the jet's air at the point `there` [m/s]; 0 if a number is not finite.
   Vec3<double> air(const Vec3<double>& there) const noexcept;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "sightline/vehicle.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/lagging_flight.hpp"
 #include "tests/support/ros_bag.hpp"
@@ -38,6 +39,51 @@ TEST(IdentifyCommand, FliesAnExcitationAndPrintsATemplate) {
   const json reported = json::parse(read_file(folder / "out/identify.json"));
   EXPECT_EQ(reported.at("best").at("structure"), "(24) + delay + Coriolis + lags");
   EXPECT_THAT(read_file(folder / "out/identify.html"), HasSubstr("application/json"));
+}
+
+/// Two vehicles, the upper one to and fro above the other, which the air pushes; their tables.
+std::string crossing_tables(const fs::path& folder) {
+  std::ofstream lower(folder / "lower.csv"), upper(folder / "upper.csv");
+  constexpr std::string_view names = "t,x,y,z,vx,vy,vz,az,qx,qy,qz,qw,pwm1\n";
+  lower << names, upper << names;
+  const Vehicle vehicle = Vehicle::crazyflie();
+  for (int k = 0; k < 1500; ++k) {
+    const double t = 0.01 * k, x = 0.4 * std::sin(t), v = 0.4 * std::cos(t);
+    const Jet jet{.p = {x, 0, 0.9},
+                  .thrust = vehicle.weight(),
+                  .radius2 = 4 * square(vehicle.rotor_radius),
+                  .v = {v, 0, 0}};
+    const double push = 0.9 * vehicle.drag.z / vehicle.mass * jet.air({0, 0, 0.5}).z;
+    lower << fmt::format("{},0,0,0.5,0,0,0,{},0,0,0,1,0.7\n", t, gravity + push + 0.01 * std::sin(40 * t));
+    upper << fmt::format("{},{},0,0.9,{},0,0,{},0,0,0,1,0.7\n", t, x, v, gravity);
+  }
+  return (folder / "lower.csv").string() + "," + (folder / "upper.csv").string();
+}
+
+TEST(IdentifyCommand, FitsTheDownwashOfVehiclesAboveOneAnother) {
+  const fs::path folder = fresh_folder();
+  const std::string flight = crossing_tables(folder);
+  std::ofstream(folder / "small.toml") << "preset = \"crazyflie\"\n";
+  const std::string vehicles = " --vehicle crazyflie," + (folder / "small.toml").string(),
+                    out = " -o " + (folder / "out").string();
+  const auto done = sightline("identify " + flight + vehicles + out, folder);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("[world]\nkind = \"rotors\"\ndownwash = 0.9"));
+  const json alone = json::parse(read_file(folder / "out/identify.json"));
+  EXPECT_NEAR(alone.at("downwash").get<double>(), 0.9, 0.01);
+  const auto judged = sightline(
+      "identify " + flight + vehicles + out + " --json --flight " + flight + " --held-out " + flight, folder);
+  EXPECT_EQ(judged.code, 0) << judged.err;
+  EXPECT_EQ(json::parse(judged.out).at("judged_on"), "held-out flights");
+
+  EXPECT_THAT(test::refused("identify " + flight, folder), HasSubstr("--vehicle is missing"));
+  EXPECT_THAT(test::refused("identify " + flight + vehicles + " --agent uav0", folder),
+              HasSubstr("--agent, --body or --commands of recordings of a flight, expected none"));
+  EXPECT_THAT(test::refused("identify " + scenario(folder).string() + vehicles, folder),
+              HasSubstr("expected the recordings FILE,FILE of a flight"));
+  std::ofstream(folder / "small.toml") << "mas = 1.0\n";
+  EXPECT_THAT(test::refused("identify " + flight + vehicles, folder),
+              HasSubstr("small.toml:1: mas = 1, expected a known key, the nearest is \"mass\""));
 }
 
 TEST(IdentifyCommand, ReadsTheLogOfARun) {

@@ -63,6 +63,15 @@ TEST(RotorScenarios, ARoverWhoseWheelsSlipMoreIsKeptInView) {
   for (const json& pair : s.at("pairs")) EXPECT_EQ(pair.at("in_view_fraction"), 1.0);
 }
 
+TEST(RotorScenarios, ALowerVehiclePassesBesideTheDownwashOnlyByItsCoupling) {
+  const auto broken = [](const std::string& weight) {
+    const json s = flown({"downwash", 6, 0, 0, 0}, " --set couple[0].weight=" + weight);
+    return s.at("limits").at(0).at("fraction").get<double>();
+  };
+  EXPECT_EQ(broken("1.0"), 0.0);
+  EXPECT_GT(broken("0.0"), 0.0);
+}
+
 TEST(RotorScenarios, ASwarmOfVehiclesMeetsInTheMiddleAndKeepsApart) {
   const json s = flown({"swarm32", 15, 0, 0, 0});
   EXPECT_GE(s.at("min_distance").get<double>(), 0.9);

@@ -10,6 +10,7 @@
 
 #include "sightline/potential/finite.hpp"
 #include "sightline/scenario.hpp"
+#include "sightline/vehicle.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/formula_text.hpp"
@@ -148,6 +149,41 @@ TEST(ReadRegion, EachShippedSensorAndObstacleIsReadAndFiniteAndHasAnInside) {
     ++files;
   }
   EXPECT_GE(files, 8);
+}
+
+TEST(ReadRegion, TheDownwashThatAPlanAvoidsIsThatOfTheWorld) {
+  const Scenario s = scenario_with(
+      fmt::format("region = {{ file = \"{}\" }}", (tree / "scenarios/obstacles/downwash.toml").native()));
+  const Vehicle vehicle = Vehicle::crazyflie();
+  constexpr double scale = 0.88, most = 0.5;
+  Random random(3);
+  int outside = 0;
+  for (int k = 0; k < 5000; ++k) {
+    Sight<double> below, above;
+    above.p = {uniform(random, -0.2, 0.2), uniform(random, -0.2, 0.2), uniform(random, 0.02, 2.0)};
+    above.v = random_point(random, 0.8);
+    const Jet jet{.p = above.p,
+                  .thrust = vehicle.weight(),
+                  .radius2 = 4 * square(vehicle.rotor_radius),
+                  .v = {above.v.x, above.v.y, 0}};
+    const double push = -scale * vehicle.drag.z / vehicle.mass * jet.air({}).z,
+                 violation = region_of(s).violation(below, above, 0);
+    EXPECT_NEAR(violation, push - most, 2e-3 * (1 + push)) << above.p.x << ' ' << above.p.z;
+    outside += violation > 0;
+    above.p.z = -above.p.z;
+    EXPECT_LE(region_of(s).violation(below, above, 0), 3.0 - most) << "little air is sucked from above";
+    above.p.z -= 0.1;
+    EXPECT_LT(region_of(s).violation(below, above, 0), 0.0);
+  }
+  EXPECT_GT(outside, 300);
+  const std::string file = (tree / "scenarios/obstacles/downwash.toml").native();
+  for (const auto& [key, value] : {std::pair{"downwash", "3"}, {"most", "0"}, {"disc", "0"}, {"lift", "-1"}})
+    EXPECT_NE(region_refusal(
+                  fmt::format("region = {{ file = \"{}\", parameters = {{ {} = {} }} }}", file, key, value))
+                  .find(fmt::format("region.parameters.{} = {}, it is {} in SI units, expected", key, value,
+                                    value)),
+              std::string::npos)
+        << key;
 }
 
 TEST(ReadRegion, AViewNeedsASensorAndADistanceNone) {

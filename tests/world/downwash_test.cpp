@@ -102,6 +102,41 @@ TEST(Downwash, ItGoesAgainstTheThrustAndIsTheSameAllAroundThatAxis) {
   }
 }
 
+TEST(Downwash, UnderAMovingDiscItStaysWhereTheDiscWasWhenTheAirLeftIt) {
+  const Jet still = jet_of();
+  Jet moving = jet_of();
+  for (const double fast : {0.5, 1.5, 20.0}) {
+    moving.v = {fast, -0.5, 0.2};
+    for (const double z : {0.1, 0.5, 2.0}) {
+      const Vec3<double> below = {0.1, 0.2, -z};
+      const double age = z / speed(still, 0, z);
+      const Vec3<double> left_behind = below - age * Vec3<double>{fast, -0.5, 0};
+      EXPECT_NEAR(moving.air(left_behind).z, still.air(below).z, 1e-9 * norm(still.air(below))) << z;
+      EXPECT_GE(norm(moving.air({-0.1, 0, -z})), norm(moving.air({0.1, 0, -z}))) << "it trails";
+    }
+  }
+  moving.v = {0, 0, 3};
+  EXPECT_NEAR(moving.air({0.1, 0.2, -1}).z, still.air({0.1, 0.2, -1}).z, 1e-12) << "not along its axis";
+}
+
+TEST(Downwash, ItIsSmoothAndBounded) {
+  Jet jet = jet_of();
+  jet.v = {1.0, 0.3, 0.0};
+  const auto slope = [&](const Vec3<double>& at, const Vec3<double>& along, double step) {
+    return (jet.air(at + step * along).z - jet.air(at - step * along).z) / (2 * step);
+  };
+  for (double x = -1.0; x <= 1.0; x += 0.1) {
+    for (double z = 0.1; z <= 4.0; z += 0.3) {
+      const Vec3<double> at = {x, 0.2, -z};
+      EXPECT_LE(norm(jet.air(at)), 2 * induced(jet));
+      for (const Vec3<double>& along : {Vec3<double>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+        const double fine = slope(at, along, 1e-5);
+        EXPECT_NEAR(fine, slope(at, along, 1e-4), 1e-3 * (1 + std::abs(fine))) << x << ' ' << z;
+      }
+    }
+  }
+}
+
 TEST(Downwash, NothingMovesAboveTheDiscInItsPlaneFarAsideAndWhereANumberIsNotFinite) {
   const Jet jet = jet_of();
   constexpr double inf = std::numeric_limits<double>::infinity(),

@@ -285,6 +285,22 @@ TEST(RotorWorld, AVehicleAbovePushesTheOneBelowDownWhichHoldsAgainstIt) {
   }
 }
 
+TEST(RotorWorld, BeforeItsControllerActsTheLowerVehicleSinksByTheDragOfTheAirTimesTheScale) {
+  for (const double scale : {0.4, 0.85}) {
+    const Vehicle vehicle = Vehicle::crazyflie();
+    const Hover pair(vehicle, {{0, 0, 5}, {0.03, 0, 5.3}});
+    RotorWorld world = pair.world({.downwash = {scale}}), still = pair.world({});
+    const Jet jet = {
+        .p = {0.03, 0, 5.3}, .thrust = vehicle.weight(), .radius2 = 4 * square(vehicle.rotor_radius)};
+    const double a = scale * vehicle.drag.z * jet.air({0, 0, 5}).z / vehicle.mass;
+    fly(world, 2, pair.rest()), fly(still, 2, pair.rest());
+    EXPECT_LT(a, -0.9);
+    EXPECT_NEAR(body_of(world, 0).v.z - body_of(still, 0).v.z, 0.02 * a, 0.05 * 0.02 * -a) << scale;
+    EXPECT_NEAR(body_of(world, 0).p.z - body_of(still, 0).p.z, 0.5 * 0.02 * 0.02 * a,
+                0.08 * 0.5 * 0.02 * 0.02 * -a);
+  }
+}
+
 TEST(RotorWorld, DownwashFromBothSidesPushesStraightDown) {
   const Hover three(Vehicle::x500(), {{0, 0, 5}, {0.4, 0, 7}, {-0.4, 0, 7}});
   RotorWorld world = three.world();

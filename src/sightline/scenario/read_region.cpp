@@ -63,7 +63,7 @@ class Parameters {
         const TomlValue item = range.items()[i];
         const std::string text = formula_text(item, "a number or a formula in quotes");
         if (item.is_text()) in_text(item, [&] { return parse_formula(text, {}); });
-        return item.is_text() ? text : fmt::format("{} {}", text, unit);
+        return item.is_text() ? text : fmt::format("{}{}{}", text, unit.empty() ? "" : " ", unit);
       };
       parameter.low = bound(0);
       parameter.high = bound(1);
