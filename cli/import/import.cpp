@@ -35,7 +35,7 @@ Execute describe_import(CLI::App& app) {
   app.description("Make a fleet, or tables of a scenario, of the files of other programs");
   app.add_option("FILE", command->files,
                  "crazyflies.yaml and server.yaml of Crazyswarm2, a camera's calibration by ROS or kalibr, "
-                 "tags of apriltag_ros or TagSLAM (YAML), or the SDF of a multirotor")
+                 "tags of apriltag_ros or TagSLAM (YAML), or the SDF, URDF or MJCF of a multirotor")
       ->required();
   app.add_option("-o,--output", command->output, "File for the result [standard output]");
   app.add_option(

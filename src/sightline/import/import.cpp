@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view known_kinds =
     "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS or kalibr, the tags of "
-    "apriltag_ros or TagSLAM, or the SDF of a multirotor";
+    "apriltag_ros or TagSLAM, or the SDF, URDF or MJCF of a multirotor";
 
 bool is_camchain(const YamlValue& document) {
   const auto all = document.entries("a mapping");
@@ -56,7 +56,7 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
   const std::size_t begin = first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (begin == std::string::npos) throw no_kind();
   check_agent(options, first.name);
-  if (first.text[begin] == '<') return import_sdf(files, options);
+  if (first.text[begin] == '<') return import_vehicle(files, options);
   const YamlValue document(first.text, first.name);
   const bool is_fleet = document.find("robots").has_value();
   const std::size_t most = is_fleet ? 2 : 1;

@@ -3,7 +3,7 @@
 ///     crazyflies.yaml, server.yaml   Crazyswarm2            a fleet file
 ///     camera_info, camchain (YAML)   ROS 2, kalibr          [agent.NAME.camera]
 ///     tags.yaml                      apriltag_ros, TagSLAM  [target.NAME.tags]
-///     model.sdf                      Gazebo                 [agent.NAME.vehicle]
+///     model.sdf, URDF, MJCF          Gazebo, ROS, MuJoCo    [agent.NAME.vehicle]
 #pragma once
 
 #include <filesystem>

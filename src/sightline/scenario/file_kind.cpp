@@ -137,7 +137,7 @@ FileKind text_kind(std::string_view head) {
     return {"XML",
             "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline "
             "import makes "
-            "[agent.NAME.vehicle] of SDF",
+            "[agent.NAME.vehicle] of SDF, URDF and MJCF",
             true};
   if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario_file, true};
   // In TOML, a line in [ ] is a header, not a row of a table.
