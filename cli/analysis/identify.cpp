@@ -118,7 +118,7 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
                  std::initializer_list<std::string_view>{"identify.json", "identify.html"});
   };
   try {
-    if (recording != RecordingKind::none) {
+    if (recording != RecordingKind::none && recording != RecordingKind::run) {
       if (!command.of.set.empty()) throw std::invalid_argument("--set of a recording, expected a scenario");
       found = in(command.of.file, [&] {
         motion = recorded_motion(command.of.file, recording,

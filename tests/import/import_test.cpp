@@ -15,6 +15,7 @@
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/ros_bag.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -221,6 +222,51 @@ TEST(ImportCamera, TheCalibrationOfRosIsReadBack) {
   EXPECT_THAT(imported(with(ros_camera, "data: [1, 0, 0, 0,", "data: [0.9, 0.1, 0, 0,")).notes,
               Contains(HasSubstr("rectification_matrix has no counterpart")));
   EXPECT_THAT(imported(ros_camera).notes, testing::IsEmpty());
+}
+
+TEST(ImportCamera, ABagHasCamerasByTheirTopics) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const auto bag = [&](const test::BagWriter& writer) {
+    const std::vector<std::filesystem::path> file = {folder / "a.mcap"};
+    std::ofstream(file[0], std::ios::binary) << writer.bytes("lz4");
+    return file;
+  };
+  const std::string yaml = R"(image_width: 640
+image_height: 480
+camera_matrix: {data: [420.5, 0, 321, 0, 419, 243.5, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {data: [-0.25, 0.06, 0.001, -0.002, 0.0]}
+)";
+  const auto table = [](const Imported& made) { return made.text.substr(made.text.find("\n[")); };
+  test::BagWriter writer = test::bag_of(test::LaggingFlight(0.1));
+  const Imported made = import_files(bag(writer), {.agent = "uav1"});
+  EXPECT_EQ(table(made), table(imported(yaml, {.agent = "uav1"})));
+  EXPECT_THAT(made.text, HasSubstr("\n# The topic /camera/camera_info.\n"));
+  writer.add("/wide/camera_info", "sensor_msgs/msg/CameraInfo", 1.0,
+             test::camera_info("equidistant", {0.1, 0, 0, 0}));
+  const auto both = bag(writer);
+  EXPECT_EQ(camera_of(import_files(both, {.camera = "/wide/camera_info"})).distortion,
+            Distortion::equidistant);
+  EXPECT_THAT(import_files(both).notes, ElementsAre("/wide/camera_info is left out, --camera chooses it"));
+  const auto refused = [&](const std::vector<std::filesystem::path>& files,
+                           const ImportOptions& options = {}) {
+    return refusal_of<ScenarioError>([&] { (void)import_files(files, options); });
+  };
+  EXPECT_THAT(refused(both, {.camera = "cam1"}),
+              HasSubstr("a.mcap: --camera = cam1, expected one of /camera/camera_info, /wide/camera_info"));
+  for (const auto& [model, coefficient, sentence] :
+       {std::tuple{"fov", 0.1, "a.mcap: /c: distortion_model = fov, expected plumb_bob"},
+        std::tuple{"equidistant", std::nan(""), "a.mcap: /c:1: distortion_coefficients[0] = nan, expected"},
+        std::tuple{"a\nb", 0.1, "distortion_model = a\\nb, expected"}}) {
+    test::BagWriter one;
+    one.add("/c", "sensor_msgs/msg/CameraInfo", 0.0, test::camera_info(model, {coefficient, 0, 0, 0}));
+    EXPECT_THAT(refused(bag(one)), HasSubstr(sentence));
+  }
+  EXPECT_THAT(refused(bag(test::BagWriter())),
+              HasSubstr("a.mcap: no sensor_msgs/CameraInfo, expected a bag with"));
+  std::ofstream(folder / "a.ulg", std::ios::binary) << "ULog\x01\x12\x35";
+  EXPECT_THAT(refused({folder / "a.ulg"}),
+              HasSubstr("a.ulg:1: this is a PX4 ULog, expected a crazyflies.yaml"));
 }
 
 TEST(ImportCamera, AChainOfKalibrGivesTheCameraThatIsChosen) {

@@ -12,7 +12,8 @@ namespace sightline {
 namespace {
 
 constexpr std::string_view known_kinds =
-    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS or kalibr, the tags of "
+    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS (or a bag with it) or kalibr, the "
+    "tags of "
     "apriltag_ros or TagSLAM, or the SDF, URDF or MJCF of a multirotor";
 
 bool is_camchain(const YamlValue& document) {
@@ -83,6 +84,19 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
 }
 
 Imported import_files(std::span<const std::filesystem::path> files, const ImportOptions& options) {
+  if (!files.empty()) {
+    const FileKind kind = kind_at(files[0]);
+    const bool bag = kind.recording == RecordingKind::bag || kind.recording == RecordingKind::run;
+    if (bag && kind.packed_by.empty()) {
+      if (files.size() > 1) throw ScenarioError(files[1].native(), 0, "expected one bag");
+      check_agent(options, files[0].native());
+      return import_bag(files[0], options);
+    }
+    // A text is read, and says where it is no such file.
+    if (!kind.what.empty() && (!kind.is_text || !kind.packed_by.empty()))
+      throw ScenarioError(files[0].native(), 1,
+                          fmt::format("this is {}, expected {}", kind.shown(), known_kinds));
+  }
   std::vector<ImportFile> texts;
   for (const std::filesystem::path& file : files) texts.push_back({file.native(), read_import_text(file)});
   return import_texts(texts, options);

@@ -1,6 +1,7 @@
 /// The kinds of files that import.hpp makes something of, and TOML of values.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +19,9 @@ namespace sightline {
 Imported import_crazyflies(const YamlValue& robots, const std::string& file, const YamlValue* server);
 Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options);
 Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options);
+
+/// @param bag  a file or a folder
+Imported import_bag(const std::filesystem::path& bag, const ImportOptions& options);
 
 /// @param document  parameters of apriltag_ros, a list standalone_tags, or bodies of TagSLAM
 Imported import_tags(const YamlValue& document, const std::string& file, const ImportOptions& options);

@@ -15,11 +15,12 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view of_bag = "a scenario file (TOML); identify reads the motion in a bag",
-                           scenario_file = "a scenario file (TOML)",
-                           no_log =
-                               "a scenario file (TOML); logs are read from the folder of a run, as run "
-                               "and fly write it";
+constexpr std::string_view
+    of_bag = "a scenario file (TOML); identify and the file of a path read the motion in a bag",
+    scenario_file = "a scenario file (TOML)",
+    no_log =
+        "a scenario file (TOML); logs are read from the folder of a run, as run "
+        "and fly write it";
 
 struct Magic {
   std::string_view begins;
@@ -52,7 +53,8 @@ constexpr std::array magics = {
 /// A log of sightline or of another program; the header names the library that wrote it.
 FileKind mcap_kind(std::string_view head) {
   if (head.substr(0, 256).find("sightline") != std::string_view::npos)
-    return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in"};
+    return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in", false,
+            RecordingKind::run};
   return {"an MCAP recording, as of rosbag2", of_bag, false, RecordingKind::bag};
 }
 
@@ -169,7 +171,7 @@ FileKind kind_at(const std::filesystem::path& place) {
   std::error_code ignored;
   const auto has = [&](const char* file) { return std::filesystem::is_regular_file(place / file, ignored); };
   if (std::filesystem::is_directory(place, ignored)) {
-    if (has("run.mcap")) return {"the folder of a run", scenario_file};
+    if (has("run.mcap")) return {"the folder of a run", scenario_file, false, RecordingKind::run};
     if (has("metadata.yaml")) return {"the folder of a rosbag2", of_bag, false, RecordingKind::bag};
     return {};
   }
