@@ -48,8 +48,8 @@ bool is_robot_name(std::string_view name) {
 Imported import_texts(std::span<const ImportFile> files, const ImportOptions& options) {
   if (files.empty()) throw ScenarioError("import", 0, "no file, expected one");
   const ImportFile& first = files.front();
+  const FileKind kind = file_kind(std::string_view(first.text).substr(0, file_head));
   const auto no_kind = [&] {
-    const FileKind kind = file_kind(std::string_view(first.text).substr(0, file_head));
     return ScenarioError(first.name, 1,
                          kind.what.empty() ? fmt::format("expected {}", known_kinds)
                                            : fmt::format("this is {}, expected {}", kind.what, known_kinds));
@@ -58,7 +58,17 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
   if (begin == std::string::npos) throw no_kind();
   check_agent(options, first.name);
   if (first.text[begin] == '<') return import_vehicle(files, options);
-  const YamlValue document(first.text, first.name);
+  const YamlValue document = [&] {
+    try {
+      return YamlValue(first.text, first.name);
+    } catch (const ScenarioError&) {
+      // To YAML a table is a word.
+      if (kind.what.find("YAML") == std::string_view::npos &&
+          kind.what.find("yaml") == std::string_view::npos)
+        if (!kind.what.empty()) throw no_kind();
+      throw;
+    }
+  }();
   const bool is_fleet = document.find("robots").has_value();
   const std::size_t most = is_fleet ? 2 : 1;
   if (files.size() > most)

@@ -18,6 +18,7 @@ using namespace std::string_view_literals;
 constexpr std::string_view
     of_bag = "a scenario file (TOML); identify and the file of a path read the motion in a bag",
     scenario_file = "a scenario file (TOML)",
+    of_vehicle = "a scenario file (TOML); sightline import makes [agent.NAME.vehicle] of it",
     no_log =
         "a scenario file (TOML); logs are read from the folder of a run, as run "
         "and fly write it";
@@ -48,6 +49,18 @@ constexpr std::array magics = {
     Magic{"\x89PNG"sv, {"a PNG picture", scenario_file}},
     Magic{"\xff\xd8\xff"sv, {"a JPEG picture", scenario_file}},
     Magic{"\x7f\x45LF"sv, {"a program (ELF)", scenario_file}},
+};
+
+/// Elements of XML.
+constexpr std::array elements = {
+    Magic{
+        "<mujoco"sv,
+        {"an MJCF",
+         "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline import "
+         "makes [agent.NAME.vehicle] of it",
+         true}},
+    Magic{"<sdf"sv, {"an SDF", of_vehicle, true}},
+    Magic{"<robot"sv, {"a URDF", of_vehicle, true}},
 };
 
 /// A log of sightline or of another program; the header names the library that wrote it.
@@ -135,12 +148,11 @@ FileKind text_kind(std::string_view head) {
   if (lines.empty()) return {};
   const std::string_view first = trimmed_left(lines.front());
   if (first.starts_with('{')) return {"JSON", scenario_file, true};
-  if (first.starts_with('<'))
-    return {"XML",
-            "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline "
-            "import makes "
-            "[agent.NAME.vehicle] of SDF, URDF and MJCF",
-            true};
+  if (first.starts_with('<')) {
+    for (const Magic& element : elements)
+      if (head.find(element.begins) != std::string_view::npos) return element.kind;
+    return {"XML", scenario_file, true};
+  }
   if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario_file, true};
   // In TOML, a line in [ ] is a header, not a row of a table.
   if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&
