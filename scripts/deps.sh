@@ -3,7 +3,7 @@
 # arm64 adds to `test` a cross compiler, qemu-user and the libraries for AArch64; ci does without, and is of Debian 12.
 set -euo pipefail
 
-packages=(cmake esbuild g++ libboost-dev libcli11-dev libfmt-dev libjs-three libsqlite3-dev libtomlplusplus-dev
+packages=(cmake esbuild g++ libboost-dev libcli11-dev libfmt-dev libjs-three liblz4-dev libsqlite3-dev libtomlplusplus-dev
   libzstd-dev ninja-build nlohmann-json3-dev pkg-config zlib1g-dev)
 test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-dev cyclonedds-tools doxygen
   file furo iproute2 libapriltag-dev libblas-dev libegl1-mesa-dev libeigen3-dev libfastcdr-dev libfastrtps-dev
@@ -11,7 +11,7 @@ test_packages=(ca-certificates ccache chromium coinor-libipopt-dev cyclonedds-de
   pybind11-dev python3-breathe python3-dev python3-ipykernel python3-matplotlib python3-myst-parser python3-nbclient
   python3-nbsphinx python3-numpy python3-pandas python3-pip python3-pytest python3-sphinx python3-venv qemu-user
   slurm-client slurmctld slurmd munge sqlite3 time)
-arm64_packages=(g++-aarch64-linux-gnu qemu-user libboost-dev:arm64 libfmt-dev:arm64 libgmock-dev:arm64 libgtest-dev:arm64
+arm64_packages=(g++-aarch64-linux-gnu qemu-user libboost-dev:arm64 libfmt-dev:arm64 libgmock-dev:arm64 libgtest-dev:arm64 liblz4-dev:arm64
   libsqlite3-dev:arm64 libtinyxml2-dev:arm64 libtomlplusplus-dev:arm64 libyaml-cpp-dev:arm64 libzstd-dev:arm64 zlib1g-dev:arm64)
 ci_packages=(clang-14 clang-format-14 clang-tidy-14 g++-11 git libclang-rt-14-dev)
 

@@ -21,7 +21,7 @@ height = {room: i for i, floor in enumerate(floors) for room in floor.split()}
 public = {name: rooms.split() for rooms, names in (
     ("base", "base config"), ("formula", "formula"), ("model", "model robots"), ("potential", "potential potentials"),
     ("ocp", "team events"), ("solver", "solver solvers kernels"), ("safety", "barrier supervisor"), ("estimate", "estimator"),
-    ("world", "vehicle sensors world worlds"), ("run", "loop"), ("scenario", "scenario registry"), ("judge", "judge"),
+    ("world", "vehicle sensors world worlds"), ("run", "loop"), ("readers", "mcap"), ("scenario", "scenario registry"), ("judge", "judge"),
     ("record", "log"), ("report", "report"), ("campaign analysis", "analysis"), ("", "sightline command_line mujoco dds"))
     for name in names.split()}
 

@@ -90,7 +90,7 @@ verdicts() {
     judge/{sampled_motion,drift} record/logged_flight)
   filter='SafetySummary.*:SampledMotion.*:InputRecord.*:TrackingError.*:Drift.*:Summary.*:PlanSummary.*:PlanGap*:LoggedFlight.*:RunEvaluator*'
   objects=()
-  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -llz4 -lzstd -ltomlplusplus -lz)
   mutants=(
     'states that are no numbers not counted|input_record.cpp|return all_finite(sample.x) \&\&|return'
     'applied inputs that are no numbers not counted|input_record.cpp|all_finite(sample.u) \&\& ||'
@@ -207,7 +207,7 @@ gate() {
   tests=(world/command run/valid_states scenario/applied_limits)
   filter='CommandGate.*:ValidStates.*:AppliedLimits.*'
   objects=()
-  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -llz4 -lzstd -ltomlplusplus -lz)
   mutants=(
     'what is not finite is applied|command.cpp|is_finite = is_finite \&\& std::isfinite(sum(k));|;'
     'what is not finite becomes zero|command.cpp|is_finite ? sum(k) : applied_\[k\]|is_finite ? sum(k) : 0.0'
@@ -256,7 +256,7 @@ solver() {
   tests=(solver/{riccati,krylov,descent,third_body,rate_cost,applied_inputs,extrapolate,newton_riccati,solver})
   filter='RiccatiStage.*:Krylov.*:Descent.*:ThirdBody.IsPlanned*:RateCost.*:AppliedInputs.*:AppliedInputsOfAll/0.*:Foresight.*:NewtonRiccati.ItsKkt*:NewtonRiccati.EveryStatus*:NewtonRiccati.AFlight*:NewtonRiccati.TheUnit*:NewtonRiccati.ABodyMoves*:NewtonRiccati.EachStage*:NewtonRiccati.LowerAnd*:AnySolver/2.*-AnySolver/2.RandomTeams*:AnySolver/2.Obstacles*'
   objects=(cli/allocations)
-  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -llz4 -lzstd -ltomlplusplus -lz)
   mutants=(
     'plans extrapolated twice as far|extrapolate.cpp|passed / before}|2 * passed / before}'
     'extrapolation never given up|extrapolate.cpp|if (w.votes >= 0) {|if (true) {'
@@ -302,7 +302,7 @@ estimate() {
   tests=(estimate/{kalman,agreement,broadcast_track,observability,localization_graph,heading_filter,attitude_filter,out_of_sequence_filter,pose_filter,chain_filter})
   filter='*-AttitudeFilter.TheAttitudeStays*:PoseFilter.*Attitude*:PoseFilter.Slow*:PoseFilter.Outliers*:PoseFilter.ACamera*:PoseFilter.While*:PoseFilter.AWrong*:PoseFilter.PositionsThat*'
   objects=(tests/support/counting_new)
-  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -lzstd -ltomlplusplus -lz)
+  libraries=("$build/lib/libsightline.a" "$build/lib/libsightline_core.a" -lsqlite3 -llz4 -lzstd -ltomlplusplus -lz)
   mutants=(
     'no gate|kalman.hpp|result.accepted = result.squared <= chi_squared_gate<m>;|result.accepted = true;'
     'gate of three components narrower|kalman.hpp|16.266|14.266'

@@ -170,7 +170,7 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
       throw std::invalid_argument(
           "--flight, --held-out or --vehicle of one recording, expected the recordings FILE,FILE of a "
           "flight");
-    if (recording != RecordingKind::none) {
+    if (recording != RecordingKind::none && recording != RecordingKind::run) {
       if (!command.of.set.empty()) throw std::invalid_argument("--set of a recording, expected a scenario");
       found = in(command.of.file, [&] {
         motion = recorded_motion(command.of.file, recording,

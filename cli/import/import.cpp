@@ -34,14 +34,16 @@ Execute describe_import(CLI::App& app) {
   ImportOptions& options = command->options;
   app.description("Make a fleet, or tables of a scenario, of the files of other programs");
   app.add_option("FILE", command->files,
-                 "crazyflies.yaml and server.yaml of Crazyswarm2, a camera's calibration by ROS or kalibr, "
-                 "tags of apriltag_ros or TagSLAM (YAML), or the SDF of a multirotor")
+                 "crazyflies.yaml and server.yaml of Crazyswarm2, a camera's calibration by ROS (also in a "
+                 "bag) or kalibr, "
+                 "tags of apriltag_ros or TagSLAM (YAML), or the SDF, URDF or MJCF of a multirotor")
       ->required();
   app.add_option("-o,--output", command->output, "File for the result [standard output]");
   app.add_option(
       "--agent", options.agent,
       "Robot that has the camera or is the vehicle [uav0], or has all the tags [each is of a target]");
-  app.add_option("--camera", options.camera, "Camera of a chain of kalibr, as cam1 [its first]");
+  app.add_option("--camera", options.camera,
+                 "Camera of a chain of kalibr, as cam1, or topic in a bag [its first]");
   return [command](const Registry&, char**) { return refusing([&] { return import(*command); }); };
 }
 

@@ -112,6 +112,15 @@ void write_or_nan(double* to, std::size_t n, Write&& write) noexcept {
   }
 }
 
+// Texts from outside in messages.
+
+/// The text with control characters, line separators and bytes that are not UTF-8 as \n, \u0007 or
+/// \xff.
+std::string one_line(std::string_view text);
+
+/// At most `size` bytes of the text, cut between two characters and marked with "...".
+std::string shortened(std::string_view text, std::size_t size);
+
 // Descriptions of parameters, given once beside the struct of a robot, potential, reference or
 // limit.
 //

@@ -290,12 +290,6 @@ inline constexpr std::size_t scenario_size_max = 10'000'000;
 /// Greatest number of parts of a dotted key or header, `a.b.c`; bounds the recursion of the parser.
 inline constexpr int key_parts_max = 16;
 
-/// The text with control characters, line separators and bytes that are not UTF-8 as \n, \u0007 or
-/// \xff.
-std::string one_line(std::string_view text);
-
-/// At most `size` bytes of the text, cut between two characters and marked with "...".
-std::string shortened(std::string_view text, std::size_t size);
 inline constexpr std::size_t shown_size = 60;  ///< of a key or a value in a message [bytes]
 
 /// The content of a regular file; never waits on a pipe or a device.

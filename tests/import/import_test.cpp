@@ -15,6 +15,7 @@
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/ros_bag.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -223,6 +224,51 @@ TEST(ImportCamera, TheCalibrationOfRosIsReadBack) {
   EXPECT_THAT(imported(ros_camera).notes, testing::IsEmpty());
 }
 
+TEST(ImportCamera, ABagHasCamerasByTheirTopics) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const auto bag = [&](const test::BagWriter& writer) {
+    const std::vector<std::filesystem::path> file = {folder / "a.mcap"};
+    std::ofstream(file[0], std::ios::binary) << writer.bytes("lz4");
+    return file;
+  };
+  const std::string yaml = R"(image_width: 640
+image_height: 480
+camera_matrix: {data: [420.5, 0, 321, 0, 419, 243.5, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {data: [-0.25, 0.06, 0.001, -0.002, 0.0]}
+)";
+  const auto table = [](const Imported& made) { return made.text.substr(made.text.find("\n[")); };
+  test::BagWriter writer = test::bag_of(test::LaggingFlight(0.1));
+  const Imported made = import_files(bag(writer), {.agent = "uav1"});
+  EXPECT_EQ(table(made), table(imported(yaml, {.agent = "uav1"})));
+  EXPECT_THAT(made.text, HasSubstr("\n# The topic /camera/camera_info.\n"));
+  writer.add("/wide/camera_info", "sensor_msgs/msg/CameraInfo", 1.0,
+             test::camera_info("equidistant", {0.1, 0, 0, 0}));
+  const auto both = bag(writer);
+  EXPECT_EQ(camera_of(import_files(both, {.camera = "/wide/camera_info"})).distortion,
+            Distortion::equidistant);
+  EXPECT_THAT(import_files(both).notes, ElementsAre("/wide/camera_info is left out, --camera chooses it"));
+  const auto refused = [&](const std::vector<std::filesystem::path>& files,
+                           const ImportOptions& options = {}) {
+    return refusal_of<ScenarioError>([&] { (void)import_files(files, options); });
+  };
+  EXPECT_THAT(refused(both, {.camera = "cam1"}),
+              HasSubstr("a.mcap: --camera = cam1, expected one of /camera/camera_info, /wide/camera_info"));
+  for (const auto& [model, coefficient, sentence] :
+       {std::tuple{"fov", 0.1, "a.mcap: /c: distortion_model = fov, expected plumb_bob"},
+        std::tuple{"equidistant", std::nan(""), "a.mcap: /c:1: distortion_coefficients[0] = nan, expected"},
+        std::tuple{"a\nb", 0.1, "distortion_model = a\\nb, expected"}}) {
+    test::BagWriter one;
+    one.add("/c", "sensor_msgs/msg/CameraInfo", 0.0, test::camera_info(model, {coefficient, 0, 0, 0}));
+    EXPECT_THAT(refused(bag(one)), HasSubstr(sentence));
+  }
+  EXPECT_THAT(refused(bag(test::BagWriter())),
+              HasSubstr("a.mcap: no sensor_msgs/CameraInfo, expected a bag with"));
+  std::ofstream(folder / "a.ulg", std::ios::binary) << "ULog\x01\x12\x35";
+  EXPECT_THAT(refused({folder / "a.ulg"}),
+              HasSubstr("a.ulg:1: this is a PX4 ULog, expected a crazyflies.yaml"));
+}
+
 TEST(ImportCamera, AChainOfKalibrGivesTheCameraThatIsChosen) {
   const Imported first = imported(chain);
   const Camera fisheye = camera_of(first);
@@ -394,7 +440,7 @@ TEST(ImportSdf, TheLinksAreOneBodyAndTheMotorsItsRotors) {
   EXPECT_EQ(v.tau_up, 0.0125);
   EXPECT_EQ(v.tau_down, 0.025);
   EXPECT_EQ(v.rotor_drag, 8e-5);
-  EXPECT_THAT(made.notes, ElementsAre(HasSubstr("stay those of the x500")));
+  EXPECT_THAT(made.notes, ElementsAre(HasSubstr("stay those of the preset")));
 }
 
 TEST(ImportSdf, MotorsMayBeInAnotherFileThanTheLinks) {
@@ -416,14 +462,170 @@ TEST(ImportSdf, RefusesWithPlaceElementTextAndWhatWasExpected) {
   EXPECT_THAT(refusal(with(quad, "<mass>2.0</mass>", "<mass>200.0</mass>")), HasSubstr("thrust to weight"));
   EXPECT_THAT(refusal(with(quad, "8.5e-06", "9.5e-06")), HasSubstr("the constants of the first motor"));
   EXPECT_THAT(refusal(with(quad, "0.06 0 0 0<", "0.06 0 0.5 0<")), HasSubstr("thrusts along z"));
-  EXPECT_THAT(refusal("<robot name='a'/>"), HasSubstr("<robot> = URDF, expected SDF with motors"));
-  EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("reads MJCF as it is"));
+  EXPECT_THAT(refusal("<rss/>"), HasSubstr("<rss> = another kind of XML, expected SDF, URDF or MJCF"));
+  const std::vector<ImportFile> two = {{"a.sdf", quad}, {"b.urdf", "<robot name='a'/>"}};
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { (void)import_texts(two); }),
+              HasSubstr("b.urdf:1: <robot> = one more file, expected one URDF or MJCF"));
   EXPECT_THAT(refusal("<sdf><model>"), HasSubstr("cannot be read as XML"));
   for (const char* empty : {"<!-- no model -->\n", "<?xml version='1.0'?>\n"})
     EXPECT_THAT(refusal(empty), HasSubstr("XML without an element"));
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<model>";
   EXPECT_THAT(refusal("<sdf>" + deep), HasSubstr("cannot be read as XML"));
+}
+
+std::string urdf_link(std::string_view name, std::string_view mass, std::string_view origin) {
+  return fmt::format(
+      "<link name='{}'><inertial><origin {}/><mass value='{}'/><inertia ixx='4e-5' ixy='0' ixz='0' "
+      "iyy='6e-5' iyz='0' izz='8e-5'/></inertial></link>\n",
+      name, origin, mass);
+}
+std::string urdf_joint(std::string_view child, std::string_view origin) {
+  return fmt::format(
+      "<joint name='{0}_joint' type='fixed'><origin {1}/><parent link='base'/><child link='{0}'/></joint>\n",
+      child, origin);
+}
+/// Two places are in the joints and two in the inertial frames. The battery is turned by a right angle.
+const std::string urdf_links =
+    "<?xml version='1.0'?>\n<robot name='small'>\n" + urdf_link("base", "0.03", "xyz='0 0 0'") +
+    urdf_link("battery", "0.01", "xyz='0 0 0.02'") + urdf_link("prop0_link", "0", "xyz='0.03 -0.03 0'") +
+    urdf_link("prop1_link", "0", "xyz='-0.03 -0.03 0'") + urdf_link("prop2_link", "0", "rpy='0 0 0'") +
+    urdf_link("prop3_link", "0", "rpy='0 0 0'") +
+    urdf_joint("battery", "xyz='0 0 -0.04' rpy='0 0 1.5707963267948966'") +
+    urdf_joint("prop0_link", "xyz='0 0 0'") + urdf_joint("prop1_link", "xyz='0 0 0'") +
+    urdf_joint("prop2_link", "xyz='-0.03 0.03 0'") + urdf_joint("prop3_link", "xyz='0.03 0.03 0'");
+const std::string small =
+    with(urdf_links, "<link",
+         "<properties arm='0.0424' kf='3e-10' km='6e-12' thrust2weight='2' prop_radius='0.02'/>\n<link") +
+    "</robot>\n";
+
+TEST(ImportUrdf, TheLinksAreOneBodyAndThePropertiesItsRotors) {
+  const Imported made = imported(small, {.agent = "cf1"});
+  EXPECT_THAT(made.text, HasSubstr("[agent.cf1.vehicle]"));
+  EXPECT_THAT(made.text, HasSubstr("# Not in the file, so as in the preset, x500 if none is stated: tau_up, "
+                                   "tau_down, rotor_drag, radius, height, drag, gains.\n"));
+  // The directions of rotation are to be filled in, and nothing is flown without them.
+  EXPECT_THAT(made.notes, Contains(HasSubstr("complete spin = []")));
+  Imported open = imported(small);
+  EXPECT_THAT(refusal_of<ScenarioError>([&] { vehicle_of(open); }), HasSubstr("spin"));
+  open.text = with(open.text, "spin = []", "spin = [1, -1, 1, -1]");
+  const Vehicle v = vehicle_of(open);
+  EXPECT_NEAR(v.mass, 0.04, 1e-15);
+  // By hand: the battery hangs 0.02 m below, its first two moments change places.
+  const double up = 0.03 * 0.005 * 0.005 + 0.01 * 0.015 * 0.015, links = 4;
+  EXPECT_NEAR(v.inertia.x, (links + 1) * 4e-5 + 6e-5 + up, 1e-12);
+  EXPECT_NEAR(v.inertia.y, (links + 1) * 6e-5 + 4e-5 + up, 1e-12);
+  EXPECT_NEAR(v.inertia.z, (links + 2) * 8e-5, 1e-12);
+  EXPECT_THAT(v.rotor_x, testing::Pointwise(testing::DoubleNear(1e-12), {0.03, -0.03, -0.03, 0.03}));
+  EXPECT_THAT(v.rotor_y, testing::Pointwise(testing::DoubleNear(1e-12), {-0.03, -0.03, 0.03, 0.03}));
+  EXPECT_NEAR(v.thrust_max() / v.weight(), 2.0, 1e-12);
+  EXPECT_NEAR(v.k_m, 0.02, 1e-15);
+  // The thrust at 1000 revolutions per minute.
+  const double speed = 1000 * 2 * std::numbers::pi / 60;
+  EXPECT_NEAR(v.k_f * speed * speed, 3e-10 * 1e6, 1e-15);
+  EXPECT_EQ(v.rotor_radius, 0.02);
+}
+
+TEST(ImportUrdf, MotorsOfGazeboStateTheRotors) {
+  std::string motors = "<gazebo>";
+  for (int i = 0; i < 4; ++i)
+    motors += with(sdf_motor(i, i % 2 == 0 ? "ccw" : "cw"), fmt::format("joint_{}<", i),
+                   fmt::format("prop{}_link_joint<", i));
+  // Motors are at their links.
+  std::string links = urdf_links;
+  for (const std::string place : {"xyz='0.03 -0.03 0'", "xyz='-0.03 -0.03 0'"}) {
+    links = with(links, place, "xyz='0 0 0.0'");
+    links = with(links, "type='fixed'><origin xyz='0 0 0'", "type='fixed'><origin " + place);
+  }
+  const Imported made = imported(links + motors + "</gazebo></robot>");
+  const Vehicle v = vehicle_of(made);
+  EXPECT_THAT(v.spin, ElementsAre(1, -1, 1, -1));
+  EXPECT_EQ(v.k_f, 8.5e-6);
+  EXPECT_EQ(v.tau_down, 0.025);
+}
+
+TEST(ImportUrdf, RefusesWithPlaceElementTextAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(small, "kf='3e-10'", "kf='-3e-10'")),
+              StartsWith("lab/a.yaml:3: <properties kf> = -3e-10, expected > 0 N/rpm^2"));
+  EXPECT_THAT(refusal(with(small, "mass value='0.03'", "mass value='${m}'")),
+              HasSubstr("<mass value> = ${m}, expected >= 0 kg"));
+  EXPECT_THAT(refusal(with(small, "<link", "<xacro:property name='m' value='1'/><link")),
+              HasSubstr("expected URDF, which xacro FILE prints"));
+  EXPECT_THAT(refusal(with(small, "child link='battery'", "child link='gone'")),
+              HasSubstr("<child> = gone, expected a link of this file"));
+  EXPECT_THAT(refusal(with(small, "child link='battery'", "child link='base'")),
+              HasSubstr("<robot> = joints in a circle, expected a tree of links and joints"));
+  EXPECT_THAT(refusal("<robot name='a'/>"), HasSubstr("1 to 256 links"));
+}
+
+/// A child body, a turned site, defaults by class, and shapes of each kind with mass or density.
+const std::string carrier = R"(<mujoco model="carrier">
+<compiler angle="degree" eulerseq="zyx"/>
+<default><geom density="400"/><motor ctrlrange="0 6"/>
+<default class="arm"><geom type="capsule" mass="0.05"/><default class="pod"><geom type="ellipsoid" size="0.05 0.04 0.03"/></default></default></default>
+<worldbody><geom type="plane" size="9 9 1"/><light pos="0 0 3"/>
+<body name="carrier" pos="0 0 1" childclass="arm"><freejoint/>
+<geom fromto="0 0 0 0.2 -0.2 0" size="0.01"/><geom fromto="0 0 0 -0.2 0.2 0" size="0.01"/>
+<geom fromto="0 0 0 0.2 0.2 0" size="0.01"/><geom fromto="0 0 0 -0.2 -0.2 0" size="0.01"/>
+<geom class="main" type="box" size="0.1 0.06 0.03" euler="10 5 20"/>
+<site name="s0" pos="0.2 -0.2 0.02"/><site name="s1" pos="-0.2 0.2 0.02" euler="90 0 0"/>
+<site name="s2" pos="0.2 0.2 0.02" zaxis="0 0 2"/><site name="s3" pos="-0.2 -0.2 0.02" quat="2 0 0 2"/>
+<frame pos="0 0 -0.1"><geom class="pod" euler="30 0 0" pos="0 0 0.01"/></frame>
+<body name="leg" pos="0 0 -0.05" axisangle="0 0 1 45"><geom type="cylinder" size="0.02 0.03" density="900" xyaxes="0 1 0 0 0 1"/>
+<body name="foot" pos="0 0 -0.05"><inertial pos="0 0 0.01" mass="0.04" fullinertia="2e-5 3e-5 4e-5 1e-6 0 2e-6"/>
+<geom type="sphere" size="0.02"/></body></body>
+</body></worldbody>
+<actuator><motor site="s0" gear="0 0 1 0 0 -0.02"/><motor site="s1" gear="0 0 1 0 0 -0.02"/>
+<motor site="s2" gear="0 0 1 0 0 0.02"/><motor site="s3" gear="0 0 1 0 0 0.02"/></actuator>
+</mujoco>
+)";
+
+TEST(ImportMjcf, MotorsAtSitesAreRotors) {
+  const Imported made = imported(carrier);
+  const Vehicle v = vehicle_of(made);
+  EXPECT_THAT(v.spin, ElementsAre(1, 1, -1, -1))
+      << "a rotor that turns anticlockwise turns its body clockwise";
+  EXPECT_NEAR(v.rotor_x[0] - v.rotor_x[1], 0.4, 1e-12);
+  EXPECT_NEAR(v.rotor_y[0] - v.rotor_y[1], -0.4, 1e-12);
+  EXPECT_NEAR(v.thrust_max(), 4 * 6.0, 1e-12);
+  EXPECT_EQ(v.k_m, 0.02);
+  EXPECT_THAT(made.text, HasSubstr("# The file has thrusts, at most 6 N each, and no speeds of rotors"));
+  EXPECT_THAT(made.text,
+              HasSubstr("tau_up, tau_down, rotor_drag, rotor_radius, radius, height, drag, gains.\n"));
+}
+
+TEST(ImportMjcf, AFileWithoutRotorsGivesTheBodyAlone) {
+  const Imported made = imported(
+      "<mujoco><worldbody><body><inertial pos='0 0 0' mass='0.027' diaginertia='2e-5 2e-5 3e-5'/><site "
+      "name='a'/></body></worldbody><actuator><motor site='a' gear='0 0 1' ctrlrange='0 0.35'/><motor "
+      "site='a' "
+      "gear='0 0 0 1' name='x_moment'/></actuator></mujoco>");
+  EXPECT_THAT(made.text,
+              HasSubstr("# One thrust of all rotors, at most 0.35 N.\n# Not in the file, so as in the "
+                        "preset, x500 if none is stated: rotor_x, rotor_y, spin, k_f, k_m,"));
+  EXPECT_THAT(made.text,
+              testing::EndsWith("[agent.uav0.vehicle]\nmass = 0.027\ninertia = [2e-05, 2e-05, 3e-05]\n"));
+  EXPECT_THAT(made.notes, Contains(HasSubstr("x_moment is a torque without thrust")));
+}
+
+TEST(ImportMjcf, RefusesWithPlaceElementTextAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(carrier, "class=\"pod\" euler", "class=\"gone\" euler")),
+              HasSubstr("<geom> = gone, expected a class of <default>"));
+  EXPECT_THAT(refusal(with(carrier, "type=\"cylinder\"", "type=\"mesh\" mesh=\"leg\"")),
+              HasSubstr("<geom> = mesh, expected a solid sphere, capsule"));
+  EXPECT_THAT(refusal(with(carrier, "zaxis=\"0 0 2\"", "zaxis=\"1 0 0\"")), HasSubstr("thrusts along z"));
+  EXPECT_THAT(refusal(with(carrier, "gear=\"0 0 1 0 0 0.02\"", "gear=\"0 0 2 0 0 0.02\"")),
+              HasSubstr("the gear and range of the first motor"));
+  EXPECT_THAT(refusal(with(carrier, "<body name=\"carrier\"",
+                           "<body name=\"other\"><freejoint/></body><body name=\"carrier\"")),
+              HasSubstr("<mujoco> = 2 bodies, 2 with a free joint, expected one that flies"));
+  EXPECT_THAT(refusal(with(carrier, "eulerseq=\"zyx\"", "settotalmass=\"3\"")),
+              HasSubstr("expected masses as parts have them"));
+  // Equal thrusts of it would leave the yaw without torque.
+  EXPECT_THAT(refusal(with(with(carrier, "s1\" gear=\"0 0 1 0 0 -0.02", "s1\" gear=\"0 0 1 0 0 0.02"),
+                           "s2\" gear=\"0 0 1 0 0 0.02", "s2\" gear=\"0 0 1 0 0 -0.02")),
+              HasSubstr("leave an axis without torque"));
+  EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("0 bodies"));
 }
 
 TEST(Import, AFileOfAnotherKindIsNamed) {
@@ -503,8 +705,8 @@ std::string mutated(std::string text, Random& random) {
 TEST(Import, MutatedFilesAreReadOrRefused) {
   Random random(11);
   int accepted = 0;
-  for (int k = 0; k < 2000; ++k) {
-    const std::array all = {swarm, ros_camera, chain, node_tags, quad, slam_tags};
+  for (int k = 0; k < 6000; ++k) {
+    const std::array all = {swarm, ros_camera, chain, node_tags, quad, slam_tags, small, carrier};
     const std::string text = mutated(all[static_cast<std::size_t>(k) % all.size()], random);
     Imported made;
     try {
@@ -518,15 +720,18 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
     if (made.text.find("[fleet]") != std::string::npos) {
       ASSERT_NO_THROW(scenario_of(made.text)) << text << made.text;
     } else if (made.text.find(".vehicle]") != std::string::npos) {
-      ASSERT_NO_THROW(vehicle_of(made)) << text << made.text;
+      // A file that lacks numbers is completed by hand.
+      const bool whole = made.text.find("spin = [1.0, ") != std::string::npos;
+      ASSERT_TRUE(!whole || made.text.find("\nk_f = ") == std::string::npos || vehicle_of(made).mass > 0)
+          << text;
     } else if (made.text.find(".tags]") != std::string::npos) {
       ASSERT_NO_THROW(tagged(made)) << text << made.text;
     } else {
       ASSERT_NO_THROW(camera_of(made)) << text << made.text;
     }
   }
-  EXPECT_GT(accepted, 200);
-  EXPECT_LT(accepted, 1900);
+  EXPECT_GT(accepted, 400);
+  EXPECT_LT(accepted, 5500);
 }
 
 }  // namespace

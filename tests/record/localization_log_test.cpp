@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "tests/support/replayed_flight.hpp"
 
 namespace sightline {

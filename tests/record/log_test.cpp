@@ -15,7 +15,7 @@
 
 #include "sightline/log.hpp"
 #include "sightline/potentials.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/folder.hpp"
 

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <fstream>
 #include <random>
 
+#include "sightline/log.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/world.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/lagging_flight.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/ros_bag.hpp"
 
 namespace sightline {
 namespace {
@@ -119,29 +123,58 @@ TEST(CsvLists, AMotionIsTheSameFromARecordingAndFromTheTextThatALogKeeps) {
   const std::filesystem::path folder = test::fresh_folder();
   const test::LaggingFlight flight(6.0);
   std::ofstream(folder / "flight.ulg", std::ios::binary) << test::ulog_of(flight, 5);
-  const std::string keys = "file = \"flight.ulg\"\nbody = \"vehicle_local_position\"\n";
+  std::ofstream(folder / "flight.mcap", std::ios::binary) << test::bag_of(flight).bytes("lz4");
   const auto read = [&](const TomlDocument& document) {
     WaypointsMotion path =
         read_part<WaypointsMotion>(ListSource(TomlTable(document)), parameter_keys<ListFile>());
     path.check();
     return path;
   };
-  const TomlDocument from_disk = parse_toml(keys, (folder / "a.toml").native());
-  const WaypointsMotion path = read(from_disk);
-  for (double t = 0; t < 5.9; t += 0.07) {
-    const auto& row = flight.rows[static_cast<std::size_t>(std::lround(t / test::LaggingFlight::step))];
-    EXPECT_LE(norm(path(t).p - row.p), 2e-3) << t;
-  }
-  for (std::size_t i = 1; i < path.times.size(); ++i) EXPECT_GT(path.times[i] - path.times[i - 1], 0.0199);
+  for (const auto& [file, body] : {std::pair{"flight.ulg", "vehicle_local_position"},
+                                   std::pair{"flight.mcap", "/odom"}, std::pair{"flight.mcap", "cf1"}}) {
+    const std::string keys = fmt::format("file = \"{}\"\nbody = \"{}\"\n", file, body);
+    const TomlDocument from_disk = parse_toml(keys, (folder / "a.toml").native());
+    const WaypointsMotion path = read(from_disk);
+    for (double t = 0; t < 5.9; t += 0.07) {
+      const auto& row = flight.rows[static_cast<std::size_t>(std::lround(t / test::LaggingFlight::step))];
+      EXPECT_LE(norm(path(t).p - row.p), 2e-3) << t;
+    }
+    for (std::size_t i = 1; i < path.times.size(); ++i) EXPECT_GT(path.times[i] - path.times[i - 1], 0.0199);
 
-  TomlDocument kept = parse_toml(keys, "elsewhere/a.toml");
-  kept.from_disk = false;
-  kept.files = from_disk.files;
-  EXPECT_EQ(read(kept).times, path.times);
-  // A campaign writes the text beside the scenario.
-  std::filesystem::remove(folder / "flight.ulg");
-  for (const auto& [name, text] : from_disk.files) std::ofstream(folder / name) << text;
-  EXPECT_EQ(read(parse_toml(keys, (folder / "a.toml").native())).times, path.times);
+    TomlDocument kept = parse_toml(keys, "elsewhere/a.toml");
+    kept.from_disk = false;
+    kept.files = from_disk.files;
+    EXPECT_EQ(read(kept).times, path.times);
+    // A campaign writes the text beside the scenario.
+    std::filesystem::rename(folder / file, folder / "away");
+    for (const auto& [name, text] : from_disk.files) std::ofstream(folder / name) << text;
+    EXPECT_EQ(read(parse_toml(keys, (folder / "a.toml").native())).times, path.times);
+    std::filesystem::rename(folder / "away", folder / file);
+  }
+}
+
+TEST(CsvLists, TheLogOfARunHasThePathsOfItsRobots) {
+  const std::filesystem::path folder = test::fresh_folder();
+  {
+    McapWriter log(folder / "run.mcap", "ros2", "sightline 0.2.0");
+    const RosSchema pose = pose_schema();
+    McapChannel channel{log.channel(log.schema(pose.name, "ros2msg", pose.text), "/uav0/pose", "cdr", {})};
+    std::vector<std::byte> bytes;
+    for (std::uint64_t k = 0; k < 50; ++k) {
+      encode_pose(bytes, "map", {.time = k * 100'000'000, .p = {0.5 * static_cast<double>(k), 1, 2}});
+      log.message(channel.id, channel.sequence++, k * 100'000'000, bytes);
+    }
+    log.close();
+  }
+  // Its file, or its folder.
+  for (const char* file : {"run.mcap", "."}) {
+    const TomlDocument document =
+        parse_toml(fmt::format("file = \"{}\"\nbody = \"uav0\"\n", file), (folder / "a.toml").native());
+    const WaypointsMotion path =
+        read_part<WaypointsMotion>(ListSource(TomlTable(document)), parameter_keys<ListFile>());
+    EXPECT_EQ(path.times.size(), 50U);
+    EXPECT_NEAR(path(2.0).p.x, 10.0, 1e-6) << "5 m/s";
+  }
 }
 
 TEST(CsvLists, ARecordingThatGivesNoPathIsNamed) {
@@ -150,6 +183,11 @@ TEST(CsvLists, ARecordingThatGivesNoPathIsNamed) {
   std::ofstream(folder / "cut.ulg", std::ios::binary) << "ULog\x01\x12\x35";
   std::ofstream(folder / "bad.ulg", std::ios::binary) << test::ulog_head() << std::string(9, '\1');
   std::ofstream(folder / "bag.db3", std::ios::binary) << std::string("SQLite format 3\0", 16);
+  std::ofstream(folder / "flight.mcap", std::ios::binary)
+      << test::bag_of(test::LaggingFlight(1.0)).bytes("zstd");
+  const gzFile packed = gzopen((folder / "flight.mcap.gz").c_str(), "wb");
+  ASSERT_GT(gzputs(packed, "\x89MCAP0\r\n\x01"), 0);
+  gzclose(packed);
   std::ofstream(folder / "path.csv") << "t,x,y,z\n0,1,2,3\n1,1,2,3\n";
   const auto refused = [&](const std::string& keys) {
     const TomlDocument document = parse_toml(keys, (folder / "a.toml").native());
@@ -162,6 +200,15 @@ TEST(CsvLists, ARecordingThatGivesNoPathIsNamed) {
       refused("file = \"bag.db3\""),
       HasSubstr("expected a file of times and positions (CSV), relative to this one; this is an SQLite"));
   EXPECT_THAT(refused("file = \"path.csv\"" + body), HasSubstr("(this is a table of values (CSV))"));
+  EXPECT_THAT(refused("file = \"flight.mcap\""),
+              HasSubstr("expected the key body beside an MCAP recording, as of rosbag2: a topic or a name"));
+  EXPECT_THAT(
+      refused("file = \"flight.mcap\"\nbody = \"uav7\""),
+      HasSubstr("flight.mcap: no body uav7, expected one of /odom, /pose, /poses:cf1, /tf:tag, /tf:uav0)"));
+  EXPECT_THAT(refused("file = \"flight.mcap\"\nbody = \"" + std::string(81, 'a') + "\""),
+              HasSubstr("expected a topic or a name of 1 to 80 bytes"));
+  EXPECT_THAT(refused("file = \"flight.mcap.gz\"\nbody = \"/odom\""),
+              HasSubstr("(this is an MCAP recording, as of rosbag2, packed by gzip)"));
   EXPECT_THAT(refused("file = \"bad.ulg\"" + body), HasSubstr("bad.ulg: byte 16: a message of kind 0x01"));
   EXPECT_THAT(refused("file = \"cut.ulg\"" + body), HasSubstr("cut.ulg: no topic vehicle_local_position"));
   EXPECT_THAT(refused("file = \"none.ulg\"" + body), HasSubstr("none.ulg: not there"));

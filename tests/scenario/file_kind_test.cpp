@@ -44,7 +44,10 @@ const std::vector<Recognised>& kinds() {
       {"a table of values (CSV)", "# path\n0.0;0;0;1\r\n0.1;0;0;1\r\n"},
       {"a table of values (CSV)", "0.0\t1\n0.1\t2\n"},
       {"JSON", "{\"a\": 1}"},
-      {"XML", "<mujoco model=\"lab\">\n"},
+      {"an MJCF", "<!-- of a lab -->\n<mujoco model=\"lab\">\n"},
+      {"an SDF", "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n"},
+      {"a URDF", "<?xml version=\"1.0\"?>\n<robot name=\"cf2\">\n"},
+      {"XML", "<rss>\n"},
       {"a zip archive", "PK\x03\x04"s},
       {"a program (ELF)", "\x7f\x45LF\x02"s}};
   return all;

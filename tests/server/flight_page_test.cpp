@@ -8,7 +8,7 @@
 #include <list>
 #include <thread>
 
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/server/paced_clock.hpp"
 #include "tests/support/foxglove_ears.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "tests/support/keeping_sink.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/view_scenario.hpp"

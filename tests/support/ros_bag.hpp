@@ -2,11 +2,13 @@
 /// code with it.
 #pragma once
 
+#include <lz4frame.h>
 #include <zstd.h>
 
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -58,12 +60,16 @@ class BagWriter {
     chunk_ += record(5, packed(id) + packed(std::uint32_t{0}) + packed(time, time) + message.bytes());
   }
 
-  /// @param compression  "zstd", or empty; any other is named, but not done
+  /// @param compression  "zstd", "lz4", or empty; any other is named, but not done
   std::string bytes(const std::string& compression) const {
     std::string inside = chunk_;
     if (compression == "zstd") {
       inside.resize(ZSTD_compressBound(chunk_.size()));
       inside.resize(ZSTD_compress(inside.data(), inside.size(), chunk_.data(), chunk_.size(), 3));
+    }
+    if (compression == "lz4") {
+      inside.resize(LZ4F_compressFrameBound(chunk_.size(), nullptr));
+      inside.resize(LZ4F_compressFrame(inside.data(), inside.size(), chunk_.data(), chunk_.size(), nullptr));
     }
     const std::uint64_t none = 0, size = chunk_.size(), packed_size = inside.size();
     return "\x89MCAP0\r\n" + record(1, text("ros2") + text("rosbag")) +
@@ -85,9 +91,23 @@ class BagWriter {
   std::map<std::string, std::uint16_t> channels_;
 };
 
+/// sensor_msgs/CameraInfo of a wide camera with a distortion.
+inline Cdr camera_info(const char* model, std::initializer_list<double> coefficients) {
+  Cdr camera;
+  camera.stamp(0.0) << std::uint32_t{480} << std::uint32_t{640} << model
+                    << static_cast<std::uint32_t>(coefficients.size());
+  for (const double d : coefficients) camera << d;
+  for (const double k : {420.5, 0.0, 321.0, 0.0, 419.0, 243.5, 0.0, 0.0, 1.0}) camera << k;
+  for (int i = 0; i < 9; ++i) camera << (i % 4 == 0 ? 1.0 : 0.0);
+  for (int i = 0; i < 12; ++i) camera << 0.0;
+  return camera;
+}
+
 /// A flight as a motion capture, an odometry and a commander record it.
 inline BagWriter bag_of(const LaggingFlight& flight) {
   BagWriter bag;
+  bag.add("/camera/camera_info", "sensor_msgs/msg/CameraInfo", 0.0,
+          camera_info("plumb_bob", {-0.25, 0.06, 0.001, -0.002, 0.0}));
   for (std::size_t k = 0; k < flight.rows.size(); k += 5) {
     const LaggingFlight::Row& row = flight.rows[k];
     const double c = std::cos(row.psi), s = std::sin(row.psi);

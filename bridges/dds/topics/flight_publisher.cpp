@@ -21,7 +21,7 @@
 #include "sightline/base/now.hpp"
 #include "sightline/judge/event_description.hpp"
 #include "sightline/loop.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/report/scene.hpp"
 
 namespace sightline::dds {

@@ -12,8 +12,9 @@ namespace sightline {
 namespace {
 
 constexpr std::string_view known_kinds =
-    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS or kalibr, the tags of "
-    "apriltag_ros or TagSLAM, or the SDF of a multirotor";
+    "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS (or a bag with it) or kalibr, the "
+    "tags of "
+    "apriltag_ros or TagSLAM, or the SDF, URDF or MJCF of a multirotor";
 
 bool is_camchain(const YamlValue& document) {
   const auto all = document.entries("a mapping");
@@ -47,8 +48,8 @@ bool is_robot_name(std::string_view name) {
 Imported import_texts(std::span<const ImportFile> files, const ImportOptions& options) {
   if (files.empty()) throw ScenarioError("import", 0, "no file, expected one");
   const ImportFile& first = files.front();
+  const FileKind kind = file_kind(std::string_view(first.text).substr(0, file_head));
   const auto no_kind = [&] {
-    const FileKind kind = file_kind(std::string_view(first.text).substr(0, file_head));
     return ScenarioError(first.name, 1,
                          kind.what.empty() ? fmt::format("expected {}", known_kinds)
                                            : fmt::format("this is {}, expected {}", kind.what, known_kinds));
@@ -56,8 +57,18 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
   const std::size_t begin = first.text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (begin == std::string::npos) throw no_kind();
   check_agent(options, first.name);
-  if (first.text[begin] == '<') return import_sdf(files, options);
-  const YamlValue document(first.text, first.name);
+  if (first.text[begin] == '<') return import_vehicle(files, options);
+  const YamlValue document = [&] {
+    try {
+      return YamlValue(first.text, first.name);
+    } catch (const ScenarioError&) {
+      // To YAML a table is a word.
+      if (kind.what.find("YAML") == std::string_view::npos &&
+          kind.what.find("yaml") == std::string_view::npos)
+        if (!kind.what.empty()) throw no_kind();
+      throw;
+    }
+  }();
   const bool is_fleet = document.find("robots").has_value();
   const std::size_t most = is_fleet ? 2 : 1;
   if (files.size() > most)
@@ -83,6 +94,19 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
 }
 
 Imported import_files(std::span<const std::filesystem::path> files, const ImportOptions& options) {
+  if (!files.empty()) {
+    const FileKind kind = kind_at(files[0]);
+    const bool bag = kind.recording == RecordingKind::bag || kind.recording == RecordingKind::run;
+    if (bag && kind.packed_by.empty()) {
+      if (files.size() > 1) throw ScenarioError(files[1].native(), 0, "expected one bag");
+      check_agent(options, files[0].native());
+      return import_bag(files[0], options);
+    }
+    // A text is read, and says where it is no such file.
+    if (!kind.what.empty() && (!kind.is_text || !kind.packed_by.empty()))
+      throw ScenarioError(files[0].native(), 1,
+                          fmt::format("this is {}, expected {}", kind.shown(), known_kinds));
+  }
   std::vector<ImportFile> texts;
   for (const std::filesystem::path& file : files) texts.push_back({file.native(), read_import_text(file)});
   return import_texts(texts, options);

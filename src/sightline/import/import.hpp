@@ -2,8 +2,9 @@
 ///
 ///     crazyflies.yaml, server.yaml   Crazyswarm2            a fleet file
 ///     camera_info, camchain (YAML)   ROS 2, kalibr          [agent.NAME.camera]
+///     CameraInfo in a bag (MCAP)     ROS 2                  [agent.NAME.camera]
 ///     tags.yaml                      apriltag_ros, TagSLAM  [target.NAME.tags]
-///     model.sdf                      Gazebo                 [agent.NAME.vehicle]
+///     model.sdf, URDF, MJCF          Gazebo, ROS, MuJoCo    [agent.NAME.vehicle]
 #pragma once
 
 #include <filesystem>
@@ -17,7 +18,7 @@ namespace sightline {
 struct ImportOptions {
   std::string
       agent{};  ///< robot that gets a camera or a vehicle, by default uav0, or all the tags; empty: each tag a target
-  std::string camera{};  ///< of a camchain, "cam1"; empty: its first
+  std::string camera{};  ///< of a camchain, "cam1", or a topic of a bag; empty: its first
 };
 
 /// The result: a file, or tables of one.

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -7,6 +8,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/import/kinds.hpp"
+#include "sightline/readers/ros_bag.hpp"
 #include "sightline/sensors.hpp"
 
 namespace sightline {
@@ -16,6 +18,15 @@ constexpr std::string_view distortion_words = "plumb_bob, rational_polynomial or
 constexpr Range of_focal_length = {1.0, 1e5, "1 to 1e5 px"}, of_point = {0.01, 4096, "0.01 to 4096 px"};
 constexpr Range of_coefficient = {-1e6, 1e6, "-1e6 to 1e6"};
 constexpr std::int64_t side_min = 16, side_max = 4096;
+
+template <class All, class Name>
+[[noreturn]] void throw_unknown_camera(const std::string& file, const ImportOptions& options, const All& all,
+                                       Name name) {
+  std::vector<std::string> names;
+  for (const auto& one : all) names.push_back(shortened(one_line(one.*name), shown_size));
+  throw ScenarioError(
+      file, 0, fmt::format("--camera = {}, expected one of {}", options.camera, fmt::join(names, ", ")));
+}
 
 /// The tables of a camera, which our reader accepts.
 Imported camera_tables(const Camera& camera, const std::string& file, const ImportOptions& options) {
@@ -92,17 +103,53 @@ Imported import_camera_info(const YamlValue& camera, const std::string& file, co
   return made;
 }
 
+Imported import_bag(const std::filesystem::path& bag, const ImportOptions& options) {
+  const std::string& file = bag.native();
+  const auto all = [&] {
+    try {
+      return RosBag(bag).cameras();
+    } catch (const std::invalid_argument& error) {
+      const std::string_view sentence = error.what();
+      // It begins with the file.
+      throw ScenarioError(file, 0, sentence.substr(sentence.starts_with(file + ": ") ? file.size() + 2 : 0));
+    }
+  }();
+  if (all.empty())
+    throw ScenarioError(file, 0,
+                        "no sensor_msgs/CameraInfo, expected a bag with the calibration of a camera");
+  const auto chosen = std::find_if(all.begin(), all.end(), [&](const BagCamera& camera) {
+    return options.camera.empty() || camera.topic == options.camera;
+  });
+  if (chosen == all.end()) throw_unknown_camera(file, options, all, &BagCamera::topic);
+  const std::string& word = chosen->distortion_model;
+  const bool known = std::find(distortions.begin() + 1, distortions.end(), word) != distortions.end();
+  if (!known && !(word.empty() && chosen->D.empty()))
+    throw ScenarioError(file, 0,
+                        fmt::format("{}: distortion_model = {}, expected {}", chosen->topic,
+                                    shortened(word, shown_size), distortion_words));
+  // As camera_calibration of ROS writes it.
+  std::string text =
+      fmt::format("{{image_width: {}, image_height: {}, camera_matrix: [{}], rectification_matrix: [{}]",
+                  chosen->width, chosen->height, fmt::join(chosen->K, ", "), fmt::join(chosen->R, ", "));
+  if (known)
+    text += fmt::format(", distortion_model: {}, distortion_coefficients: [{}]", word,
+                        fmt::join(chosen->D, ", "));
+  const YamlValue camera(text + "}", fmt::format("{}: {}", file, chosen->topic));
+  Imported made = import_camera_info(camera, file, options);
+  made.text.insert(made.text.find('\n') + 1, fmt::format("# The topic {}.\n", chosen->topic));
+  for (const BagCamera& one : all)
+    if (one.topic != chosen->topic)
+      made.notes.push_back(fmt::format("{} is left out, --camera chooses it", one.topic));
+  return made;
+}
+
 Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options) {
   const auto all = chain.entries("the cameras by their names, cam0");
   const auto chosen = std::find_if(all.begin(), all.end(), [&](const auto& entry) {
     return options.camera.empty() || entry.first == options.camera;
   });
-  if (chosen == all.end()) {
-    std::string names;
-    for (const auto& [name, unused] : all)
-      names += (names.empty() ? "" : ", ") + shortened(one_line(name), 20);
-    throw ScenarioError(file, 0, fmt::format("--camera = {}, expected one of {}", options.camera, names));
-  }
+  if (chosen == all.end())
+    throw_unknown_camera(file, options, all, &std::pair<std::string, YamlValue>::first);
   const YamlValue& camera = chosen->second;
   const YamlValue model = camera.at("camera_model", "pinhole");
   if (model.text("pinhole") != "pinhole")

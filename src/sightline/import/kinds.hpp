@@ -1,6 +1,7 @@
 /// The kinds of files that import.hpp makes something of, and TOML of values.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,11 +20,14 @@ Imported import_crazyflies(const YamlValue& robots, const std::string& file, con
 Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options);
 Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options);
 
+/// @param bag  a file or a folder
+Imported import_bag(const std::filesystem::path& bag, const ImportOptions& options);
+
 /// @param document  parameters of apriltag_ros, a list standalone_tags, or bodies of TagSLAM
 Imported import_tags(const YamlValue& document, const std::string& file, const ImportOptions& options);
 
-/// @param files  of one model: its own, and those that it includes
-Imported import_sdf(std::span<const ImportFile> files, const ImportOptions& options);
+/// @param files  a URDF, an MJCF, or those of one model of SDF: its own, and those that it includes
+Imported import_vehicle(std::span<const ImportFile> files, const ImportOptions& options);
 
 /// The parameters of a node of ROS 2, ros__parameters; none in another file.
 std::optional<YamlValue> node_parameters(const YamlValue& document);

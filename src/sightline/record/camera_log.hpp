@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "sightline/log.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/scenario.hpp"
 
 namespace sightline {

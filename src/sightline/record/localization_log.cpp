@@ -9,7 +9,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/record/log_table.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 

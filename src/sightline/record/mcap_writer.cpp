@@ -1,7 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -18,11 +17,6 @@
 #include "sightline/log.hpp"
 
 namespace sightline {
-
-std::uint32_t mcap::crc32_of(std::uint32_t crc, Span bytes) {
-  if (bytes.empty()) return crc;  // zlib returns its initial value for a null address
-  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 namespace {
 

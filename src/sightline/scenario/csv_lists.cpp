@@ -10,6 +10,7 @@
 
 #include "sightline/readers/number_table.hpp"
 #include "sightline/readers/px4_flight.hpp"
+#include "sightline/readers/ros_bag.hpp"
 #include "sightline/scenario/file_kind.hpp"
 
 namespace sightline {
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::string_view unused = "-";
 constexpr std::array<std::string_view, 4> beside_file = {"body", "columns", "period", "begin"};
+constexpr std::size_t body_size_max = 80;
 constexpr double rows_apart = 0.02;  // of the text of a recording [s]
 constexpr double begin_most = 1e5;   // beyond it the times are those of a clock [s]
 constexpr std::array<std::string_view, 3> of_place = {"x", "y", "z"}, of_velocity = {"vx", "vy", "vz"};
@@ -45,21 +47,42 @@ void check_column_names(const std::vector<std::string>& names, std::string_view 
 
 constexpr std::string_view a_table = "a file of times and positions (CSV), relative to this one";
 
+bool has_bodies(const FileKind& kind) {
+  return kind.packed_by.empty() &&
+         (kind.recording == RecordingKind::bag || kind.recording == RecordingKind::run);
+}
+
+/// The kind of the file that the key `file` names, unknown for a scenario that is not a file.
+FileKind kind_of_file(const TomlTable& at, const std::string& name) {
+  return at.from_disk() ? kind_at(std::filesystem::path(at.file()).parent_path() / name) : FileKind{};
+}
+
 /// The text of the table that the key `file` names.
 std::string table_text(const TomlTable& at, const std::string& name) {
-  if (at.from_disk()) {
-    const FileKind kind = kind_at(std::filesystem::path(at.file()).parent_path() / name);
-    if (kind.recording == RecordingKind::ulog)
-      at.throw_invalid("file", fmt::format("the key body beside {}: one of {}", kind.shown(),
-                                           fmt::join(px4_motions, ", ")));
-    if (!kind.what.empty() && kind.recording != RecordingKind::table)
-      at.throw_invalid("file", fmt::format("{}; this is {}", a_table, kind.shown()));
-  }
+  const FileKind kind = kind_of_file(at, name);
+  if (kind.recording == RecordingKind::ulog)
+    at.throw_invalid(
+        "file", fmt::format("the key body beside {}: one of {}", kind.shown(), fmt::join(px4_motions, ", ")));
+  if (has_bodies(kind))
+    at.throw_invalid("file", fmt::format("the key body beside {}: a topic or a name in it", kind.shown()));
+  if (!kind.what.empty() && kind.recording != RecordingKind::table)
+    at.throw_invalid("file", fmt::format("{}; this is {}", a_table, kind.shown()));
   try {
     return at.file_text(name);
   } catch (const ScenarioError& error) {
     at.throw_invalid("file", fmt::format("{} ({})", a_table, error.what()));
   }
+}
+
+/// The name of the text of a body, FILE.BODY.csv, with other characters than those of names as %2f.
+std::string text_name(const std::string& file, std::string_view body) {
+  std::string name = file + ".";
+  for (const char c : body) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return name + ".csv";
 }
 
 /// The motion of the key `body` in the recording that the key `file` names, as the text of a table.
@@ -68,20 +91,26 @@ std::string recording_text(const TomlTable& at, const std::string& name) {
     if (at.has(key)) at.throw_invalid(key, "no such key beside body");
   }
   const std::string body = at.text("body", "a topic of the recording");
-  if (std::find(px4_motions.begin(), px4_motions.end(), body) == px4_motions.end())
+  if (body.empty() || body.size() > body_size_max)
+    at.throw_invalid("body", fmt::format("a topic or a name of 1 to {} bytes", body_size_max));
+  const bool of_px4 = std::find(px4_motions.begin(), px4_motions.end(), body) != px4_motions.end();
+  if (!of_px4 && kind_of_file(at, name).recording == RecordingKind::ulog)
     at.throw_invalid("body", fmt::format("one of {}", fmt::join(px4_motions, ", ")));
   const auto read = [&](const std::filesystem::path& path) {
     const FileKind kind = kind_at(path);
-    if (!kind.what.empty() && kind.recording != RecordingKind::ulog)
+    const bool bodies = has_bodies(kind);
+    if (!kind.what.empty() && !bodies && kind.recording != RecordingKind::ulog)
       throw_invalid("this is {}", kind.shown());
-    const RecordedMotion motion = px4_motion(read_ulog(path), body);
+    const RecordedMotion motion = bodies ? RosBag(path).motion(body) : px4_motion(read_ulog(path), body);
     if (motion.empty()) throw_invalid("no valid sample of {}", body);
     return motion_text(motion);
   };
   try {
-    return at.made_text(name, fmt::format("{}.{}.csv", name, body), read);
+    return at.made_text(name, text_name(name, body), read);
   } catch (const std::exception& error) {
-    at.throw_invalid("file", fmt::format("a log of PX4 (ULog), relative to this one ({})", error.what()));
+    at.throw_invalid("file", fmt::format("a log of PX4 (ULog), a bag of ROS 2 or the log of a run (MCAP), "
+                                         "relative to this one ({})",
+                                         error.what()));
   }
 }
 

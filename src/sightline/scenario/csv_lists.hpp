@@ -3,6 +3,7 @@
 ///
 ///     reference = { waypoints = { file = "path.csv" } }
 ///     motion = { waypoints = { file = "flight.ulg", body = "vehicle_local_position" } }
+///     motion = { waypoints = { file = "flight.mcap", body = "cf1" } }
 ///
 /// Full description: docs/robots.md.
 #pragma once
@@ -42,10 +43,13 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
 struct ListFile {
   static constexpr auto parameters() {
     return std::tuple{
-        KeyText{"file", "a file (CSV, ULog)",
-                "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists, or a log of PX4",
+        KeyText{"file", "a file (CSV, ULog, MCAP)",
+                "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists, or a log of PX4, a "
+                "bag of ROS 2, the log of a run",
                 "none"},
-        KeyText{"body", "a topic", "of the log: vehicle_local_position, its _groundtruth or vehicle_odometry",
+        KeyText{"body", "a topic or a name",
+                "of the log: vehicle_local_position, its _groundtruth or vehicle_odometry; of the bag: "
+                "/odom, /poses:cf1, or cf1",
                 "none"},
         KeyText{"columns", "names", "of the columns of the file, in their order; \"-\": not used",
                 "its first line"},

@@ -15,11 +15,13 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view of_bag = "a scenario file (TOML); identify reads the motion in a bag",
-                           scenario_file = "a scenario file (TOML)",
-                           no_log =
-                               "a scenario file (TOML); logs are read from the folder of a run, as run "
-                               "and fly write it";
+constexpr std::string_view
+    of_bag = "a scenario file (TOML); identify and the file of a path read the motion in a bag",
+    scenario_file = "a scenario file (TOML)",
+    of_vehicle = "a scenario file (TOML); sightline import makes [agent.NAME.vehicle] of it",
+    no_log =
+        "a scenario file (TOML); logs are read from the folder of a run, as run "
+        "and fly write it";
 
 struct Magic {
   std::string_view begins;
@@ -49,10 +51,23 @@ constexpr std::array magics = {
     Magic{"\x7f\x45LF"sv, {"a program (ELF)", scenario_file}},
 };
 
+/// Elements of XML.
+constexpr std::array elements = {
+    Magic{
+        "<mujoco"sv,
+        {"an MJCF",
+         "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline import "
+         "makes [agent.NAME.vehicle] of it",
+         true}},
+    Magic{"<sdf"sv, {"an SDF", of_vehicle, true}},
+    Magic{"<robot"sv, {"a URDF", of_vehicle, true}},
+};
+
 /// A log of sightline or of another program; the header names the library that wrote it.
 FileKind mcap_kind(std::string_view head) {
   if (head.substr(0, 256).find("sightline") != std::string_view::npos)
-    return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in"};
+    return {"the log of a run", "a scenario file (TOML), or the folder that the log lies in", false,
+            RecordingKind::run};
   return {"an MCAP recording, as of rosbag2", of_bag, false, RecordingKind::bag};
 }
 
@@ -133,12 +148,11 @@ FileKind text_kind(std::string_view head) {
   if (lines.empty()) return {};
   const std::string_view first = trimmed_left(lines.front());
   if (first.starts_with('{')) return {"JSON", scenario_file, true};
-  if (first.starts_with('<'))
-    return {"XML",
-            "a scenario file (TOML), whose [world] names a model of MuJoCo by model = \"...\"; sightline "
-            "import makes "
-            "[agent.NAME.vehicle] of SDF",
-            true};
+  if (first.starts_with('<')) {
+    for (const Magic& element : elements)
+      if (head.find(element.begins) != std::string_view::npos) return element.kind;
+    return {"XML", scenario_file, true};
+  }
   if (first.starts_with("QGC WPL")) return {"a list of waypoints of QGroundControl", scenario_file, true};
   // In TOML, a line in [ ] is a header, not a row of a table.
   if (lines.size() > 1 && first.find('=') == std::string_view::npos && !first.starts_with('[') &&
@@ -169,7 +183,7 @@ FileKind kind_at(const std::filesystem::path& place) {
   std::error_code ignored;
   const auto has = [&](const char* file) { return std::filesystem::is_regular_file(place / file, ignored); };
   if (std::filesystem::is_directory(place, ignored)) {
-    if (has("run.mcap")) return {"the folder of a run", scenario_file};
+    if (has("run.mcap")) return {"the folder of a run", scenario_file, false, RecordingKind::run};
     if (has("metadata.yaml")) return {"the folder of a rosbag2", of_bag, false, RecordingKind::bag};
     return {};
   }

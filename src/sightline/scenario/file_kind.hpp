@@ -11,7 +11,7 @@ namespace sightline {
 inline constexpr std::size_t file_head = 4096;
 
 /// Recordings that a command may read.
-enum class RecordingKind { none, ulog, bag, table };
+enum class RecordingKind { none, ulog, bag, table, run };  // run: our own log, or its folder
 
 /// Result of file_kind().
 /// @param what      "a PX4 ULog"; empty if the kind is unknown

@@ -23,7 +23,7 @@
 #include "sightline/base/json_text.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/log.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
 #include "sightline/server/http.hpp"
 #include "sightline/server/page_files.hpp"

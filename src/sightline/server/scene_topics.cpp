@@ -10,7 +10,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/log.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/solver.hpp"
 #include "sightline/supervisor.hpp"
 #include "sightline/world.hpp"

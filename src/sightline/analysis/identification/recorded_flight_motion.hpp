@@ -7,8 +7,8 @@
 
 #include "sightline/analysis/identification/flown_motion.hpp"
 #include "sightline/readers/recorded_motion.hpp"
+#include "sightline/readers/ros_bag.hpp"
 #include "sightline/readers/ulog.hpp"
-#include "sightline/record/ros_bag.hpp"
 #include "sightline/scenario/csv_lists.hpp"
 #include "sightline/scenario/file_kind.hpp"
 

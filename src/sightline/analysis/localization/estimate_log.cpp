@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "sightline/config.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 #include "sightline/record/log_table.hpp"
 
 namespace sightline {

@@ -1,4 +1,4 @@
-#include "sightline/record/ros_bag.hpp"
+#include "sightline/readers/ros_bag.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ fs::path bag_file(const fs::path& file, const std::string& bytes) {
 
 TEST(RosBag, EachTypeOfMessageGivesTheSameMotion) {
   const LaggingFlight flight(6.0);
-  for (const char* compression : {"", "zstd"}) {
+  for (const char* compression : {"", "zstd", "lz4"}) {
     const RosBag bag(bag_file(fresh_folder() / "a.mcap", bag_of(flight).bytes(compression)));
     EXPECT_THAT(bag.topics().bodies, ElementsAre("/odom", "/pose", "/poses:cf1", "/tf:tag", "/tf:uav0"));
     EXPECT_THAT(bag.topics().commands, ElementsAre("/cmd"));
@@ -47,6 +47,25 @@ TEST(RosBag, EachTypeOfMessageGivesTheSameMotion) {
   }
 }
 
+TEST(RosBag, ANameStandsForTheOnlyBodyThatHasIt) {
+  const LaggingFlight flight(1.0);
+  BagWriter writer = bag_of(flight);
+  Cdr pose;
+  pose.stamp(0.0).pose({1, 2, 3}, 0);
+  writer.add("/cf2/pose", "geometry_msgs/msg/PoseStamped", 0.0, pose);
+  const auto refused = [&](const RosBag& bag, const char* body) {
+    return refusal_of([&] { (void)bag.motion(body); });
+  };
+  const fs::path file = fresh_folder() / "a.mcap";
+  const RosBag bag(bag_file(file, writer.bytes("lz4")));
+  EXPECT_EQ(bag.motion("cf1").size(), bag.motion("/poses:cf1").size());
+  EXPECT_EQ(bag.motion("cf2").front().p.y, 2.0);
+  EXPECT_THAT(refused(bag, "cf3"), HasSubstr("no body cf3, expected one of /cf2/pose, /odom, "));
+  writer.add("/uav0/pose", "geometry_msgs/msg/PoseStamped", 0.0, pose);
+  EXPECT_THAT(refused(RosBag(bag_file(file, writer.bytes(""))), "uav0"),
+              EndsWith("no body uav0, expected one of /tf:uav0, /uav0/pose"));
+}
+
 TEST(RosBag, AFolderIsReadWhollyAndInOrder) {
   const fs::path folder = fresh_folder();
   LaggingFlight first(2.0), second(4.0);
@@ -64,9 +83,22 @@ TEST(RosBag, WhatCannotBeReadIsNamed) {
     const fs::path file = bag_file(folder / "a.mcap", bytes);
     return refusal_of([&] { (void)RosBag(file).topics(); });
   };
-  EXPECT_THAT(refused(writer.bytes("lz4")),
-              HasSubstr("a.mcap: byte 35: a chunk compressed by lz4, expected zstd or none"));
-  EXPECT_THAT(refused(writer.bytes("brotli")), HasSubstr("a chunk compressed by an unknown method"));
+  EXPECT_THAT(
+      refused(writer.bytes("brotli")),
+      HasSubstr("a.mcap: byte 35: a chunk compressed by an unknown method, expected zstd, lz4 or none"));
+  // The frame has another head, or is longer or shorter than the chunk.
+  for (const std::string packer : {"lz4", "zstd"}) {
+    const std::string whole = writer.bytes(packer);
+    const std::size_t frame = whole.find(packer) + packer.size() + 8, size_at = 35 + 9 + 16;
+    for (const auto& [at, change] :
+         {std::pair{frame, 1}, std::pair{size_at, 1}, std::pair{size_at, 8}, std::pair{size_at + 2, 1}}) {
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(bytes[at] ^ change);
+      const std::string sentence = refused(bytes);
+      EXPECT_THAT(sentence, HasSubstr("a.mcap: byte 35: a chunk whose " + packer + " frame is damaged"))
+          << at;
+    }
+  }
   EXPECT_THAT(refused("nothing"), HasSubstr("a.mcap: byte 0: the file does not begin as MCAP logs do"));
   BagWriter damaged;
   Cdr pose;

@@ -1,4 +1,4 @@
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view rule =
     "================================================================================\n";
 constexpr std::string_view pose_stamped = "std_msgs/Header header\ngeometry_msgs/Pose pose\n";
-constexpr std::string_view header =
+constexpr std::string_view header_text =
     "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
     "================================================================================\n"
     "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
@@ -94,28 +94,29 @@ constexpr std::size_t least_pose = 12 + 1 + 7 * sizeof(double);  // header with 
 }  // namespace
 
 RosSchema pose_schema() {
-  return {"geometry_msgs/msg/PoseStamped", join({pose_stamped, header, pose_parts})};
+  return {"geometry_msgs/msg/PoseStamped", join({pose_stamped, header_text, pose_parts})};
 }
 
 RosSchema twist_schema() {
   return {"geometry_msgs/msg/TwistStamped",
-          join({"std_msgs/Header header\ngeometry_msgs/Twist twist\n", header, twist_parts})};
+          join({"std_msgs/Header header\ngeometry_msgs/Twist twist\n", header_text, twist_parts})};
 }
 
 RosSchema path_schema() {
   const std::string pose = fmt::format("MSG: geometry_msgs/PoseStamped\n{}", pose_stamped);
-  return {"nav_msgs/msg/Path",
-          join({"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n", pose, header, pose_parts})};
+  return {"nav_msgs/msg/Path", join({"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n", pose,
+                                     header_text, pose_parts})};
 }
 
 RosSchema attitude_schema() {
-  return {"geometry_msgs/msg/QuaternionStamped",
-          join({"std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n", header, quaternion_text})};
+  return {
+      "geometry_msgs/msg/QuaternionStamped",
+      join({"std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n", header_text, quaternion_text})};
 }
 
 RosSchema estimate_schema() {
   return {"geometry_msgs/msg/PoseWithCovarianceStamped",
-          join({"std_msgs/Header header\ngeometry_msgs/PoseWithCovariance pose\n", header,
+          join({"std_msgs/Header header\ngeometry_msgs/PoseWithCovariance pose\n", header_text,
                 "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n",
                 pose_parts})};
 }

@@ -1,4 +1,4 @@
-#include "sightline/record/cdr.hpp"
+#include "sightline/readers/cdr.hpp"
 
 #include <gtest/gtest.h>
 

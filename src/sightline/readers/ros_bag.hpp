@@ -1,6 +1,8 @@
 /// Motion of bodies and commanded velocities in a bag of ROS 2 (rosbag2 in MCAP).
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,8 +19,18 @@ struct BagTopics {
   std::vector<std::string> commands;  ///< of geometry_msgs/TwistStamped and geometry_msgs/Twist
 };
 
-/// A bag, one file or a folder with metadata.yaml and its files. Messages are CDR, little-endian;
-/// chunks are plain or compressed by zstd. Times are those of the headers, else of the recording.
+/// The calibration of a camera, the first message of a topic of sensor_msgs/CameraInfo.
+struct BagCamera {
+  std::string topic;
+  std::uint32_t width = 0, height = 0;  ///< [px]
+  std::string distortion_model{};       ///< "plumb_bob"
+  std::vector<double> D{};              ///< coefficients of the distortion
+  std::array<double, 9> K{}, R{};       ///< matrices of the camera [px] and of the rectification, row-major
+};
+
+/// A bag, one file or a folder with its files; also the log of a run or its folder. Messages are CDR,
+/// little-endian; chunks are plain or compressed by zstd or lz4. Times are those of the headers, else
+/// of the recording.
 ///
 /// A bag without its end is read up to the last complete chunk. Every other fault is refused.
 class RosBag {
@@ -29,15 +41,21 @@ class RosBag {
 
   /// @throws std::invalid_argument naming the file, the byte and the fault
   BagTopics topics() const;
-  /// The motion of a body in the frame of its messages. Without a velocity in the messages it is the
+  /// The motion of a body in the frame of its messages. NAME stands for the only one of /NAME/pose and
+  /// "/TOPIC:NAME". Without a velocity in the messages it is the
   /// slope of the positions within 0.05 s.
   /// @throws std::invalid_argument as topics(), and for an unknown body
   RecordedMotion motion(const std::string& body) const;
   /// Commands with velocities in the axes of the body's heading.
   /// @throws std::invalid_argument as topics(), and for an unknown topic
   std::vector<VelocityCommand> commands(const std::string& topic) const;
+  /// Cameras by their topics.
+  /// @throws std::invalid_argument as topics()
+  std::vector<BagCamera> cameras() const;
 
  private:
+  std::string body_called(const std::string& name) const;
+
   std::string place_;
   std::vector<std::filesystem::path> files_;
 };

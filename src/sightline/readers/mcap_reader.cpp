@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <lz4frame.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -8,13 +9,20 @@
 #include <algorithm>
 #include <cerrno>
 #include <concepts>
+#include <memory>
 #include <system_error>
 #include <utility>
 
 #include "sightline/base/reason.hpp"
-#include "sightline/log.hpp"
+#include "sightline/mcap.hpp"
 
 namespace sightline {
+
+std::uint32_t mcap::crc32_of(std::uint32_t crc, Span bytes) {
+  if (bytes.empty()) return crc;  // zlib returns its initial value for a null address
+  return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
 namespace {
 
 using namespace mcap;
@@ -72,6 +80,26 @@ class Cursor {
 
 // Writers that compute no CRC write 0.
 bool is_crc(std::uint32_t reported, std::uint32_t crc) { return reported == 0 || reported == crc; }
+
+// Whether the frame is sound, and as long as `to`, which it fills.
+bool unpacked_zstd(Span frame, std::span<std::byte> to) {
+  const std::size_t got = ZSTD_decompress(to.data(), to.size(), frame.data(), frame.size());
+  return ZSTD_isError(got) == 0 && got == to.size();
+}
+
+bool unpacked_lz4(Span frame, std::span<std::byte> to) {
+  LZ4F_dctx* made = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION)) != 0) return false;
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
+      made, LZ4F_freeDecompressionContext);
+  for (std::size_t due = 1; due > 0;) {
+    std::size_t out = to.size(), in = frame.size();
+    due = LZ4F_decompress(context.get(), to.data(), &out, frame.data(), &in, nullptr);
+    if (LZ4F_isError(due) != 0 || (due > 0 && in == 0 && out == 0)) return false;
+    to = to.subspan(out), frame = frame.subspan(in);
+  }
+  return to.empty() && frame.empty();
+}
 
 // Also accepts the beginning of the magic, for a truncated file.
 bool is_magic(Span bytes) {
@@ -309,12 +337,8 @@ bool McapReader::read_chunk(const Record& record, Span content,
     fail(record.at, "a chunk that contradicts its own lengths");
     return false;
   }
-  if (compression == "lz4") {
-    fail(record.at, "a chunk compressed by lz4, expected zstd or none");
-    return false;
-  }
-  if (compression != "zstd" && !compression.empty()) {
-    fail(record.at, "a chunk compressed by an unknown method, expected zstd or none");
+  if (compression != "zstd" && compression != "lz4" && !compression.empty()) {
+    fail(record.at, "a chunk compressed by an unknown method, expected zstd, lz4 or none");
     return false;
   }
   if (compression.empty()) {
@@ -324,8 +348,11 @@ bool McapReader::read_chunk(const Record& record, Span content,
     return false;
   }
   chunk_.resize(length);
-  const std::size_t got = ZSTD_decompress(chunk_.data(), chunk_.size(), compressed.data(), compressed.size());
-  if (ZSTD_isError(got) != 0 || got != length || !is_crc(crc, crc32_of(0, chunk_))) {
+  if (!(compression == "lz4" ? unpacked_lz4(compressed, chunk_) : unpacked_zstd(compressed, chunk_))) {
+    fail(record.at, fmt::format("a chunk whose {} frame is damaged", compression));
+    return false;
+  }
+  if (!is_crc(crc, crc32_of(0, chunk_))) {
     fail(record.at, "a chunk that does not match its CRC");
     return false;
   }

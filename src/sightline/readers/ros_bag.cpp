@@ -1,4 +1,4 @@
-#include "sightline/record/ros_bag.hpp"
+#include "sightline/readers/ros_bag.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,12 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <system_error>
+#include <utility>
 
-#include "sightline/log.hpp"
-#include "sightline/record/cdr.hpp"
+#include "sightline/mcap.hpp"
+#include "sightline/readers/cdr.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 namespace {
@@ -19,12 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
-constexpr std::size_t bodies_max = 4096, shown_max = 80;
+constexpr std::size_t bodies_max = 4096, topic_shown = 80;
 constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
                            odometry_type = "nav_msgs/msg/Odometry", tf_type = "tf2_msgs/msg/TFMessage",
                            named_type = "motion_capture_tracking_interfaces/msg/NamedPoseArray",
                            stamped_twist_type = "geometry_msgs/msg/TwistStamped",
-                           twist_type = "geometry_msgs/msg/Twist";
+                           twist_type = "geometry_msgs/msg/Twist", camera_type = "sensor_msgs/msg/CameraInfo";
 
 /// A sample of one body; `name` is empty where the topic has one body.
 struct NamedSample {
@@ -116,6 +120,21 @@ bool is_command(const McapMessage& message) {
   return message.schema == stamped_twist_type || message.schema == twist_type;
 }
 
+std::optional<BagCamera> camera_in(const McapMessage& message) {
+  MessageDecoder read(message);
+  read.header();
+  BagCamera camera{.topic = one_line(message.topic)};
+  camera.height = read.from().number<std::uint32_t>();
+  camera.width = read.from().number<std::uint32_t>();
+  camera.distortion_model = read.from().string();
+  camera.D.resize(read.from().length(sizeof(double)));
+  for (double& d : camera.D) d = read.from().number<double>();
+  for (double& k : camera.K) k = read.from().number<double>();
+  for (double& r : camera.R) r = read.from().number<double>();
+  if (!read.from().ok()) return {};
+  return camera;
+}
+
 std::string body_name(const McapMessage& message, std::string_view name) {
   const std::string_view topic = message.topic;
   return one_line(name.empty() ? std::string(topic) : fmt::format("{}:{}", topic, name));
@@ -132,7 +151,7 @@ void each_message(const std::vector<fs::path>& files, Take&& take) {
         ++index;
         if (message.encoding == "cdr" && !take(message))
           throw_invalid("{}: message {} on {} is no sound {}", file.native(), index,
-                        one_line(shortened(message.topic, shown_max)), message.schema);
+                        one_line(shortened(message.topic, topic_shown)), message.schema);
       });
     }
     if (!reader.ok()) throw_invalid("{}", reader.error());
@@ -211,7 +230,19 @@ BagTopics RosBag::topics() const {
   return {{bodies.begin(), bodies.end()}, {commands.begin(), commands.end()}};
 }
 
-RecordedMotion RosBag::motion(const std::string& body) const {
+std::string RosBag::body_called(const std::string& name) const {
+  if (name.starts_with('/')) return name;
+  const std::vector<std::string> all = topics().bodies;
+  if (std::find(all.begin(), all.end(), name) != all.end()) return name;
+  std::vector<std::string> fit;
+  for (const std::string& one : all)
+    if (one == fmt::format("/{}/pose", name) || one.ends_with(":" + name)) fit.push_back(one);
+  if (fit.size() != 1) refuse_unknown(place_, "body", one_line(name), fit.empty() ? all : fit);
+  return fit.front();
+}
+
+RecordedMotion RosBag::motion(const std::string& called) const {
+  const std::string body = body_called(called);
   RecordedMotion motion;
   each_message(files_, [&](const McapMessage& message) {
     if (!body.starts_with(message.topic)) return true;
@@ -221,7 +252,7 @@ RecordedMotion RosBag::motion(const std::string& body) const {
       if (body_name(message, one.name) == body) append_sample(motion, one.sample);
     return true;
   });
-  if (motion.empty()) refuse_unknown(place_, "body", body, topics().bodies);
+  if (motion.empty()) refuse_unknown(place_, "body", one_line(body), topics().bodies);
   if (!std::isfinite(motion.front().v.x)) add_velocities(motion);
   return motion;
 }
@@ -237,8 +268,22 @@ std::vector<VelocityCommand> RosBag::commands(const std::string& topic) const {
       commands.push_back(*command);
     return true;
   });
-  if (commands.empty()) refuse_unknown(place_, "commands", topic, topics().commands);
+  if (commands.empty()) refuse_unknown(place_, "commands", one_line(topic), topics().commands);
   return commands;
+}
+
+std::vector<BagCamera> RosBag::cameras() const {
+  std::map<std::string, BagCamera, std::less<>> found;
+  each_message(files_, [&](const McapMessage& message) {
+    if (message.schema != camera_type || found.size() >= bodies_max || found.contains(message.topic))
+      return true;
+    const auto camera = camera_in(message);
+    if (camera) found.emplace(message.topic, *camera);
+    return camera.has_value();
+  });
+  std::vector<BagCamera> all;
+  for (auto& [topic, camera] : found) all.push_back(std::move(camera));
+  return all;
 }
 
 }  // namespace sightline
