@@ -77,6 +77,9 @@ struct Measurement {
   bool is_usable() const noexcept;
 };
 
+/// Measurement::source of a compass; a sighting has the index of a body.
+inline constexpr int compass_source = -1;
+
 /// Approximate bounds on a robot's acceleration [m/s^2] and angular acceleration [rad/s^2] while
 /// its motion is not measured.
 inline constexpr double unmeasured_acceleration = 1.0, unmeasured_turning = 1.0;
@@ -132,6 +135,7 @@ struct BroadcastOptions {
   double turning = 0.5;
   double longest = 0.3;
   double sighting_rate = 30.0;
+  double correlation_time = 0.0;
 
   static constexpr auto parameters() {
     using O = BroadcastOptions;
@@ -144,7 +148,9 @@ struct BroadcastOptions {
                       parameter("longest", &O::longest, "s", above_zero,
                                 "after its last message that its pose is carried on"),
                       parameter("sighting_rate", &O::sighting_rate, "Hz", above_zero,
-                                "of the sightings that are held against it")};
+                                "of the sightings that are held against it"),
+                      parameter("correlation_time", &O::correlation_time, "s", from_zero,
+                                "of the errors of a body's messages; 0: white")};
   }
 
   bool operator==(const BroadcastOptions&) const = default;
@@ -228,6 +234,19 @@ class LocalizationGraph {
 
 // Noise assumptions and options of the pose filters.
 
+/// Step over dt [s] of a Gauss-Markov process with the standard deviation sigma and the correlation
+/// time T [s], exact for any dt:
+///
+///   x(t + dt) = keep x(t) + sigma fresh w,   keep = e^{-dt/T},   fresh = sqrt(1 - keep^2),
+///
+/// w standard normal. T = 0 is white noise.
+struct MarkovStep {
+  double keep, fresh;
+
+  MarkovStep(double dt, double time) noexcept
+      : keep(time > 0 ? exp(-dt / time) : 0.0), fresh(sqrt(1 - keep * keep)) {}
+};
+
 enum class FilterKind {
   heading,   ///< position and heading; roll and pitch are inputs (HeadingFilter)
   attitude,  ///< position, velocity and attitude from an inertial measurement unit (AttitudeFilter)
@@ -261,6 +280,8 @@ struct FilterOptions {
   double accelerometer_bias = 0.1;
   double accelerometer_walk = 2e-3;
   double compass_noise = 0.0;
+  double compass_time = 0.0;
+  double correlation_time = 0.0;
   double camera_turn = 0.0;
   double other_error_time = 2.0;
   double other_error_spread = 1.0;
@@ -299,6 +320,10 @@ struct FilterOptions {
                   "density of the random walk of that bias"),
         parameter("compass_noise", &O::compass_noise, "rad", from_zero,
                   "white noise of the heading by a compass, 10 times a second; 0: it has none"),
+        parameter("compass_time", &O::compass_time, "s", from_zero,
+                  "correlation time of its error; 0: white"),
+        parameter("correlation_time", &O::correlation_time, "s", from_zero,
+                  "of the errors of sightings; 0: white; by default that of the camera"),
         parameter("camera_turn", &O::camera_turn, "rad", from_zero,
                   "turn of the camera against its mount, each axis, that is estimated; 0: it is known; "
                   "attitude filter"),
@@ -396,9 +421,15 @@ class PoseFilter {
 /// Compass heading of a motion sample; empty without a compass.
 std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOptions& options) noexcept;
 
-/// @param mount  mount of the sensor of the sightings
-/// @throws std::invalid_argument from FilterOptions::check()
-std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount);
+/// Most bodies of whose sightings one filter estimates the correlated errors, its compass counted as one.
+inline constexpr int correlated_sources_max = 4;
+
+/// @param mount     mount of the sensor of the sightings
+/// @param observed  number of bodies that the robot observes
+/// @throws std::invalid_argument from FilterOptions::check(), and for more than
+///   correlated_sources_max bodies and compasses whose errors are correlated
+std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount,
+                                             int observed = 1);
 
 // Robot position that one measurement implies.
 

@@ -64,6 +64,7 @@ struct Camera {
   double outliers = 0.0;
   double flips = 0.0;
   double misalignment = 0.0;
+  double correlation_time = 0.0;
   CameraOutput output = CameraOutput::pose;
   std::array<double, 2> focal_length = {0.0, 0.0}, principal_point = {0.0, 0.0};
   Distortion distortion = Distortion::none;
@@ -95,6 +96,8 @@ struct Camera {
                   "part of the detections with a heading off by 0.35 to 1.35 rad"),
         parameter("misalignment", &C::misalignment, "rad", {0, 0.5, "0 to 0.5"},
                   "turn against its mounting, about an axis that is drawn once"),
+        parameter("correlation_time", &C::correlation_time, "s", {0, 1e4, "0 to 1e4"},
+                  "of the errors of drawn detections of a body; 0: white"),
         parameter("output", &C::output, camera_outputs,
                   "of a body with tags: position and attitude, or where it is alone"),
         parameter("focal_length", &C::focal_length, "px", {0, 1e5, "0 to 1e5"},
@@ -359,6 +362,7 @@ class MotionSensor {
   Vec3<double> v_before_{};
   bool moved_ = false;
   RandomStream magnetic_;
+  GaussMarkov<1> compass_error_;
   double next_compass_ = -infinity;  // time of the next compass measurement [s]
 };
 
@@ -482,6 +486,9 @@ std::optional<TagPose> pose_of(const Camera& camera, const Tags& tags, std::span
 /// 1.5 times the distance. Camera::flips rotates it by 0.35 to 1.35 rad about its z axis. Both
 /// report the covariance of the undisturbed pose.
 ///
+/// The errors of a body's pose are L x, with L L^T its covariance. The six components of x are
+/// independent Gauss-Markov processes of variance 1 with Camera::correlation_time.
+///
 /// Each pair of camera and body has its own random stream, with the same number of draws for each
 /// picture.
 class SyntheticDetections final : public DetectionSource {
@@ -511,7 +518,8 @@ class SyntheticDetections final : public DetectionSource {
 
   CameraOptions options_;
   std::vector<Rotation> turned_;
-  std::vector<RandomStream> streams_;  // one for each pair of camera and body with tags
+  std::vector<RandomStream> streams_;   // one for each pair of camera and body with tags
+  std::vector<GaussMarkov<6>> errors_;  // likewise
 };
 
 }  // namespace sightline

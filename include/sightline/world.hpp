@@ -546,6 +546,26 @@ class RandomStream {
   bool has_spare_ = false;
 };
 
+/// n independent Gauss-Markov processes of variance 1 (MarkovStep), stationary from the first value on.
+template <int n>
+class GaussMarkov {
+ public:
+  explicit GaussMarkov(double correlation_time) : time_(correlation_time) {}
+
+  /// Their values at t [s], which does not decrease.
+  /// @param w  standard normal numbers; without a correlation time they are the values
+  const Column<n>& at(double t, const Column<n>& w) noexcept {
+    const MarkovStep step(t - last_, last_ > -infinity ? time_ : 0.0);
+    for (int i = 0; i < n; ++i) x_(i, 0) = step.keep * x_(i, 0) + step.fresh * w(i, 0);
+    last_ = t;
+    return x_;
+  }
+
+ private:
+  double time_, last_ = -infinity;
+  Column<n> x_{};
+};
+
 /// Coloured noise: one Ornstein-Uhlenbeck process for each robot and axis, in its exact
 /// discretisation
 ///

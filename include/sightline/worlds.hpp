@@ -257,6 +257,7 @@ struct Radio {
   double position_sigma = 0.01;
   double heading_sigma = 0.01;
   double velocity_sigma = 0.03;
+  double correlation_time = 0.0;
 
   static constexpr auto parameters() {
     using R = Radio;
@@ -268,7 +269,9 @@ struct Radio {
         parameter("dropout", &R::dropout, "", {0, 1, "0 to 1"}, "part of the messages that is lost"),
         parameter("position_sigma", &R::position_sigma, "m", above_zero, "of the position, each axis"),
         parameter("heading_sigma", &R::heading_sigma, "rad", above_zero, "of the heading"),
-        parameter("velocity_sigma", &R::velocity_sigma, "m/s", from_zero, "of the velocity, each axis")};
+        parameter("velocity_sigma", &R::velocity_sigma, "m/s", from_zero, "of the velocity, each axis"),
+        parameter("correlation_time", &R::correlation_time, "s", from_zero,
+                  "of the errors of a body's messages; 0: white")};
   }
 
   bool operator==(const Radio&) const = default;
@@ -319,6 +322,7 @@ class TelemetryWorld final : public SensingWorld {
     std::int64_t next = 0;         // number of the next message, due at next / rate
     std::optional<double> last{};  // stamp of the last message
     RandomStream chance;
+    GaussMarkov<7> errors;  // of position, velocity and heading
   };
   struct Message {
     double arrival = 0.0;

@@ -36,9 +36,10 @@ fly() {
   return 1
 }
 
-# By heading and by full attitude; camera or broadcast at 10 Hz; outliers and turned sightings; a camera that sits 2 degrees off.
+# By heading and by full attitude; camera or broadcast at 10 Hz; outliers and turned sightings; correlated errors; a camera that sits
+# 2 degrees off.
 campaign() {
-  local bad=0 share
+  local bad=0 share time
   fly heading 0.025 3.4 4.6 || bad=1
   fly attitude 0.012 3.4 4.6 'estimate.filter="attitude"' || bad=1
   fly camera_10_Hz 0.030 3.4 4.6 agent.uav0.camera.rate=10.0 || bad=1
@@ -46,6 +47,12 @@ campaign() {
   for share in 0.1 0.2; do
     fly "outliers_$share" 0.0275 3.06 5.06 "agent.uav0.camera.outliers=$share" "agent.uav0.camera.flips=$share" || bad=1
     whole || break
+  done
+  # Errors of sightings that are correlated over this time [s].
+  for time in 0.5 2.0 5.0; do
+    fly "correlated_$time" 0.025 3.2 5 "agent.uav0.camera.correlation_time=$time" || bad=1
+    whole || break
+    fly "attitude_correlated_$time" 0.012 3.2 5 'estimate.filter="attitude"' "agent.uav0.camera.correlation_time=$time" || bad=1
   done
   fly misaligned 0.020 0 5 'estimate.filter="attitude"' estimate.camera_turn=0.03 agent.uav0.camera.misalignment=0.0349 || bad=1
   return $bad

@@ -73,10 +73,11 @@ void expect_lateness_does_not_matter(SyntheticOptions synthetic) {
   synthetic.blind_from = 3.6;
   const Happened all = occurred(synthetic, 4.0);
   ASSERT_GT(all.measured.size(), 90U);
-  const auto in_order = filtered<Filter>(all, {}, [](std::size_t) { return 0; });
-  expect_same(*in_order, *filtered<Filter>(all, {}, [](std::size_t) { return 8; }));
+  const FilterOptions options{.correlation_time = synthetic.correlation_time};
+  const auto in_order = filtered<Filter>(all, options, [](std::size_t) { return 0; });
+  expect_same(*in_order, *filtered<Filter>(all, options, [](std::size_t) { return 8; }));
   // Out of order, up to 0.37 s late.
-  expect_same(*in_order, *filtered<Filter>(all, {}, [](std::size_t i) { return (i * 17) % 38; }));
+  expect_same(*in_order, *filtered<Filter>(all, options, [](std::size_t i) { return (i * 17) % 38; }));
 }
 
 TEST(OutOfSequenceFilter, AMeasurementThatIs80MsLateOrOutOfOrderLeavesTheStateThatItWouldInTime) {
@@ -87,6 +88,11 @@ TEST(OutOfSequenceFilter, AMeasurementThatIs80MsLateOrOutOfOrderLeavesTheStateTh
 TEST(OutOfSequenceFilter, TheSameHoldsAmongOutliersAndFlips) {
   expect_lateness_does_not_matter<HeadingFilter>({.seed = 3, .outliers = 0.2, .flips = 0.2});
   expect_lateness_does_not_matter<AttitudeFilter>({.seed = 4, .outliers = 0.2, .flips = 0.2});
+}
+
+TEST(OutOfSequenceFilter, TheSameHoldsWithCorrelatedErrors) {
+  expect_lateness_does_not_matter<HeadingFilterOf<0, 1>>({.seed = 5, .correlation_time = 2.0});
+  expect_lateness_does_not_matter<AttitudeFilterOf<1>>({.seed = 6, .correlation_time = 2.0});
 }
 
 TEST(OutOfSequenceFilter, AMeasurementOfAnUnknownPastOrTheFutureIsNotTakenAndOneCountsOnce) {
@@ -246,9 +252,12 @@ TEST(OutOfSequenceFilter, ALateOneIsNotTheLastThatWasAccepted) {
 }
 
 TEST(OutOfSequenceFilter, NothingIsAllocatedOnceItIsMade) {
-  for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
+  for (const FilterOptions& options :
+       {FilterOptions{}, FilterOptions{.correlation_time = 2.0},
+        FilterOptions{.filter = FilterKind::attitude},
+        FilterOptions{.filter = FilterKind::attitude, .correlation_time = 2.0}}) {
     const Happened all = occurred({.seed = 9, .outliers = 0.3, .flips = 0.3}, 3.0);
-    const auto filter = make_pose_filter({.filter = kind}, SyntheticOptions{}.mount);
+    const auto filter = make_pose_filter(options, SyntheticOptions{}.mount);
     const std::int64_t before = allocations_here();
     for (const MotionSample& u : all.motion) {
       filter->advance(u);

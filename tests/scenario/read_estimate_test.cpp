@@ -226,5 +226,30 @@ TEST(ReadEstimate, CirclesAreRefusedThoseThatAnEventWouldMakeToo) {
   EXPECT_THAT(fused.localization.robots[0].observes, ElementsAre(BodyId{0}, BodyId{2}));
 }
 
+TEST(ReadEstimate, AFilterTakesTheCorrelationTimeOfItsCameraOrItsOwn) {
+  const auto of = [](const std::string& before) {
+    std::string text = before + row(2, by_view);
+    text.replace(text.rfind("rate = 21.0"), 11, "rate = 21.0\ncorrelation_time = 2.0");
+    return scenario_of(text);
+  };
+  const Scenario scenario = of("");
+  EXPECT_EQ(scenario.vision.camera_of(BodyId{1})->camera.correlation_time, 2.0);
+  EXPECT_EQ(scenario.localization.robots[0].filter.correlation_time, 2.0);
+  EXPECT_EQ(of("[estimate]\ncorrelation_time = 0.0\n").localization.robots[0].filter.correlation_time, 0.0);
+  EXPECT_THAT(summary(scenario), HasSubstr("detections drawn by their noise, correlated over 2 s\n"));
+  EXPECT_EQ(scenario_of(scenario.text).localization.robots[0].filter.correlation_time, 2.0) << "read again";
+}
+
+TEST(ReadEstimate, CorrelatedBroadcastsAreOneStateOfTheHeadingFilter) {
+  const std::string lasting = "[estimate.broadcast]\ncorrelation_time = 1.5\n";
+  const Scenario scenario = scenario_of(lasting + row(2, by_view));
+  EXPECT_EQ(scenario.radio.correlation_time, 1.5);
+  EXPECT_EQ(scenario.localization.broadcast.correlation_time, 1.5);
+  EXPECT_THAT(summary(scenario), HasSubstr("by view of uav0, filter \"chain\""));
+  EXPECT_THAT(scenario_refusal(lasting + "[estimate]\nfilter = \"attitude\"\n" + row(2, by_view)),
+              HasSubstr("\"uav1\" observes \"uav0\", whose broadcast errors are correlated in time, with the "
+                        "filter \"attitude\", expected \"heading\""));
+}
+
 }  // namespace
 }  // namespace sightline

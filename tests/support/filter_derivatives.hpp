@@ -9,28 +9,34 @@
 
 namespace sightline::test {
 
-/// b less a, as the error state has it.
-inline Column<HeadingFilter::n> difference(const HeadingFilter::State& a, const HeadingFilter::State& b) {
-  Column<HeadingFilter::n> e;
+/// b less a, as the error state has it; for small turns between the two.
+template <class State>
+auto difference(const State& a, const State& b) {
+  constexpr int n = decltype(State::P)::rows;
+  Column<n> e;
   set_block(e, 0, 0, column(b.p - a.p));
-  e(3, 0) = wrap(b.psi - a.psi);
-  set_block(e, 4, 0, column(b.velocity_bias - a.velocity_bias));
-  e(7, 0) = b.rate_bias - a.rate_bias;
-  e(8, 0) = b.tilt_error.x - a.tilt_error.x, e(9, 0) = b.tilt_error.y - a.tilt_error.y;
-  return e;
-}
-/// For small turns between the two.
-inline Column<AttitudeFilter::n> difference(const AttitudeFilter::State& a, const AttitudeFilter::State& b) {
-  Column<AttitudeFilter::n> e;
-  const Mat<3, 3> D = transposed(a.R) * b.R;
-  set_block(e, 0, 0, column(b.p - a.p));
-  set_block(e, 3, 0, column(b.v - a.v));
-  set_block(e, 6, 0,
-            column({0.5 * (D(2, 1) - D(1, 2)), 0.5 * (D(0, 2) - D(2, 0)), 0.5 * (D(1, 0) - D(0, 1))}));
-  set_block(e, 9, 0, column(b.force_bias - a.force_bias));
-  set_block(e, 12, 0, column(b.gyro_bias - a.gyro_bias));
-  set_block(e, 15, 0, column(b.velocity_bias - a.velocity_bias));
-  set_block(e, 18, 0, column(b.camera_turn - a.camera_turn));
+  if constexpr (requires { a.psi; }) {
+    e(3, 0) = wrap(b.psi - a.psi);
+    set_block(e, 4, 0, column(b.velocity_bias - a.velocity_bias));
+    e(7, 0) = b.rate_bias - a.rate_bias;
+    e(8, 0) = b.tilt_error.x - a.tilt_error.x, e(9, 0) = b.tilt_error.y - a.tilt_error.y;
+    for (std::size_t i = 0; i < a.other_error.size(); ++i)
+      set_block(e, 10, 0, b.other_error[i] - a.other_error[i]);
+  } else {
+    const Mat<3, 3> D = transposed(a.R) * b.R;
+    set_block(e, 3, 0, column(b.v - a.v));
+    set_block(e, 6, 0,
+              column({0.5 * (D(2, 1) - D(1, 2)), 0.5 * (D(0, 2) - D(2, 0)), 0.5 * (D(1, 0) - D(0, 1))}));
+    set_block(e, 9, 0, column(b.force_bias - a.force_bias));
+    set_block(e, 12, 0, column(b.gyro_bias - a.gyro_bias));
+    set_block(e, 15, 0, column(b.velocity_bias - a.velocity_bias));
+    set_block(e, 18, 0, column(b.camera_turn - a.camera_turn));
+  }
+  const int sources = static_cast<int>(a.errors.x.size());
+  for (int k = 0; k < sources; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    set_block(e, n - 4 * (sources - k), 0, b.errors.x[i] - a.errors.x[i]);
+  }
   return e;
 }
 
@@ -57,11 +63,12 @@ inline Measurement random_sighting(Random& random) {
   return z;
 }
 
-/// Some state with a covariance of full rank.
+/// Some state with a covariance of full rank; it has received a sighting.
 template <class Filter>
 typename Filter::State random_state(const Filter& filter, Random& random) {
   typename Filter::State s =
       filter.begin(random_point(random, 2), uniform(random, -3, 3), identity<4>(), random_motion(random));
+  filter.receive(s, {});
   Column<Filter::n> e;
   for (int i = 0; i < Filter::n; ++i) e(i, 0) = uniform(random, -0.2, 0.2);
   filter.correct(s, e);

@@ -19,6 +19,7 @@ struct SyntheticOptions {
   double latency_min = 0.03, latency_max = 0.08;      // of a picture [s]
   double dropout = 0.05, outliers = 0.0, flips = 0.0;
   double misalignment = 0.0;                   // of the camera [rad]
+  double correlation_time = 0.0;               // of the errors of pictures [s]
   double blind_from = 1e9, blind_until = 1e9;  // [s]
   bool yaw = true, hovers = false;
   SensorMount mount{.pitch = 0.5, .offset = 0.17, .frame = MountFrame::body};
@@ -40,6 +41,7 @@ class SyntheticSensors {
       : o(options),
         motion_(options.seed, StreamId::motion, robot),
         camera_(options.seed, StreamId::run, robot),
+        error_(options.correlation_time),
         velocity_bias_(options.errors.velocity_bias * motion_.normals()),
         rate_bias_(options.errors.yaw_rate_bias * motion_.normal()) {
     tilt_error_ = {o.errors.tilt_bias * motion_.normal(), o.errors.tilt_bias * motion_.normal()};
@@ -85,7 +87,10 @@ class SyntheticSensors {
     const bool lost = camera_.uniform() <= o.dropout || (t >= o.blind_from && t < o.blind_until);
     const bool outlier = camera_.uniform() <= o.outliers, flip = camera_.uniform() <= o.flips;
     const double kind = camera_.uniform(), w = camera_.uniform(), side = camera_.uniform() - 0.5;
-    const Vec3<double> noise = camera_.normals(), l = (1 / range) * z;
+    Column<4> drawn;
+    for (int i = 0; i < 4; ++i) drawn(i, 0) = camera_.normal();
+    const Column<4>& error = error_.at(t, drawn);
+    const Vec3<double> noise = vec3(error), l = (1 / range) * z;
     Measurement m{.stamp = t};
     m.R = (s_side * s_side) * (identity<3>() - outer(l, l)) + (s_range * s_range) * outer(l, l);
     const Mat<3, 3> L = Cholesky<3>(m.R).L;
@@ -95,7 +100,7 @@ class SyntheticSensors {
     const Mat<3, 3> R_VB = turn_z(-own_pose.psi) * held, R_BS = sensor_attitude(o.mount);
     const Mat<3, 3> R_VT = R_VB * R_BS * transposed(turn_) * transposed(R_BS) * transposed(R_VB) *
                            turn_z(other.psi - own_pose.psi);
-    m.yaw = wrap(yaw_of(R_VT) + s_yaw * camera_.normal()), m.yaw_variance = s_yaw * s_yaw;
+    m.yaw = wrap(yaw_of(R_VT) + s_yaw * error(3, 0)), m.yaw_variance = s_yaw * s_yaw;
     if (outlier && kind < 0.5) m.z = {0.5 + 3 * w, 2 * side, side}, m.yaw = 6 * (kind - 0.25);
     if (outlier && kind >= 0.5) m.z = (1.1 + 0.4 * w) * m.z;
     if (flip) m.yaw = wrap(m.yaw + (side < 0 ? 1 : -1) * (0.35 + w));
@@ -112,6 +117,7 @@ class SyntheticSensors {
 
   const SyntheticOptions o;
   RandomStream motion_, camera_;
+  GaussMarkov<4> error_;
   Vec3<double> velocity_bias_;
   double rate_bias_;
   Vec3<double> gyro_bias_{}, force_bias_{};

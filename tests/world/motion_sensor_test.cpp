@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "sightline/sensors.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -94,6 +97,26 @@ TEST(MotionSensor, SameSeedSameNumbersAndAnErrorOutOfItsRangeIsRefused) {
   bad.gyro_noise = 0.0;
   EXPECT_EQ(refusal_of([&] { return MotionSensor(bad, 1, 0); }),
             "estimate.gyro_noise = 0, expected > 0 rad/s");
+}
+
+TEST(MotionSensor, TheErrorOfACompassHasTheStatedAutocorrelation) {
+  constexpr double dt = 0.01;
+  constexpr int robots = 3000;
+  FilterOptions errors = nearly_exact();
+  errors.compass_noise = 0.1, errors.compass_time = 0.5;
+  double first = 0.0, both = 0.0;
+  for (int i = 0; i < robots; ++i) {
+    MotionSensor sensor(errors, 5, i);
+    std::vector<double> measured;
+    for (int k = 1; measured.size() < 4; ++k) {
+      const MotionSample u = sensor.measure(k * dt, dt, {}, identity<3>(), {}, identity<3>());
+      if (u.compass) measured.push_back(*u.compass / errors.compass_noise);
+    }
+    first += square(measured[0]) / robots;
+    both += measured[0] * measured[3] / robots;
+  }
+  EXPECT_NEAR(first, 1.0, 4.5 * std::sqrt(2.0 / robots));
+  EXPECT_NEAR(both, std::exp(-0.3 / errors.compass_time), 4.5 * std::sqrt(2.0 / robots));
 }
 
 }  // namespace

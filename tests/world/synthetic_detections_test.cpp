@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "sightline/sensors.hpp"
@@ -215,6 +217,69 @@ TEST(SyntheticDetections, TheSameSeedDrawsTheSameBytesAndWhatHappensElsewhereCha
     if (source.find({0, 0.03 * k, 0.0, more.bodies}, found) == 0) continue;
     EXPECT_TRUE(
         std::any_of(seen.begin(), seen.end(), [&](const Detection& one) { return one.p.x == found[0].p.x; }));
+  }
+}
+
+/// Errors of a detection in standard deviations along the axes of its covariance, L^-1 e.
+Column<6> standardised(const Detection& seen, const RigidPose& truth) {
+  const std::array<double, 6> e = errors(seen, truth);
+  Column<6> error;
+  Mat<6, 6> covariance;
+  for (int i = 0; i < 6; ++i) {
+    error(i, 0) = e[size(i)];
+    for (int j = 0; j < 6; ++j) covariance(i, j) = seen.covariance[Detection::place(size(i), size(j))];
+  }
+  return Cholesky<6>(covariance).forward(error);
+}
+
+TEST(SyntheticDetections, TheirErrorsHaveTheStatedAutocorrelationAtIrregularTimesForEachBodyAndAxisAlone) {
+  constexpr double time = 2.0;  // [s]
+  constexpr std::array at = {0.0, 0.031, 0.2, 0.5, 1.7, 4.9};
+  constexpr int seeds = 1500, bodies = 2;
+  using Errors = std::array<std::array<std::optional<Column<6>>, at.size()>, bodies>;
+  std::vector<Errors> drawn(seeds);
+  for (int seed = 0; seed < seeds; ++seed) {
+    Scene scene;
+    scene.place({1.0, -0.25, 0}, 0.5);
+    scene.bodies[2].now = scene.bodies[2].before = {{1.0, 0.25, 0}, scene.bodies[1].now.R};
+    scene.options.tags.push_back({BodyId{2}, {}});
+    scene.options.seed = static_cast<std::uint64_t>(seed);
+    scene.camera().correlation_time = time;
+    SyntheticDetections source(scene.team, scene.options);
+    std::vector<Detection> found(bodies);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const std::size_t count = source.find({0, at[k], 0.0, scene.bodies}, found);
+      for (std::size_t i = 0; i < count; ++i) {
+        const int body = found[i].target.index;
+        const RigidPose truth = seen_from(sensor_pose(scene.options.cameras[0].mount, scene.bodies[0].now),
+                                          scene.bodies[size(body)].now);
+        drawn[size(seed)][size(body - 1)][k] = standardised(found[i], truth);
+      }
+    }
+  }
+  // Mean product of component i of one body at one time and component j of another body at another time, and its
+  // standard deviation for independent normal numbers.
+  const auto expect_mean = [&](std::size_t a, std::size_t b, std::size_t j, std::size_t k, int shift,
+                               double expected) {
+    double sum = 0.0;
+    long count = 0;
+    for (const Errors& one : drawn) {
+      if (!one[a][j] || !one[b][k]) continue;
+      for (int i = 0; i < 6; ++i) sum += (*one[a][j])(i, 0) * (*one[b][k])((i + shift) % 6, 0);
+      count += 6;
+    }
+    ASSERT_GT(count, 5 * seeds);
+    const double n = static_cast<double>(count);
+    EXPECT_NEAR(sum / n, expected, 4.5 * std::sqrt((1 + square(expected)) / n))
+        << at[j] << " s, " << at[k] << " s";
+  };
+  for (std::size_t j = 0; j < at.size(); ++j) {
+    for (std::size_t k = j; k < at.size(); ++k) {
+      for (const std::size_t body : {0U, 1U})
+        expect_mean(body, body, j, k, 0, std::exp(-(at[k] - at[j]) / time));
+      expect_mean(0, 0, j, k, 1, 0.0);
+      expect_mean(0, 1, j, k, 0, 0.0);
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "sightline/estimator.hpp"
@@ -131,6 +132,33 @@ TEST(TelemetryWorld, WhatCannotBeIsRefused) {
                              TelemetryOptions{});
             }),
             "the world gives telemetry of its own, expected one without");
+}
+
+TEST(TelemetryWorld, TheErrorsOfMessagesHaveTheStatedAutocorrelation) {
+  constexpr int seeds = 400;
+  constexpr double time = 0.5;
+  const std::array<std::size_t, 3> at = {0, 3, 7};  // of messages at 10 Hz
+  std::array<std::array<double, 3>, 3> mean{};
+  for (int seed = 0; seed < seeds; ++seed) {
+    TelemetryWorld world(pair_at_rest(), {.seed = static_cast<std::uint64_t>(seed),
+                                          .broadcasters = {BodyId{1}},
+                                          .radio = {.rate = 10.0, .correlation_time = time}});
+    const Heard received = listen(world, 80);
+    ASSERT_EQ(received.broadcasts.size(), 8U);
+    const auto errors = [&](std::size_t k) {
+      const BroadcastPose& pose = received.broadcasts[k].second.pose;
+      return std::array{(pose.p.x - 2) / 0.01, pose.p.y / 0.01, (pose.p.z - 1) / 0.01, pose.v.x / 0.03,
+                        pose.v.y / 0.03,       pose.v.z / 0.03, (pose.psi - 1) / 0.01};
+    };
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t a = 0; a < 7; ++a) mean[i][j] += errors(at[i])[a] * errors(at[j])[a] / (7 * seeds);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double lag = 0.1 * std::abs(static_cast<double>(at[i]) - static_cast<double>(at[j]));
+      EXPECT_NEAR(mean[i][j], std::exp(-lag / time), 4.5 * std::sqrt(2.0 / (7 * seeds))) << lag;
+    }
 }
 
 }  // namespace

@@ -72,11 +72,14 @@ std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<V
   return band;
 }
 
-/// Noise of the compass of a robot that is localized by vision [rad]; 0: it has no compass.
-double compass_of(const Scenario& scenario, BodyId robot) {
+/// Compass of a robot that is localized by vision, and the correlation of its sightings.
+FilterOptions filter_beside(const Scenario& scenario, BodyId robot) {
   for (const LocalizedRobot& one : scenario.localization.robots)
-    if (one.robot == robot) return one.filter.compass_noise;
-  return 0.0;
+    if (one.robot == robot)
+      return {.compass_noise = one.filter.compass_noise,
+              .compass_time = one.filter.compass_time,
+              .correlation_time = one.filter.correlation_time};
+  return {};
 }
 
 }  // namespace
@@ -95,7 +98,7 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
     const ViewFlight flight{.camera = camera->camera,
                             .mount = camera->mount,
                             .tags = tags->tags,
-                            .filter = {.compass_noise = compass_of(scenario, observer)},
+                            .filter = filter_beside(scenario, observer),
                             .target_speed = band.speed};
     for (std::size_t i = 0; i < flown.size() && !band.same_as; ++i) {
       if (!(flown[i] == flight)) continue;
@@ -139,7 +142,7 @@ std::vector<std::string> unobservable_robots(const Scenario& scenario) {
       const BodyId observer = choice.observers[i];
       if (scenario.presence[at(observer)] == Presence::absent) continue;
       team.robots[at(observer)].position = false;
-      team.robots[at(observer)].heading = compass_of(scenario, observer) > 0;
+      team.robots[at(observer)].heading = filter_beside(scenario, observer).compass_noise > 0;
       if (choice.first[i] >= 0)
         team.sightings.push_back({.observer = observer.index,
                                   .target = choice.targets[size(choice.first[i])].index,

@@ -25,15 +25,17 @@ void both_sides(Mat<n, n>& P, const Rows& rows) {
   rows(P);
 }
 
-double yaw_variance(const AttitudeFilter::State& s) {
+template <class State>
+double yaw_variance(const State& s) {
   const Mat<1, 3> g = yaw_row(s.R);
   return (g * block<3, 3>(s.P, theta_at, theta_at) * transposed(g))(0, 0);
 }
 
 }  // namespace
 
-AttitudeFilter::State AttitudeFilter::begin(const Vec3<double>& p, double psi, const Mat<4, 4>& P,
-                                            const MotionSample& motion) const noexcept {
+template <int sources>
+typename AttitudeFilterOf<sources>::State AttitudeFilterOf<sources>::begin(
+    const Vec3<double>& p, double psi, const Mat<4, 4>& P, const MotionSample& motion) const noexcept {
   State s;
   s.p = p;
   s.R = turn_z(psi) * tilt(motion.roll, motion.pitch);
@@ -47,11 +49,13 @@ AttitudeFilter::State AttitudeFilter::begin(const Vec3<double>& p, double psi, c
   set_block(s.P, gyro_bias_at, gyro_bias_at, identity<3>(square(options_.gyro_bias)));
   set_block(s.P, velocity_bias_at_row, velocity_bias_at_row, identity<3>(square(options_.velocity_bias)));
   set_block(s.P, camera_turn_at, camera_turn_at, identity<3>(square(options_.camera_turn)));
+  s.errors.begin(s.P, errors_at);
   return s;
 }
 
-AttitudeFilter::State AttitudeFilter::begin(const Place& place, double psi, double psi_variance,
-                                            const MotionSample& motion) const noexcept {
+template <int sources>
+typename AttitudeFilterOf<sources>::State AttitudeFilterOf<sources>::begin(
+    const Place& place, double psi, double psi_variance, const MotionSample& motion) const noexcept {
   Mat<4, 4> P;
   set_block(P, 0, 0, place.P);
   P(3, 3) = psi_variance;
@@ -59,13 +63,33 @@ AttitudeFilter::State AttitudeFilter::begin(const Place& place, double psi, doub
   return begin(place.p, psi, P, motion);
 }
 
-Place AttitudeFilter::place_meant(const Measurement& z, double psi, double psi_variance,
-                                  const MotionSample& motion) const noexcept {
+template <int sources>
+Place AttitudeFilterOf<sources>::place_meant(const Measurement& z, double psi, double psi_variance,
+                                             const MotionSample& motion) const noexcept {
   return place_of(z, mount_, tilt_at(motion, z.stamp), psi, psi_variance,
                   square(options_.tilt_bias) + square(options_.camera_turn));
 }
 
-void AttitudeFilter::advance(State& s, const MotionSample& motion, double dt) const noexcept {
+template <int sources>
+void AttitudeFilterOf<sources>::share(State& s, const Measurement& z,
+                                      const MotionSample& motion) const noexcept {
+  if constexpr (sources > 0) {
+    s.errors.receive(z, options_);
+    const auto seen = s.errors.corrected(z, errors_at);
+    if (seen.row < 0) return;
+    const SharedError shared(z, seen.L, mount_, tilt_at(motion, z.stamp), yaw_of(s.R));
+    const Column<3> up_B = column(transposed(s.R) * Vec3<double>{0, 0, 1});
+    set_block(s.P, 0, 0, block<3, 3>(s.P, 0, 0) + shared.p_p);
+    set_both(s.P, 0, theta_at, block<3, 3>(s.P, 0, theta_at) + shared.p_psi * transposed(up_B));
+    set_both(s.P, 0, seen.row, shared.p);
+    set_both(s.P, theta_at, seen.row, up_B * shared.psi);
+  } else {
+    (void)s, (void)z, (void)motion;
+  }
+}
+
+template <int sources>
+void AttitudeFilterOf<sources>::advance(State& s, const MotionSample& motion, double dt) const noexcept {
   if (!(dt > 0)) return;
   const Vec3<double> f = motion.force - s.force_bias;
   const Vec3<double> a = s.R * f - Vec3<double>{0, 0, gravity};
@@ -96,9 +120,11 @@ void AttitudeFilter::advance(State& s, const MotionSample& motion, double dt) co
     s.P(velocity_bias_at_row + i, velocity_bias_at_row + i) +=
         square(options_.velocity_bias) * (1 - square(keep));
   }
+  s.errors.advance(s.P, errors_at, options_, dt);
 }
 
-void AttitudeFilter::end(State& s, const MotionSample& motion) const noexcept {
+template <int sources>
+void AttitudeFilterOf<sources>::end(State& s, const MotionSample& motion) const noexcept {
   const Mat<3, 3> R_VG = turn_z(-yaw_of(s.R));
   const Vec3<double> v_V = R_VG * s.v;
   Innovation<3, n> of{};
@@ -111,7 +137,8 @@ void AttitudeFilter::end(State& s, const MotionSample& motion) const noexcept {
   if (update(s.P, of, e).accepted) correct(s, e);
 }
 
-void AttitudeFilter::blur(State& s, double gap) const noexcept {
+template <int sources>
+void AttitudeFilterOf<sources>::blur(State& s, double gap) const noexcept {
   for (int i = 0; i < 3; ++i) {
     s.P(i, i) += square(0.5 * unmeasured_acceleration * gap * gap);
     s.P(v_at + i, v_at + i) += square(unmeasured_acceleration * gap);
@@ -119,13 +146,19 @@ void AttitudeFilter::blur(State& s, double gap) const noexcept {
   }
 }
 
-Innovation<4, AttitudeFilter::n> AttitudeFilter::innovation(const State& s, const Measurement& z,
-                                                            const MotionSample&) const noexcept {
+template <int sources>
+Innovation<4, AttitudeFilterOf<sources>::n> AttitudeFilterOf<sources>::innovation(
+    const State& s, const Measurement& received, const MotionSample&) const noexcept {
   Innovation<4, n> of{};
+  const auto seen = s.errors.corrected(received, errors_at);
+  const Measurement& z = seen.z;
   of.y(3, 0) = wrap(z.heading() - yaw_of(s.R));
   set_block(of.H, 3, theta_at, yaw_row(s.R));
   of.R(3, 3) = z.heading_variance();
-  if (z.of == Measures::heading) return of;
+  if (z.of == Measures::heading) {
+    seen.add_columns(identity<3>(), of);
+    return of;
+  }
   if (z.of == Measures::position) {
     set_block(of.y, 0, 0, column(z.z - s.p));
     set_block(of.H, 0, 0, identity<3>());
@@ -149,10 +182,12 @@ Innovation<4, AttitudeFilter::n> AttitudeFilter::innovation(const State& s, cons
             C * z.R * transposed(C) + back * block<3, 3>(z.P_other, 0, 0) * transposed(back) +
                 0.5 * square(yaw_variance(s)) * outer(level, level));
   set_both(of.R, 0, 3, -1.0 * column(C * z.R_yaw) - back * block<3, 1>(z.P_other, 0, 3));
+  seen.add_columns(C, of);
   return of;
 }
 
-void AttitudeFilter::correct(State& s, const Column<n>& e) const noexcept {
+template <int sources>
+void AttitudeFilterOf<sources>::correct(State& s, const Column<n>& e) const noexcept {
   const Vec3<double> d_p = vec3(e), d_v = vec3(e, v_at), up_before = transposed(s.R) * Vec3<double>{0, 0, 1};
   const Mat<3, 3> before = s.R;
   s.p = s.p + d_p;
@@ -162,6 +197,7 @@ void AttitudeFilter::correct(State& s, const Column<n>& e) const noexcept {
   s.gyro_bias = s.gyro_bias + vec3(e, gyro_bias_at);
   s.velocity_bias = s.velocity_bias + vec3(e, velocity_bias_at_row);
   s.camera_turn = s.camera_turn + vec3(e, camera_turn_at);
+  s.errors.correct(e, errors_at);
 
   // The correction moved p and v. A rotation of the whole estimate about the vertical moves p by
   // e_z x p and v by e_z x v, so these directions changed. The axes of theta changed with B.
@@ -177,7 +213,8 @@ void AttitudeFilter::correct(State& s, const Column<n>& e) const noexcept {
   });
 }
 
-PoseEstimate AttitudeFilter::read(const State& s, const MotionSample& motion) const noexcept {
+template <int sources>
+PoseEstimate AttitudeFilterOf<sources>::read(const State& s, const MotionSample& motion) const noexcept {
   PoseEstimate estimate{.known = true, .p = s.p, .v = s.v, .psi = yaw_of(s.R)};
   const Mat<1, 3> g = yaw_row(s.R);
   estimate.yaw_rate = vec3(transposed(g)).y * (motion.gyro.y - s.gyro_bias.y) +
@@ -189,5 +226,9 @@ PoseEstimate AttitudeFilter::read(const State& s, const MotionSample& motion) co
   estimate.yaw_rate_sigma = sqrt(s.P(gyro_bias_at + 2, gyro_bias_at + 2));
   return estimate;
 }
+
+template class AttitudeFilterOf<0>;
+template class AttitudeFilterOf<1>;
+template class AttitudeFilterOf<correlated_sources_max>;
 
 }  // namespace sightline

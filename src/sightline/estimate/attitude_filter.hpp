@@ -1,6 +1,7 @@
 /// Filter for position, velocity and attitude of a robot with an inertial measurement unit.
 #pragma once
 
+#include "sightline/estimate/correlated_errors.hpp"
 #include "sightline/estimate/kalman.hpp"
 #include "sightline/estimator.hpp"
 
@@ -17,17 +18,22 @@ namespace sightline {
 /// The reported velocity is a measurement at the end of each sample, R_GV(yaw)^T v + b_v. A
 /// sighting z of a body at p_t gives d_s e_x + R_BS exp([c]) z in B. It is compared with R^T (p_t -
 /// p); with a gimbal that levels the camera, the comparison is in V.
-class AttitudeFilter {
+///
+/// The last part of the state is the correlated errors of `sources` sensor pairs.
+template <int sources>
+class AttitudeFilterOf {
  public:
-  static constexpr int n = 21;
+  static constexpr int n = 21 + 4 * sources;
   struct State {
     Vec3<double> p{}, v{};
     Mat<3, 3> R = identity<3>();
     Vec3<double> force_bias{}, gyro_bias{}, velocity_bias{}, camera_turn{};
+    CorrelatedErrors<sources> errors{};
     Mat<n, n> P{};
   };
 
-  AttitudeFilter(const FilterOptions& options, const SensorMount& mount) : options_(options), mount_(mount) {}
+  AttitudeFilterOf(const FilterOptions& options, const SensorMount& mount)
+      : options_(options), mount_(mount) {}
 
   State begin(const Place& place, double psi, double psi_variance, const MotionSample& motion) const noexcept;
   State begin(const Vec3<double>& p, double psi, const Mat<4, 4>& P,
@@ -35,10 +41,13 @@ class AttitudeFilter {
   Place place_meant(const Measurement& z, double psi, double psi_variance,
                     const MotionSample& motion) const noexcept;
 
+  /// After the begin from a sighting: the pose shares the error of that sighting.
+  void share(State& s, const Measurement& z, const MotionSample& motion) const noexcept;
   /// Propagates over dt [s], within a sample or after it.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
-  /// No effect: this filter takes each message of the other body to have a new, independent error.
-  void receive(State&, const Measurement&) const noexcept {}
+  /// Before a measurement: states for the errors of its source. Each message of the other body counts
+  /// as having a new, independent error.
+  void receive(State& s, const Measurement& z) const noexcept { s.errors.receive(z, options_); }
   /// Update at the end of a sample with its velocity.
   void end(State& s, const MotionSample& motion) const noexcept;
   /// Adds the uncertainty of `gap` [s] without measured motion.
@@ -54,8 +63,15 @@ class AttitudeFilter {
   PoseEstimate read(const State& s, const MotionSample& motion) const noexcept;
 
  private:
+  static constexpr int errors_at = n - CorrelatedErrors<sources>::states;
   FilterOptions options_;
   SensorMount mount_;
 };
+
+using AttitudeFilter = AttitudeFilterOf<0>;
+
+extern template class AttitudeFilterOf<0>;
+extern template class AttitudeFilterOf<1>;
+extern template class AttitudeFilterOf<correlated_sources_max>;
 
 }  // namespace sightline

@@ -7,21 +7,21 @@ constexpr int psi_at = 3, velocity_bias_at = 4, rate_bias_at = 7, tilt_at_row = 
 
 }  // namespace
 
-template <int others>
-typename HeadingFilterOf<others>::State HeadingFilterOf<others>::begin(const Vec3<double>& p, double psi,
-                                                                       const Mat<4, 4>& P,
-                                                                       const MotionSample&) const noexcept {
+template <int others, int sources>
+typename HeadingFilterOf<others, sources>::State HeadingFilterOf<others, sources>::begin(
+    const Vec3<double>& p, double psi, const Mat<4, 4>& P, const MotionSample&) const noexcept {
   State s;
   s.p = p, s.psi = wrap(psi);
   set_block(s.P, 0, 0, P);
   set_block(s.P, velocity_bias_at, velocity_bias_at, identity<3>(square(options_.velocity_bias)));
   s.P(rate_bias_at, rate_bias_at) = square(options_.yaw_rate_bias);
   set_block(s.P, tilt_at_row, tilt_at_row, identity<2>(square(options_.tilt_bias)));
+  s.errors.begin(s.P, errors_at);
   return s;
 }
 
-template <int others>
-typename HeadingFilterOf<others>::State HeadingFilterOf<others>::begin(
+template <int others, int sources>
+typename HeadingFilterOf<others, sources>::State HeadingFilterOf<others, sources>::begin(
     const Place& place, double psi, double psi_variance, const MotionSample& motion) const noexcept {
   Mat<4, 4> P;
   set_block(P, 0, 0, place.P);
@@ -30,16 +30,33 @@ typename HeadingFilterOf<others>::State HeadingFilterOf<others>::begin(
   return begin(place.p, psi, P, motion);
 }
 
-template <int others>
-Place HeadingFilterOf<others>::place_meant(const Measurement& z, double psi, double psi_variance,
-                                           const MotionSample& motion) const noexcept {
+template <int others, int sources>
+Place HeadingFilterOf<others, sources>::place_meant(const Measurement& z, double psi, double psi_variance,
+                                                    const MotionSample& motion) const noexcept {
   return place_of(z, mount_, tilt_at(motion, z.stamp), psi, psi_variance,
                   square(options_.tilt_bias) + square(options_.tilt_noise));
 }
 
-template <int others>
-HeadingTransition HeadingFilterOf<others>::move(State& s, const MotionSample& motion,
-                                                double dt) const noexcept {
+template <int others, int sources>
+void HeadingFilterOf<others, sources>::share(State& s, const Measurement& z,
+                                             const MotionSample& motion) const noexcept {
+  if constexpr (sources > 0) {
+    s.errors.receive(z, options_);
+    const auto seen = s.errors.corrected(z, errors_at);
+    if (seen.row < 0) return;
+    const SharedError shared(z, seen.L, mount_, tilt_at(motion, z.stamp), s.psi);
+    set_block(s.P, 0, 0, block<3, 3>(s.P, 0, 0) + shared.p_p);
+    set_both(s.P, 0, psi_at, block<3, 1>(s.P, 0, psi_at) + shared.p_psi);
+    set_both(s.P, 0, seen.row, shared.p);
+    set_both(s.P, psi_at, seen.row, shared.psi);
+  } else {
+    (void)s, (void)z, (void)motion;
+  }
+}
+
+template <int others, int sources>
+HeadingTransition HeadingFilterOf<others, sources>::move(State& s, const MotionSample& motion,
+                                                         double dt) const noexcept {
   const SinCos<double> h = sincos(s.psi);
   const Vec3<double> v = motion.v_V - s.velocity_bias;
   const Vec3<double> v_G = {h.cos * v.x - h.sin * v.y, h.sin * v.x + h.cos * v.y, v.z};
@@ -51,8 +68,9 @@ HeadingTransition HeadingFilterOf<others>::move(State& s, const MotionSample& mo
   return {dt, v_G, h, keep_bias, keep_tilt};
 }
 
-template <int others>
-void HeadingFilterOf<others>::advance(State& s, const MotionSample& motion, double dt) const noexcept {
+template <int others, int sources>
+void HeadingFilterOf<others, sources>::advance(State& s, const MotionSample& motion,
+                                               double dt) const noexcept {
   if (!(dt > 0)) return;
   const HeadingTransition step = move(s, motion, dt);
   step.rows(n, [&](int i, int j) -> double& { return s.P(i, j); });
@@ -60,19 +78,21 @@ void HeadingFilterOf<others>::advance(State& s, const MotionSample& motion, doub
   if constexpr (others > 0) {
     const double keep = exp(-dt / options_.other_error_time);
     s.other_error[0] = keep * s.other_error[0];
-    for (int i = other_at; i < n; ++i) {
+    for (int i = other_at; i < other_at + 4; ++i) {
       for (int j = 0; j < n; ++j) s.P(i, j) *= keep;
       for (int j = 0; j < n; ++j) s.P(j, i) *= keep;
     }
     const double fresh = 1 - square(keep);
     set_block(s.P, other_at, other_at, block<4, 4>(s.P, other_at, other_at) + fresh * s.other_reported[0]);
   }
+  s.errors.advance(s.P, errors_at, options_, dt);
   make_symmetric(s.P);
   step.add_noise(options_, [&](int i, int j) -> double& { return s.P(i, j); });
 }
 
-template <int others>
-void HeadingFilterOf<others>::receive(State& s, const Measurement& z) const noexcept {
+template <int others, int sources>
+void HeadingFilterOf<others, sources>::receive(State& s, const Measurement& z) const noexcept {
+  s.errors.receive(z, options_);
   if constexpr (others > 0) {
     if (z.of != Measures::sighting || z.other_error != OtherError::lasting) return;
     // For each correlation time within the spread, the spectrum of this process is nowhere below
@@ -80,25 +100,28 @@ void HeadingFilterOf<others>::receive(State& s, const Measurement& z) const noex
     const Mat<4, 4> received = options_.other_error_spread * z.P_other;
     if (trace(s.other_reported[0]) == 0) set_block(s.P, other_at, other_at, received);
     s.other_reported[0] = received;
-  } else {
-    (void)s, (void)z;
   }
 }
 
-template <int others>
-void HeadingFilterOf<others>::blur(State& s, double gap) const noexcept {
+template <int others, int sources>
+void HeadingFilterOf<others, sources>::blur(State& s, double gap) const noexcept {
   for (int i = 0; i < 3; ++i) s.P(i, i) += square(0.5 * unmeasured_acceleration * gap * gap);
   s.P(psi_at, psi_at) += square(0.5 * unmeasured_turning * gap * gap);
 }
 
-template <int others>
-Innovation<4, HeadingFilterOf<others>::n> HeadingFilterOf<others>::innovation(
-    const State& s, const Measurement& z, const MotionSample& motion) const noexcept {
+template <int others, int sources>
+Innovation<4, HeadingFilterOf<others, sources>::n> HeadingFilterOf<others, sources>::innovation(
+    const State& s, const Measurement& received, const MotionSample& motion) const noexcept {
   Innovation<4, n> of{};
+  const auto seen = s.errors.corrected(received, errors_at);
+  const Measurement& z = seen.z;
   of.y(3, 0) = wrap(z.heading() - s.psi);
   of.H(3, psi_at) = 1.0;
   of.R(3, 3) = z.heading_variance();
-  if (z.of == Measures::heading) return of;
+  if (z.of == Measures::heading) {
+    seen.add_columns(identity<3>(), of);
+    return of;
+  }
   if (z.of == Measures::position) {
     set_block(of.y, 0, 0, column(z.z - s.p));
     set_block(of.H, 0, 0, identity<3>());
@@ -106,9 +129,9 @@ Innovation<4, HeadingFilterOf<others>::n> HeadingFilterOf<others>::innovation(
     return of;
   }
   const bool leans = mount_.frame == MountFrame::body;
-  const Vec2<double> received = tilt_at(motion, z.stamp);
-  const double pitch = received.y + s.tilt_error.y;
-  const Mat<3, 3> R_VB = leans ? tilt(received.x + s.tilt_error.x, pitch) : identity<3>();
+  const Vec2<double> reported = tilt_at(motion, z.stamp);
+  const double pitch = reported.y + s.tilt_error.y;
+  const Mat<3, 3> R_VB = leans ? tilt(reported.x + s.tilt_error.x, pitch) : identity<3>();
   const Mat<3, 3> R_VS = R_VB * sensor_attitude(mount_), R_VG = turn_z(-s.psi);
   const Vec3<double> m = R_VB * Vec3<double>{mount_.offset, 0, 0} + R_VS * z.z;
   const bool lasting = others > 0 && z.other_error == OtherError::lasting;
@@ -147,11 +170,12 @@ Innovation<4, HeadingFilterOf<others>::n> HeadingFilterOf<others>::innovation(
   }
   set_block(of.R, 0, 0, R);
   set_both(of.R, 0, 3, R_yaw);
+  seen.add_columns(R_VS, of);
   return of;
 }
 
-template <int others>
-void HeadingFilterOf<others>::correct(State& s, const Column<n>& e) const noexcept {
+template <int others, int sources>
+void HeadingFilterOf<others, sources>::correct(State& s, const Column<n>& e) const noexcept {
   const Vec3<double> d = vec3(e);
   s.p = s.p + d;
   s.psi = wrap(s.psi + e(psi_at, 0));
@@ -159,6 +183,7 @@ void HeadingFilterOf<others>::correct(State& s, const Column<n>& e) const noexce
   s.rate_bias += e(rate_bias_at, 0);
   s.tilt_error = {s.tilt_error.x + e(tilt_at_row, 0), s.tilt_error.y + e(tilt_at_row + 1, 0)};
   if constexpr (others > 0) s.other_error[0] += block<4, 1>(e, other_at, 0);
+  s.errors.correct(e, errors_at);
   // The correction moved p. A rotation of the whole estimate about the vertical moves p by e_z x p,
   // so this direction changed.
   for (int j = 0; j < n; ++j) s.P(0, j) -= d.y * s.P(psi_at, j), s.P(1, j) += d.x * s.P(psi_at, j);
@@ -166,8 +191,9 @@ void HeadingFilterOf<others>::correct(State& s, const Column<n>& e) const noexce
   make_symmetric(s.P);
 }
 
-template <int others>
-PoseEstimate HeadingFilterOf<others>::read(const State& s, const MotionSample& motion) const noexcept {
+template <int others, int sources>
+PoseEstimate HeadingFilterOf<others, sources>::read(const State& s,
+                                                    const MotionSample& motion) const noexcept {
   const Vec3<double> v = turn_z(s.psi) * (motion.v_V - s.velocity_bias);
   return {.known = true,
           .p = s.p,
@@ -179,7 +205,11 @@ PoseEstimate HeadingFilterOf<others>::read(const State& s, const MotionSample& m
           .yaw_rate_sigma = sqrt(s.P(7, 7))};
 }
 
-template class HeadingFilterOf<0>;
-template class HeadingFilterOf<1>;
+template class HeadingFilterOf<0, 0>;
+template class HeadingFilterOf<0, 1>;
+template class HeadingFilterOf<0, correlated_sources_max>;
+template class HeadingFilterOf<1, 0>;
+template class HeadingFilterOf<1, 1>;
+template class HeadingFilterOf<1, correlated_sources_max>;
 
 }  // namespace sightline

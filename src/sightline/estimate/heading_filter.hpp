@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "sightline/estimate/correlated_errors.hpp"
 #include "sightline/estimate/kalman.hpp"
 #include "sightline/estimator.hpp"
 
@@ -67,13 +68,13 @@ struct HeadingTransition {
 ///   b      its true pose (p, psi) minus the broadcast one   Gauss-Markov, broadcast covariance
 ///
 /// This is a Schmidt-Kalman filter with a Markov model of the other robot's error. Sightings with
-/// OtherError::lasting share b.
-template <int others>
+/// OtherError::lasting share b. The last part is the correlated errors of `sources` sensor pairs.
+template <int others, int sources>
 class HeadingFilterOf {
   static_assert(others == 0 || others == 1);
 
  public:
-  static constexpr int n = 10 + 4 * others;
+  static constexpr int n = 10 + 4 * others + 4 * sources;
   struct State {
     Vec3<double> p{};
     double psi = 0.0;
@@ -83,6 +84,7 @@ class HeadingFilterOf {
     std::array<Column<4>, static_cast<std::size_t>(others)> other_error{};
     std::array<Mat<4, 4>, static_cast<std::size_t>(others)>
         other_reported{};  ///< covariance in its last message
+    CorrelatedErrors<sources> errors{};
     Mat<n, n> P{};
   };
 
@@ -95,11 +97,14 @@ class HeadingFilterOf {
   Place place_meant(const Measurement& z, double psi, double psi_variance,
                     const MotionSample& motion) const noexcept;
 
+  /// After the begin from a sighting: the pose shares the error of that sighting.
+  void share(State& s, const Measurement& z, const MotionSample& motion) const noexcept;
   /// Propagates the state, without its covariance, over dt [s] > 0, within a sample or after it.
   HeadingTransition move(State& s, const MotionSample& motion, double dt) const noexcept;
   /// Propagates state and covariance; does nothing if dt is not positive.
   void advance(State& s, const MotionSample& motion, double dt) const noexcept;
-  /// Before a measurement: updates the covariance of the other robot's error from its message.
+  /// Before a measurement: states for the errors of its source, and the covariance of the other
+  /// robot's error from its message.
   void receive(State& s, const Measurement& z) const noexcept;
   /// At the end of a sample: no effect.
   void end(State&, const MotionSample&) const noexcept {}
@@ -116,15 +121,20 @@ class HeadingFilterOf {
   PoseEstimate read(const State& s, const MotionSample& motion) const noexcept;
 
  private:
+  static constexpr int errors_at = n - CorrelatedErrors<sources>::states;
   FilterOptions options_;
   SensorMount mount_;
 };
 
-using HeadingFilter = HeadingFilterOf<0>;
+using HeadingFilter = HeadingFilterOf<0, 0>;
 /// For a robot that observes a robot which is itself localized.
-using ChainFilter = HeadingFilterOf<1>;
+using ChainFilter = HeadingFilterOf<1, 0>;
 
-extern template class HeadingFilterOf<0>;
-extern template class HeadingFilterOf<1>;
+extern template class HeadingFilterOf<0, 0>;
+extern template class HeadingFilterOf<0, 1>;
+extern template class HeadingFilterOf<0, correlated_sources_max>;
+extern template class HeadingFilterOf<1, 0>;
+extern template class HeadingFilterOf<1, 1>;
+extern template class HeadingFilterOf<1, correlated_sources_max>;
 
 }  // namespace sightline

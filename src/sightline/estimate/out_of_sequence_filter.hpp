@@ -360,6 +360,7 @@ void OutOfSequenceFilter<Filter>::begin(const Measurement& z, std::size_t slot, 
   begun.from = z.stamp;
   begun.state =
       filter_.begin(filter_.place_meant(z, psi, psi_variance, begun.motion), psi, psi_variance, begun.motion);
+  filter_.share(begun.state, z, begun.motion);
   measured_.drop_before(std::nextafter(z.stamp, std::numeric_limits<double>::infinity()));
   candidates_.clear();
   contradictions_.clear();

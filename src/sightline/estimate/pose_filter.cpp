@@ -6,6 +6,25 @@
 #include "sightline/estimator.hpp"
 
 namespace sightline {
+namespace {
+
+/// Number of sensors of a robot with correlated errors: its sightings of each body, and its compass.
+int correlated_sources(const FilterOptions& options, int observed) {
+  return (options.correlation_time > 0 ? observed : 0) +
+         (options.compass_noise > 0 && options.compass_time > 0 ? 1 : 0);
+}
+
+template <int sources>
+std::unique_ptr<PoseFilter> filter_for(const FilterOptions& options, const SensorMount& mount) {
+  const auto made = [&](const auto& filter) -> std::unique_ptr<PoseFilter> {
+    return std::make_unique<OutOfSequenceFilter<std::decay_t<decltype(filter)>>>(options, filter);
+  };
+  if (options.filter == FilterKind::attitude) return made(AttitudeFilterOf<sources>(options, mount));
+  if (options.filter == FilterKind::chain) return made(HeadingFilterOf<1, sources>(options, mount));
+  return made(HeadingFilterOf<0, sources>(options, mount));
+}
+
+}  // namespace
 
 std::string_view to_string(FitVerdict verdict) {
   constexpr std::array<std::string_view, verdict_count> names = {
@@ -25,7 +44,6 @@ double PoseEstimate::bearing_sigma(const KnownPose& other) const noexcept {
 }
 
 std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOptions& options) noexcept {
-  constexpr int compass_source = -1;  // sightings use the index of a body
   if (!motion.compass || !(options.compass_noise > 0)) return std::nullopt;
   return Measurement{.of = Measures::heading,
                      .stamp = motion.t,
@@ -34,13 +52,15 @@ std::optional<Measurement> compass_of(const MotionSample& motion, const FilterOp
                      .yaw_variance = square(options.compass_noise)};
 }
 
-std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount) {
+std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const SensorMount& mount,
+                                             int observed) {
   options.check();
-  if (options.filter == FilterKind::attitude)
-    return std::make_unique<OutOfSequenceFilter<AttitudeFilter>>(options, AttitudeFilter(options, mount));
-  if (options.filter == FilterKind::chain)
-    return std::make_unique<OutOfSequenceFilter<ChainFilter>>(options, ChainFilter(options, mount));
-  return std::make_unique<OutOfSequenceFilter<HeadingFilter>>(options, HeadingFilter(options, mount));
+  const int sources = correlated_sources(options, observed);
+  if (sources == 0) return filter_for<0>(options, mount);
+  if (sources == 1) return filter_for<1>(options, mount);
+  if (sources <= correlated_sources_max) return filter_for<correlated_sources_max>(options, mount);
+  throw_invalid("errors of {} sensors are correlated in time, expected at most {}", sources,
+                correlated_sources_max);
 }
 
 }  // namespace sightline

@@ -29,26 +29,48 @@ LocalizationGraph unchecked_graph(const Team& team, const LocalizerOptions& opti
   return LocalizationGraph(std::move(robots), options.cycles);
 }
 
+/// Time behaviour of the error of the target's broadcast pose, for that observer.
+OtherError error_of(const LocalizationGraph& graph, const LocalizerOptions& options, int observer,
+                    int target) {
+  const OtherError error = graph.error_of(observer, target);
+  return error == OtherError::fresh && options.broadcast.correlation_time > 0 ? OtherError::lasting : error;
+}
+
 /// The filter that a robot needs, given the bodies that it observes.
-FilterOptions filter_of(const LocalizedRobot& robot, const LocalizationGraph& graph) {
+FilterOptions filter_of(const LocalizedRobot& robot, const LocalizerOptions& options,
+                        const LocalizationGraph& graph) {
   FilterOptions filter = robot.filter;
   for (const BodyId other : robot.observes) {
-    if (graph.tier(other.index) == 0) continue;
+    const bool anchor = graph.tier(other.index) == 0;
+    if (error_of(graph, options, robot.robot.index, other.index) == OtherError::fresh) continue;
+    const std::string &name = graph.robot(robot.robot.index).name, &of = graph.robot(other.index).name;
     if (filter.filter == FilterKind::attitude)
-      throw_invalid(
-          "\"{}\" observes \"{}\", which is localized itself, with the filter \"attitude\", expected "
-          "\"heading\"",
-          graph.robot(robot.robot.index).name, graph.robot(other.index).name);
+      throw_invalid("\"{}\" observes \"{}\", {}, with the filter \"attitude\", expected \"heading\"", name,
+                    of,
+                    anchor ? "whose broadcast errors are correlated in time" : "which is localized itself");
     filter.filter = FilterKind::chain;
+    if (!anchor) continue;
+    if (robot.observes.size() > 1)
+      throw_invalid(
+          "\"{}\" observes {} bodies, whose broadcast errors are correlated in time, expected one body", name,
+          robot.observes.size());
+    filter.other_error_time = options.broadcast.correlation_time;
+    filter.other_error_spread = 1.0;
   }
   return filter;
+}
+
+std::unique_ptr<PoseFilter> filter_for(const LocalizedRobot& robot, const LocalizerOptions& options,
+                                       const LocalizationGraph& graph) {
+  return make_pose_filter(filter_of(robot, options, graph), robot.mount,
+                          static_cast<int>(robot.observes.size()));
 }
 
 /// Broadcast options of a body for the robots that observe it.
 BroadcastOptions broadcast_of(BodyId body, const LocalizerOptions& options, const LocalizationGraph& graph) {
   BroadcastOptions broadcast = options.broadcast;
   broadcast.sighting_rate = 1e-3;  // a lasting error is not independent between messages
-  if (graph.tier(body.index) > 0) return broadcast;
+  if (graph.tier(body.index) > 0 || broadcast.correlation_time > 0) return broadcast;
   for (const LocalizedRobot& robot : options.robots)
     if (graph.uses(robot.robot.index, body.index))
       broadcast.sighting_rate = std::max(broadcast.sighting_rate, robot.camera_rate);
@@ -83,7 +105,7 @@ LocalizationGraph localization_graph(const Team& team, const LocalizerOptions& o
     if (!roles.has_position() || !roles.has_heading())
       throw_invalid("\"{}\" cannot be localized by vision: its model \"{}\" has no {} among its states",
                     team.name(robot.robot), model.name(), roles.has_position() ? "heading" : "position");
-    filter_of(robot, graph).check();
+    (void)filter_for(robot, options, graph);
   }
   return graph;
 }
@@ -123,7 +145,7 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
               .x = size(team_.state_offset(what.robot)),
               .u = size(team_.input_offset(what.robot)),
               .nx = size(model.nx()),
-              .filter = make_pose_filter(filter_of(what, graph_), what.mount)};
+              .filter = filter_for(what, options_, graph_)};
   robot.predicted.resize(robot.nx);
   // The direction in G of each velocity state, at heading 0.
   std::vector<double> x(robot.nx), u(size(model.nu()));
@@ -209,7 +231,7 @@ void Localizer::look(Robot& robot, View& view, const Detection& detection) noexc
   const Vec2<double> roll_pitch = tilt_at(robot.received[sample % robot.received.size()], detection.stamp);
   Measurement z = sighting_of(detection, robot.what.mount, roll_pitch);
   z.p_other = pose->p, z.psi_other = pose->psi, z.P_other = pose->P;
-  z.other_error = graph_.error_of(robot.what.robot.index, target);
+  z.other_error = error_of(graph_, options_, robot.what.robot.index, target);
   const Fit fit = robot.filter->take(z);
   if (fits_.size() < fits_.capacity())
     fits_.push_back({detection.observer, detection.target, detection.stamp, fit});

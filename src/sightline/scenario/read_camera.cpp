@@ -98,6 +98,9 @@ void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMoun
     read.render = read_render(camera, scenario.world);
     if (read.render && !read.camera.is_plain())
       camera.throw_invalid("render", "false with a focal_length, a principal_point or a distortion");
+    if (read.render && read.camera.correlation_time > 0)
+      camera.throw_invalid("correlation_time",
+                           "0 s of a rendered camera, whose errors are those of its pictures");
     read.frame = read_optical_frame(camera, scenario.team.name(body), vision);
     vision.cameras.push_back(read);
   }
@@ -157,9 +160,10 @@ std::string camera_words(const ScenarioSpec& scenario) {
   for (const RobotCamera& one : scenario.vision.cameras) {
     const Camera& c = one.camera;
     fmt::format_to(std::back_inserter(text),
-                   "camera      {}: {} x {} px, focal length {:.1f} px{}, {} Hz, latency {} to {} s, {}\n",
+                   "camera      {}: {} x {} px, focal length {:.1f} px{}, {} Hz, latency {} to {} s, {}{}\n",
                    team.name(one.observer), c.width, c.height, c.focal(), lens_words(c), c.rate, c.latency[0],
-                   c.latency[1], one.render ? "rendered" : "detections drawn by their noise");
+                   c.latency[1], one.render ? "rendered" : "detections drawn by their noise",
+                   c.correlation_time > 0 ? fmt::format(", correlated over {} s", c.correlation_time) : "");
   }
   for (const BodyTags& one : scenario.vision.tags)
     fmt::format_to(std::back_inserter(text), "tags        {}: {} faces of {}, {} m\n", team.name(one.body),

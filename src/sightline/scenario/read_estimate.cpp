@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> localization_kinds = {"global", "vision"};
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
+constexpr std::string_view correlation_key = "correlation_time";
 
 /// The bodies with tags that a robot's sensor observes at some time of a run.
 std::vector<BodyId> observed_by(BodyId robot, const ScenarioSpec& scenario) {
@@ -135,14 +136,19 @@ void read_estimates(const TomlTable& root, ScenarioSpec& scenario) {
   for (const auto& [name, agent] : root.named_tables("agent")) {
     const BodyId robot = scenario.team.find(name);
     FilterOptions filter = team_filter;
+    bool states_correlation = all.has(correlation_key);
     if (agent.has("estimate")) {
       const TomlTable own = agent.table("estimate");
+      states_correlation = states_correlation || own.has(correlation_key);
       own.expect_only(parameter_keys<FilterOptions>());
       read_parameters(TableSource(own), filter);
     }
     if (!agent.has("localization") || agent.word("localization", localization_kinds) == localization_kinds[0])
       continue;
     options.robots.push_back(read_localized(agent, robot, filter, scenario));
+    if (!states_correlation)
+      options.robots.back().filter.correlation_time =
+          scenario.vision.camera_of(robot)->camera.correlation_time;
     if (!first) first = agent;
   }
   if (!first) return;
@@ -175,7 +181,7 @@ std::string localization_words(const ScenarioSpec& scenario) {
   std::string text;
   for (const LocalizedRobot& robot : options.robots) {
     std::vector<std::string_view> names;
-    bool chain = false;
+    bool chain = options.broadcast.correlation_time > 0;
     for (const BodyId body : robot.observes) {
       names.push_back(scenario.team.name(body));
       chain = chain || graph.tier(body.index) > 0;

@@ -64,9 +64,9 @@ Gusts::Gusts(double sigma, double time, int robots, std::uint64_t seed) : sigma_
 }
 
 void Gusts::advance(double s) noexcept {
-  const double keep = exp(-s / time_);
-  const double fresh = sigma_ * sqrt(1.0 - keep * keep);
-  for (std::size_t i = 0; i < a_.size(); ++i) a_[i] = keep * a_[i] + fresh * streams_[i].normals();
+  const MarkovStep step(s, time_);
+  const double fresh = sigma_ * step.fresh;
+  for (std::size_t i = 0; i < a_.size(); ++i) a_[i] = step.keep * a_[i] + fresh * streams_[i].normals();
 }
 
 Wakes::Wakes(const Airflow& airflow, int robots, std::uint64_t seed) : airflow_(airflow) {

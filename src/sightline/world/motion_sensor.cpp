@@ -32,7 +32,8 @@ MotionSensor::MotionSensor(const FilterOptions& errors, std::uint64_t seed, int 
       gyro_bias_(errors_.gyro_bias * chance_.normals()),
       force_bias_(errors_.accelerometer_bias * chance_.normals()),
       yaw_rate_bias_(errors_.yaw_rate_bias * chance_.normal()),
-      magnetic_(seed ^ stream_of_compass, StreamId::motion, body) {
+      magnetic_(seed ^ stream_of_compass, StreamId::motion, body),
+      compass_error_(errors_.compass_time) {
   tilt_error_.x = errors_.tilt_bias * chance_.normal();
   tilt_error_.y = errors_.tilt_bias * chance_.normal();
 }
@@ -40,13 +41,12 @@ MotionSensor::MotionSensor(const FilterOptions& errors, std::uint64_t seed, int 
 MotionSample MotionSensor::measure(double t, double dt, const Vec3<double>& p_before,
                                    const Mat<3, 3>& R_before, const Vec3<double>& p,
                                    const Mat<3, 3>& R) noexcept {
-  const double keep_v = exp(-dt / errors_.velocity_bias_time), keep_tilt = exp(-dt / errors_.tilt_time);
+  const MarkovStep bias(dt, errors_.velocity_bias_time), tilting(dt, errors_.tilt_time);
   const double slow = sqrt(dt), white = sqrt(FilterOptions::white_period / dt);
-  velocity_bias_ =
-      keep_v * velocity_bias_ + (errors_.velocity_bias * sqrt(1 - square(keep_v))) * chance_.normals();
-  const double tilt_step = errors_.tilt_bias * sqrt(1 - square(keep_tilt));
-  tilt_error_.x = keep_tilt * tilt_error_.x + tilt_step * chance_.normal();
-  tilt_error_.y = keep_tilt * tilt_error_.y + tilt_step * chance_.normal();
+  velocity_bias_ = bias.keep * velocity_bias_ + (errors_.velocity_bias * bias.fresh) * chance_.normals();
+  const double tilt_step = errors_.tilt_bias * tilting.fresh;
+  tilt_error_.x = tilting.keep * tilt_error_.x + tilt_step * chance_.normal();
+  tilt_error_.y = tilting.keep * tilt_error_.y + tilt_step * chance_.normal();
   yaw_rate_bias_ += errors_.yaw_rate_walk * slow * chance_.normal();
   gyro_bias_ = gyro_bias_ + (errors_.gyro_walk * slow) * chance_.normals();
   force_bias_ = force_bias_ + (errors_.accelerometer_walk * slow) * chance_.normals();
@@ -71,7 +71,8 @@ MotionSample MotionSensor::measure(double t, double dt, const Vec3<double>& p_be
             (white * errors_.accelerometer_noise) * chance_.normals();
   if (errors_.compass_noise > 0 && u.t >= next_compass_ - same_time) {
     next_compass_ = u.t + 1 / FilterOptions::compass_rate;
-    u.compass = wrap(psi + errors_.compass_noise * magnetic_.normal());
+    const double error = compass_error_.at(u.t, {{{{magnetic_.normal()}}}})(0, 0);
+    u.compass = wrap(psi + errors_.compass_noise * error);
   }
   return u;
 }

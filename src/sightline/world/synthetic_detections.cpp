@@ -14,9 +14,11 @@ struct SyntheticDetections::Draws {
   std::array<double, 3> place{};
   double mirror, outlier, kind, flip, angle, side;
 
-  explicit Draws(RandomStream& stream) noexcept {
+  Draws(RandomStream& stream, GaussMarkov<6>& process, double t) noexcept {
     for (double& u : faces) u = stream.uniform();
-    for (int i = 0; i < 6; ++i) errors(i, 0) = stream.normal();
+    Column<6> w;
+    for (int i = 0; i < 6; ++i) w(i, 0) = stream.normal();
+    errors = process.at(t, w);
     for (double& u : place) u = stream.uniform();
     for (double* const u : {&mirror, &outlier, &kind, &flip, &angle, &side}) *u = stream.uniform();
   }
@@ -25,9 +27,11 @@ struct SyntheticDetections::Draws {
 SyntheticDetections::SyntheticDetections(const Team& team, const CameraOptions& options)
     : options_(options), turned_(drawn_misalignments(options)) {
   for (const RobotCamera& camera : options_.cameras) {
-    for (const BodyTags& tags : options_.tags)
+    for (const BodyTags& tags : options_.tags) {
       streams_.emplace_back(options_.seed, StreamId::sighting,
                             camera.observer.index * team.bodies() + tags.body.index);
+      errors_.emplace_back(camera.camera.correlation_time);
+    }
   }
 }
 
@@ -65,7 +69,8 @@ bool SyntheticDetections::detect(const Exposure& exposure, std::size_t number, D
   const RobotCamera& of = options_.cameras[exposure.camera];
   const auto& [body, tags] = options_.tags[number];
   const Camera& camera = of.camera;
-  const Draws draws(streams_[exposure.camera * options_.tags.size() + number]);
+  const std::size_t pair = exposure.camera * options_.tags.size() + number;
+  const Draws draws(streams_[pair], errors_[pair], exposure.time);
   const ExposedBody &own = exposure.bodies[at(of.observer)], &target = exposure.bodies[at(body)];
   if (body == of.observer || !own.there || !target.there) return false;
 

@@ -38,7 +38,8 @@ TelemetryWorld::TelemetryWorld(std::unique_ptr<World> world, const TelemetryOpti
     check_body(body);
     senders_.push_back(
         {.body = body,
-         .chance = RandomStream(options.seed ^ stream_of_messages, StreamId::motion, body.index)});
+         .chance = RandomStream(options.seed ^ stream_of_messages, StreamId::motion, body.index),
+         .errors = GaussMarkov<7>(radio_.correlation_time)});
   }
   motions_.reserve(robots_.size());
   // Messages in transit, plus one for each end of the latency range.
@@ -109,10 +110,13 @@ void TelemetryWorld::send(Sender& sender, double t, const Measured& now) noexcep
   const double latency = radio_.latency[0] + (radio_.latency[1] - radio_.latency[0]) * chance.uniform();
   const bool lost = chance.uniform() <= radio_.dropout;
   const Sight<double> sight = sight_of(sender.body, now.measured);
+  Column<7> w;
+  for (int i = 0; i < 7; ++i) w(i, 0) = chance.normal();
+  const Column<7>& error = sender.errors.at(stamp, w);
   BroadcastPose pose{.stamp = stamp};
-  pose.p = sight.p + radio_.position_sigma * chance.normals();
-  pose.v = sight.v + radio_.velocity_sigma * chance.normals();
-  pose.psi = wrap(atan2(sight.d.y, sight.d.x) + radio_.heading_sigma * chance.normal());
+  pose.p = sight.p + radio_.position_sigma * vec3(error);
+  pose.v = sight.v + radio_.velocity_sigma * vec3(error, 3);
+  pose.psi = wrap(atan2(sight.d.y, sight.d.x) + radio_.heading_sigma * error(6, 0));
   pose.P = identity<4>(square(radio_.position_sigma));
   pose.P(3, 3) = square(radio_.heading_sigma);
   if (!lost) messages_.send({t + latency, {sender.body, pose}});
