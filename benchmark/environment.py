@@ -53,7 +53,9 @@ class KeepInView(gymnasium.Env if gymnasium else object):
         self.model, self.target_model = team.model(robot), team.model(self.target)
         self.state, self.target_state, self.input = team.state(robot), team.state(self.target), team.input(robot)
         sensor = tomllib.loads(self.scenario.expanded)["agent"][between[0]]["sensor"]
-        self.pitch, self.offset = sensor["pitch"], sensor["offset"]
+        yaw, pitch, arm = sensor.get("yaw", 0.0), sensor["pitch"], sensor["offset"]
+        self.axis = np.array([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
+        self.offset = np.array(arm if isinstance(arm, list) else [arm, 0.0, 0.0])
         if Box:
             self.action_space = Box(-1.0, 1.0, (4,), np.float64)
             self.observation_space = Box(-np.inf, np.inf, (8,), np.float64)
@@ -68,8 +70,8 @@ class KeepInView(gymnasium.Env if gymnasium else object):
 
     def angle(self, q):
         """Angle of a place in V off the axis of the sensor [rad]; the sensor is level."""
-        ahead, c, s = q[0] - self.offset, math.cos(self.pitch), math.sin(self.pitch)
-        return math.atan2(math.hypot(q[1], ahead * s + q[2] * c), ahead * c - q[2] * s)
+        r = q - self.offset
+        return math.atan2(np.linalg.norm(np.cross(self.axis, r)), self.axis @ r)
 
     def reset(self, *, seed=None, options=None):
         if gymnasium:

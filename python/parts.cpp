@@ -95,6 +95,13 @@ MountFrame frame_of(std::string_view word) {
   return static_cast<MountFrame>(found - mount_frames.begin());
 }
 
+/// A lever arm from three numbers, or from one ahead. @throws std::invalid_argument for another length
+LeverArm arm_of(const Numbers& given) {
+  if (given.ndim() == 0) return *given.data();
+  const auto d = view(given, "offset", 3);
+  return {d[0], d[1], d[2]};
+}
+
 /// Gradient of the recorded formula that the solver uses, with respect to the numbers of both sights
 /// (2 x 10).
 py::array_t<double> gradient_of(const Potential& potential, const Sight<double>& a, const Sight<double>& b,
@@ -102,17 +109,24 @@ py::array_t<double> gradient_of(const Potential& potential, const Sight<double>&
 
 void bind_potential(py::module_& module) {
   py::class_<SensorMount>(module, "SensorMount", "Where the sensor sits on the robot, (45).")
-      .def(
-          py::init([](double pitch, double offset, const std::string& frame, double sigmas) {
-            return SensorMount{pitch, offset, frame_of(frame), sigmas};
-          }),
-          py::arg("pitch") = 0.5, py::arg("offset") = 0.17, py::arg("frame") = "level",
-          py::arg("sigmas") = 0.0,
-          "pitch [rad], > 0 looks down; offset: lever arm along x [m]; frame: \"level\" or \"body\"; sigmas: "
-          "standard deviations of what is seen by which regions of view shrink, >= 0")
+      .def(py::init([](double pitch, const Numbers& offset, const std::string& frame, double sigmas,
+                       double yaw, double roll) {
+             return SensorMount{pitch, arm_of(offset), frame_of(frame), sigmas, yaw, roll};
+           }),
+           py::arg("pitch") = 0.5, py::arg("offset") = 0.17, py::arg("frame") = "level",
+           py::arg("sigmas") = 0.0, py::arg("yaw") = 0.0, py::arg("roll") = 0.0,
+           "pitch [rad], > 0 looks down; offset: lever arm (ahead, left, up) [m], or a number ahead; frame: "
+           "\"level\" or \"body\"; sigmas: standard deviations of what is seen by which regions of view "
+           "shrink, "
+           ">= 0; yaw [rad], > 0 looks to the left; roll [rad], about the axis, > 0: left side up")
       .def_readonly("pitch", &SensorMount::pitch)
-      .def_readonly("offset", &SensorMount::offset)
-      .def_readonly("sigmas", &SensorMount::sigmas);
+      .def_property_readonly("offset",
+                             [](const SensorMount& mount) {
+                               return array(std::array{mount.offset.x, mount.offset.y, mount.offset.z});
+                             })
+      .def_readonly("sigmas", &SensorMount::sigmas)
+      .def_readonly("yaw", &SensorMount::yaw)
+      .def_readonly("roll", &SensorMount::roll);
 
   py::class_<Weighted>(module, "Weighted", "A potential times its weight, as 0.4 * potential.")
       .def_readonly("weight", &Weighted::weight)

@@ -319,7 +319,7 @@ estimate() {
     'heading of the other of the wrong sign|heading_filter.cpp|of.H(3, other_at + 3) = -1.0;|of.H(3, other_at + 3) = 1.0;'
     'bias of the gyroscope added|attitude_filter.cpp|(motion.gyro - s.gyro_bias))|(motion.gyro + s.gyro_bias))'
     'gravity upwards|attitude_filter.cpp|s.R \* f - Vec3|s.R * f + Vec3'
-    'turn of the camera on the wrong side|attitude_filter.cpp|C = sensor_attitude(mount_) \* turn(s.camera_turn)|C = turn(s.camera_turn) * sensor_attitude(mount_)'
+    'turn of the camera on the wrong side|attitude_filter.cpp|C = mount_.attitude() \* turn(s.camera_turn)|C = turn(s.camera_turn) * mount_.attitude()'
     'headings the long way|broadcast_track.cpp|s \* wrap(b.psi - a.psi)|s * (b.psi - a.psi)'
     'cubic without the velocity at its end|broadcast_track.cpp|(h \* (s3 - s2)) \* b.v|(h * (s2 - s3)) * b.v'
     'messages carried on twice as long|broadcast_track.cpp|t - last.stamp > options_.longest|t - last.stamp > 2 * options_.longest'

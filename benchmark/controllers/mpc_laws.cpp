@@ -42,7 +42,7 @@ Residuals MpcLaw::tracking(int k, const Input& u, const State& next) const noexc
   const Relative target = seen(0, k + 1, next);
   Residuals r{};
   for (std::size_t i = 0; i < nu; ++i) r[i] = o.input * u[i];
-  r[4] = o.range * (std::hypot(target.q.x, target.q.y) - best_.x);
+  r[4] = o.range * (std::hypot(target.q.x, target.q.y) - std::hypot(best_.x, best_.y));
   r[5] = o.height * (target.q.z - best_.z);
   r[6] = o.velocity * (next[5] - target.w.x);
   r[7] = o.velocity * (next[6] - target.w.y);

@@ -21,10 +21,13 @@ namespace sightline::benchmark {
 std::string task_line(const Team& team, const std::vector<ViewTask>& tasks, const Horizon& horizon) {
   std::string line = fmt::format(R"({{"period": {}, "observers": [)", horizon.dt);
   for (const ViewTask& task : tasks) {
+    if (!task.mount.is_in_plane())
+      throw_invalid("the sensor of \"{}\" has a yaw, a roll or an offset to the side, expected none",
+                    team.name(task.robot));
     line += fmt::format(
         R"({}{{"robot": "{}", "state": {}, "target_state": {}, "pitch": {}, "offset": {}, "alpha": {}, "d_min": {}, "d_max": {}}})",
         &task == tasks.data() ? "" : ", ", team.name(task.robot), team.state_offset(task.robot),
-        team.state_offset(task.target), task.mount.pitch, task.mount.offset, task.alpha, task.d_min,
+        team.state_offset(task.target), task.mount.pitch, task.mount.offset.x, task.alpha, task.d_min,
         task.d_max);
   }
   return line + "]}\n";

@@ -8,19 +8,14 @@ namespace {
 
 Pose<double> pose_of(const double* x) { return {{x[0], x[1], x[2]}, {x[3], x[4]}}; }
 
-/// A gradient by p_S as one by q: the axes of S in V are (cos, 0, -sin), (0, 1, 0), (sin, 0, cos).
-Vec3<double> in_V(const SensorMount& mount, const Vec3<double>& g) {
-  const double c = std::cos(mount.pitch), s = std::sin(mount.pitch);
-  return {c * g.x + s * g.z, g.y, c * g.z - s * g.x};
-}
-
 }  // namespace
 
 Barrier view_barrier(const SensorMount& mount, double alpha, const Vec3<double>& q) {
   const Vec3<double> p = mount(Pose<double>{{0, 0, 0}, {1, 0}}, q);
   constexpr double least = 1e-6;  // the direction is undefined at the sensor [m]
   const double length = std::max(norm(p), least), share = std::cos(alpha) / length;
-  return {p.x - std::cos(alpha) * length, in_V(mount, {1 - share * p.x, -share * p.y, -share * p.z})};
+  return {p.x - std::cos(alpha) * length,
+          mount.attitude() * Vec3<double>{1 - share * p.x, -share * p.y, -share * p.z}};
 }
 
 Barrier distance_barrier(const Vec3<double>& q, double d, double sign) {
@@ -41,10 +36,11 @@ Status ViewBarrierLaw::inputs(const double* x, std::span<const Sight<double>> bo
   const Relative target = relative(pose_of(x), bodies[0]);
   const double level = std::hypot(target.q.x, target.q.y);
   // Tracking: the distance along the direction to the target, its height, its velocity, and the bearing.
-  const double radial = o.k_p * (level - best_.x) / std::max(level, 1e-6);
-  const std::array<double, 4> wanted = {target.w.x + radial * target.q.x, target.w.y + radial * target.q.y,
-                                        target.w.z + o.k_p * (target.q.z - best_.z),
-                                        o.k_yaw * std::atan2(target.q.y, target.q.x)};
+  const double radial = o.k_p * (level - std::hypot(best_.x, best_.y)) / std::max(level, 1e-6);
+  const std::array<double, 4> wanted = {
+      target.w.x + radial * target.q.x, target.w.y + radial * target.q.y,
+      target.w.z + o.k_p * (target.q.z - best_.z),
+      o.k_yaw * wrap(std::atan2(target.q.y, target.q.x) - std::atan2(best_.y, best_.x))};
 
   std::array<BarrierRow, rows_max> rows = {
       row_of(view_barrier(task_.mount, task_.alpha, target.q), target, o.gamma),

@@ -89,11 +89,7 @@ Relative relative(const Pose<double>& robot, const Sight<double>& body) {
 }
 
 Vec3<double> best_place(const ViewTask& task) {
-  // |(offset + s cos, s sin)| = d, for the way s along the axis.
-  const double d = 0.5 * (task.d_min + task.d_max), along = task.mount.offset * std::cos(task.mount.pitch);
-  const double s =
-      std::sqrt(std::max(0.0, along * along + d * d - task.mount.offset * task.mount.offset)) - along;
-  return {task.mount.offset + s * std::cos(task.mount.pitch), 0.0, -s * std::sin(task.mount.pitch)};
+  return task.mount.point_in_F({task.mount.depth_at(0.5 * (task.d_min + task.d_max)), 0, 0});
 }
 
 }  // namespace sightline::benchmark

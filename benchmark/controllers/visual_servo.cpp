@@ -8,16 +8,15 @@ namespace sightline::benchmark {
 Vec3<double> features(const Vec3<double>& p_S) { return {p_S.y / p_S.x, p_S.z / p_S.x, std::log(p_S.x)}; }
 
 Mat<3, 4> interaction(const SensorMount& mount, const Vec3<double>& s) {
-  const double c = std::cos(mount.pitch), sn = std::sin(mount.pitch), depth = std::exp(s.z);
-  const Vec3<double> p = {depth, depth * s.x, depth * s.y};  // in S
-  const double ahead = mount.offset + c * p.x + sn * p.z;    // in V
-  // Velocities of the point in S for one unit of each command.
-  const std::array<Vec3<double>, 4> moves = {Vec3<double>{-c, 0, -sn}, Vec3<double>{0, -1, 0},
-                                             Vec3<double>{sn, 0, -c},
-                                             Vec3<double>{c * p.y, -ahead, sn * p.y}};
+  const double depth = std::exp(s.z);
+  const Vec3<double> p_V = mount.point_in_F({depth, depth * s.x, depth * s.y});
+  // Velocities of the point in V, then in S, for one unit of each command.
+  const std::array<Vec3<double>, 4> moves = {Vec3<double>{-1, 0, 0}, Vec3<double>{0, -1, 0},
+                                             Vec3<double>{0, 0, -1}, Vec3<double>{p_V.y, -p_V.x, 0}};
+  const Mat<3, 3> R_SV = transposed(mount.attitude());
   Mat<3, 4> J;
   for (int j = 0; j < 4; ++j) {
-    const Vec3<double>& v = moves[at(j)];
+    const Vec3<double> v = R_SV * moves[at(j)];
     J(0, j) = (v.y - s.x * v.x) / depth;
     J(1, j) = (v.z - s.y * v.x) / depth;
     J(2, j) = v.x / depth;

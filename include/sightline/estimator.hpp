@@ -433,10 +433,6 @@ std::unique_ptr<PoseFilter> make_pose_filter(const FilterOptions& options, const
 
 // Robot position that one measurement implies.
 
-/// Attitude R_BS of the sensor S in the body B; the sensor's x axis in B is (cos beta, 0, -sin
-/// beta).
-inline Mat<3, 3> sensor_attitude(const SensorMount& mount) noexcept { return turn_y(mount.pitch); }
-
 /// Rotation R_VB.
 inline Mat<3, 3> tilt(double roll, double pitch) noexcept { return turn_y(pitch) * turn_x(roll); }
 
@@ -463,8 +459,8 @@ inline Place place_of(const Measurement& z, const SensorMount& mount, const Vec2
   if (z.of == Measures::position) return {z.z, z.R, {}};
   const bool leans = mount.frame == MountFrame::body;
   const Mat<3, 3> R_VB = leans ? tilt(roll_pitch.x, roll_pitch.y) : identity<3>();
-  const Mat<3, 3> R_GB = turn_z(psi) * R_VB, R_GS = R_GB * sensor_attitude(mount);
-  const Vec3<double> r = R_GB * Vec3<double>{mount.offset, 0, 0} + R_GS * z.z;
+  const Mat<3, 3> R_GB = turn_z(psi) * R_VB, R_GS = R_GB * mount.attitude();
+  const Vec3<double> r = R_GB * mount.offset + R_GS * z.z;
   Place place;
   place.p = z.p_other - r;
   place.per_turn = {r.y, -r.x, 0.0};

@@ -62,8 +62,11 @@ Vec2<S> rotate(const Vec2<S>& d, const Vec2<S>& v_V) {
   return {d.x * v_V.x - d.y * v_V.y, d.y * v_V.x + d.x * v_V.y};
 }
 
-/// Range of the pitch of a sensor [rad]: pi/2 rounded up to four digits.
+/// Ranges of the angles [rad] and of the lever arm [m] of a sensor; pi/2 and pi rounded up to four
+/// digits.
 inline constexpr Bounds mount_pitches = {-1.5708, 1.5708, "in [-pi/2, pi/2]"};
+inline constexpr Bounds mount_turns = {-3.1416, 3.1416, "in [-pi, pi]"};
+inline constexpr Bounds mount_offsets = {-5.0, 5.0, "-5 to 5"};
 
 /// Frame to which a sensor is fixed.
 enum class MountFrame {
@@ -72,8 +75,25 @@ enum class MountFrame {
 };
 inline constexpr std::array<std::string_view, 2> mount_frames = {"level", "body"};
 
-/// Mount of a sensor on the robot, (45). The sensor axis in V, or in B, is (cos beta, 0, -sin
-/// beta), so beta > 0 points down.
+/// Place of a sensor on its robot [m]: x ahead, y to the left, z up. A number alone is along x.
+struct LeverArm : Vec3<double> {
+  constexpr LeverArm(double ahead = 0.0, double left = 0.0, double up = 0.0)
+      : Vec3<double>{ahead, left, up} {}
+  friend constexpr bool operator==(const LeverArm& a, const LeverArm& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+  }
+  constexpr bool is_along_x() const { return y == 0.0 && z == 0.0; }
+};
+
+/// Mount of a sensor on the robot, (45): the place of its frame S, and the rotation from S to the
+/// frame F of the mount, V or B,
+///
+///   R_FS = R_z(yaw) R_y(pitch) R_x(roll),
+///
+/// so the sensor axis in F is (cos yaw cos pitch, sin yaw cos pitch, -sin pitch): yaw > 0 looks to
+/// the left, pitch > 0 down. Roll > 0 turns the picture about the axis, its left side up.
+/// All users transform by these functions: points of G by operator(), points of S by point_in_F(),
+/// directions of S by attitude().
 ///
 /// B is V pitched and rolled: z along the thrust, x in the vertical plane of the heading. Its axes
 /// in V, before normalisation, are, with xi the tilt (docs/equations.md, 1),
@@ -81,19 +101,38 @@ inline constexpr std::array<std::string_view, 2> mount_frames = {"level", "body"
 ///   x_B ~ (1, 0, -xi_f),   y_B ~ (-xi_f xi_s, 1 + xi_f^2, -xi_s),   z_B ~ (xi_f, xi_s, 1)
 struct SensorMount {
   double pitch = 0.5;                    ///< beta
-  double offset = 0.17;                  ///< d_s
-  MountFrame frame = MountFrame::level;  ///< frame of pitch and offset
+  LeverArm offset = 0.17;                ///< d_s
+  MountFrame frame = MountFrame::level;  ///< F
   double sigmas = 0.0;                   ///< of Sight::uncertainty
+  double yaw = 0.0, roll = 0.0;
 
   static constexpr auto parameters() {
     using M = SensorMount;
-    return std::tuple{parameter("frame", &M::frame, mount_frames, "of pitch and offset: V or B"),
+    return std::tuple{parameter("frame", &M::frame, mount_frames, "of angles and offset: V or B"),
+                      parameter("yaw", &M::yaw, "rad", mount_turns, "> 0 looks to the left"),
                       parameter("pitch", &M::pitch, "rad", mount_pitches, "> 0 looks down"),
-                      parameter("offset", &M::offset, "m", any_finite, "lever arm along x of the frame"),
+                      parameter("roll", &M::roll, "rad", mount_turns, "about the axis, > 0: left side up"),
+                      KeyText{"offset", "-5 to 5 m",
+                              "lever arm in the frame: [ahead, left, up], or a number ahead", "0.17"},
                       parameter("sigmas", &M::sigmas, "", {0.0, 6.0, "0 to 6"},
                                 "standard deviations of the observed position by which views shrink")};
   }
   bool operator==(const SensorMount&) const = default;
+
+  /// R_FS: its columns are the axes of S in F.
+  Mat<3, 3> attitude() const noexcept {
+    if (yaw == 0.0 && roll == 0.0) return turn_y(pitch);
+    return turn_z(yaw) * turn_y(pitch) * turn_x(roll);
+  }
+  /// Position in F, relative to the robot, of a point of S.
+  Vec3<double> point_in_F(const Vec3<double>& p_S) const noexcept { return offset + attitude() * p_S; }
+  /// Distance from the sensor to the point of its axis that is this far from the robot [m]; the
+  /// nearest one if all are farther.
+  double depth_at(double distance) const noexcept {
+    const double along = (transposed(attitude()) * offset).x;
+    return std::max(
+        0.0, sqrt(std::max(0.0, square(distance) - dot<double>(offset, offset) + square(along))) - along);
+  }
 
   /// Transforms a point of G into the sensor frame S of an upright robot: p_S = T_SG p_G, (46),
   /// (48).
@@ -101,7 +140,8 @@ struct SensorMount {
   Vec3<S> operator()(const Pose<S>& robot, const Vec3<S>& point) const {
     const double c = cos(pitch), s = sin(pitch);
     const Vec3<S> r = robot.p - point;
-    const S eta = offset + robot.d.x * r.x + robot.d.y * r.y;
+    const S eta = offset.x + robot.d.x * r.x + robot.d.y * r.y;
+    if (!is_in_plane()) return from_sensor(eta, S(robot.d.y * r.x - robot.d.x * r.y), r.z);
     return {r.z * s - eta * c, robot.d.y * r.x - robot.d.x * r.y, -(r.z * c) - eta * s};
   }
 
@@ -115,15 +155,31 @@ struct SensorMount {
     const Vec2<S>& xi = robot.lean;
     const Vec3<S> r = robot.p - point;
     // From the point to the robot, in V; ahead with the lever arm, y to the right.
-    const S arm = offset + robot.d.x * r.x + robot.d.y * r.y, ahead = robot.d.x * r.x + robot.d.y * r.y;
+    const S arm = offset.x + robot.d.x * r.x + robot.d.y * r.y, ahead = robot.d.x * r.x + robot.d.y * r.y;
     const S right = robot.d.y * r.x - robot.d.x * r.y;
     const S of_x = 1.0 + square(xi.x), of_z = of_x + square(xi.y);
     const S per_x = 1.0 / sqrt(of_x), per_z = 1.0 / sqrt(of_z);
     // In B; the tilt does not rotate the lever arm itself.
-    const S eta = offset * (1.0 - per_x) + per_x * (arm - xi.x * r.z);
+    const S eta = offset.x * (1.0 - per_x) + per_x * (arm - xi.x * r.z);
     const S y = (of_x * right + xi.y * (xi.x * ahead + r.z)) * (per_x * per_z);
     const S z = (r.z + xi.x * ahead - xi.y * right) * per_z;
+    if (!is_in_plane()) return farthest(robot.uncertainty, from_sensor(eta, y, z));
     return farthest(robot.uncertainty, Vec3<S>{z * s - eta * c, y, -(z * c) - eta * s});
+  }
+
+  /// Whether the sensor sits on the x axis of F and looks along its xz plane, as in the paper: (48)
+  /// then has fewer operations.
+  bool is_in_plane() const noexcept { return yaw == 0.0 && roll == 0.0 && offset.is_along_x(); }
+
+  /// p_S = R_FS^T (p_F - d_s) of a point.
+  /// @param eta          from the point to the sensor, along x of F [m]
+  /// @param left, below  from the robot to the point along y of F, from the point to the robot along z [m]
+  template <class S>
+  Vec3<S> from_sensor(const S& eta, const S& left, const S& below) const {
+    const Mat<3, 3> R = attitude();
+    const S x = -eta, y = left - offset.y, z = -below - offset.z;
+    const auto along = [&](int axis) { return R(0, axis) * x + R(1, axis) * y + R(2, axis) * z; };
+    return {along(0), along(1), along(2)};
   }
 
   /// Of the points displaced laterally by `sigmas` standard deviations from p_S, the one farthest

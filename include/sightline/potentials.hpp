@@ -84,12 +84,12 @@ class HeadingErrorLimit {
 ///
 ///   l = 1 - (cos beta (x cos omega + y sin omega) - sin beta z) / sqrt(x^2 + y^2 + z^2 + width^2)
 ///
-/// with (x, y, z) the target relative to the sensor in the frame that the mount is fixed to, V or B
-/// (x ahead, y left, z up), and beta the pitch of the mount. l is in [0, 2]; it is 1 - cos gamma
-/// for omega = 0 and a target much farther than `width`.
+/// with (x, y, z) the target relative to the sensor in the frame that the mount is fixed to, V or B,
+/// turned by its yaw (x ahead of the sensor, y left, z up), and beta its pitch. l is in [0, 2]; it
+/// is 1 - cos gamma for omega = 0 and a target much farther than `width`.
 ///
 /// With the target straight behind, l would be stationary and the robot would not turn. So, with
-/// phi the horizontal angle from the nose to the target, the axis is rotated to the left by
+/// phi the horizontal angle from x to the target, the axis is rotated to the left by
 ///
 ///   omega = tilt sig(-0.906 - cos phi, 40),   cos phi = x / sqrt(x^2 + y^2 + width^2)
 ///
@@ -121,7 +121,8 @@ struct Bearing {
 
   template <class S>
   S operator()(const Sight<S>& observer, const Sight<S>& target) const {
-    const SensorMount straight = {.pitch = 0.0, .offset = mount.offset, .frame = mount.frame};
+    const SensorMount straight = {
+        .pitch = 0.0, .offset = mount.offset, .frame = mount.frame, .yaw = mount.yaw};
     const Vec3<S> p_V = straight(observer, target.p);
     const S level = square(p_V.x) + square(p_V.y) + square(width);
     const S omega = tilt * logistic(-40.0 * (0.906 + p_V.x * (1.0 / sqrt(level))));

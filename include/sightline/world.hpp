@@ -128,6 +128,12 @@ inline Rotation rotation(const Quaternion& q) {
           {2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}};
 }
 
+/// The rotation whose columns are those of a matrix.
+inline Rotation rotation_from(const Mat<3, 3>& R) {
+  const auto column = [&](int j) { return Vec3<double>{R(0, j), R(1, j), R(2, j)}; };
+  return {column(0), column(1), column(2)};
+}
+
 /// Composition: R_GB and R_BC to R_GC.
 inline Rotation compose(const Rotation& R_GB, const Rotation& R_BC) {
   return {R_GB.to_G(R_BC.x), R_GB.to_G(R_BC.y), R_GB.to_G(R_BC.z)};

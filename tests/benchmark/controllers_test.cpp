@@ -22,7 +22,8 @@ namespace {
 
 using testing::HasSubstr;
 
-const SensorMount mount = {.pitch = 0.4, .offset = 0.17};
+const SensorMount mount = {.pitch = 0.4, .offset = 0.17},
+                  askew = {.pitch = 0.4, .offset = {0.1, -0.2, 0.05}, .yaw = -0.3, .roll = 0.8};
 
 /// An observer, its target, and a third body that it keeps away from.
 struct Pair {
@@ -121,9 +122,10 @@ TEST(Interaction, IsTheDerivativeOfTheFeatures) {
     const Vec2<double> ahead = rotate<double>(robot.d, {draw(1, 4), draw(-0.5, 0.5)});
     const Vec3<double> target = robot.p + Vec3<double>{ahead.x, ahead.y, draw(-1, 0.2)};
     const std::array<double, 4> v = draw.velocity();
-    const auto at_time = [&](double t) { return features(mount(moved(robot, v, t), target)); };
+    const SensorMount& seen_by = i % 2 == 0 ? mount : askew;
+    const auto at_time = [&](double t) { return features(seen_by(moved(robot, v, t), target)); };
     const Column<4> command = {{{{v[0]}, {v[1]}, {v[2]}, {v[3]}}}};
-    const Vec3<double> rate = vec3(interaction(mount, at_time(0)) * command);
+    const Vec3<double> rate = vec3(interaction(seen_by, at_time(0)) * command);
     constexpr double dt = 1e-6;
     EXPECT_LT(norm(rate - (0.5 / dt) * (at_time(dt) - at_time(-dt))), 1e-6 * (1 + norm(rate)));
   }
@@ -157,7 +159,8 @@ TEST(Barriers, RowsAreTheirDerivatives) {
       Sight<double> then = body;
       then.p = body.p + t * body.v;
       const Vec3<double> q = relative(moved(robot, v, t), then).q;
-      return kind == 0 ? view_barrier(mount, 0.5, q) : distance_barrier(q, 1.2, kind == 1 ? 1 : -1);
+      return kind == 0 ? view_barrier(i % 2 == 0 ? mount : askew, 0.5, q)
+                       : distance_barrier(q, 1.2, kind == 1 ? 1 : -1);
     };
     for (int kind = 0; kind < 3; ++kind) {
       constexpr double dt = 1e-6, gamma = 1.7;

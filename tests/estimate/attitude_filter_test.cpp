@@ -9,6 +9,10 @@ namespace {
 
 constexpr SensorMount on_body{.pitch = 0.4, .offset = 0.17, .frame = MountFrame::body};
 constexpr SensorMount on_gimbal{.pitch = 0.4, .offset = 0.17, .frame = MountFrame::level};
+constexpr SensorMount aside_on_body{
+    .pitch = 0.4, .offset = {0.1, -0.2, 0.05}, .frame = MountFrame::body, .yaw = 1.5, .roll = -0.7};
+constexpr SensorMount aside_on_gimbal{
+    .pitch = 0.4, .offset = {0.1, -0.2, 0.05}, .frame = MountFrame::level, .yaw = 1.5, .roll = -0.7};
 
 TEST(AttitudeFilter, TheCovarianceGoesOnAsTheStateDoes) {
   // The gyroscope's bias is taken along axes of the step's beginning, so to first order in the turn of a step.
@@ -18,6 +22,8 @@ TEST(AttitudeFilter, TheCovarianceGoesOnAsTheStateDoes) {
 TEST(AttitudeFilter, AnInnovationChangesWithTheStateAsHSays) {
   test::expect_sensitivity(AttitudeFilter({}, on_body), 1e-6);
   test::expect_sensitivity(AttitudeFilter({}, on_gimbal), 1e-6);
+  test::expect_sensitivity(AttitudeFilter({}, aside_on_body), 1e-6);
+  test::expect_sensitivity(AttitudeFilter({}, aside_on_gimbal), 1e-6);
 }
 
 TEST(AttitudeFilter, FallsFreelyWithoutForceAndHoversUnderThatOfItsWeight) {

@@ -9,6 +9,10 @@ namespace {
 
 constexpr SensorMount leaning_mount{.pitch = 0.4, .offset = 0.17, .frame = MountFrame::body};
 constexpr SensorMount level_mount{.pitch = 0.4, .offset = 0.17, .frame = MountFrame::level};
+constexpr SensorMount leaning_aside{
+    .pitch = 0.4, .offset = {0.1, -0.2, 0.05}, .frame = MountFrame::body, .yaw = 1.5, .roll = -0.7};
+constexpr SensorMount level_aside{
+    .pitch = 0.4, .offset = {0.1, -0.2, 0.05}, .frame = MountFrame::level, .yaw = 1.5, .roll = -0.7};
 
 TEST(HeadingFilter, TheCovarianceGoesOnAsTheStateDoes) {
   test::expect_propagation(HeadingFilter({}, leaning_mount), 1e-8);
@@ -17,6 +21,8 @@ TEST(HeadingFilter, TheCovarianceGoesOnAsTheStateDoes) {
 TEST(HeadingFilter, AnInnovationChangesWithTheStateAsHSays) {
   test::expect_sensitivity(HeadingFilter({}, leaning_mount), 1e-6);
   test::expect_sensitivity(HeadingFilter({}, level_mount), 1e-6);
+  test::expect_sensitivity(HeadingFilter({}, leaning_aside), 1e-6);
+  test::expect_sensitivity(HeadingFilter({}, level_aside), 1e-6);
 }
 
 TEST(HeadingFilter, ADoubtfulHeadingWeakensASightingAcrossTheLineOfSightAlone) {

@@ -9,9 +9,7 @@ namespace {
 TEST(Place, ASightingMeansThePoseThatItWasMadeFrom) {
   Random random(1);
   for (int k = 0; k < 500; ++k) {
-    const SensorMount mount{.pitch = uniform(random, -1, 1),
-                            .offset = 0.17,
-                            .frame = k % 2 == 0 ? MountFrame::body : MountFrame::level};
+    const SensorMount mount = random_mount(random, k % 2 == 0 ? MountFrame::body : MountFrame::level);
     const Vec3<double> p = random_point(random, 3), other = random_point(random, 3);
     const double psi = uniform(random, -3, 3);
     const Vec2<double> lean = {uniform(random, -0.5, 0.5), uniform(random, -0.5, 0.5)};
@@ -19,7 +17,7 @@ TEST(Place, ASightingMeansThePoseThatItWasMadeFrom) {
         turn_z(psi) * (mount.frame == MountFrame::body ? tilt(lean.x, lean.y) : identity<3>());
     Measurement z = test::random_sighting(random);
     z.p_other = other;
-    z.z = transposed(R_GB * sensor_attitude(mount)) * (other - p - R_GB * Vec3<double>{mount.offset, 0, 0});
+    z.z = transposed(R_GB * mount.attitude()) * (other - p - R_GB * mount.offset);
     const Place place = place_of(z, mount, lean, psi, 0.04, 1e-4);
     EXPECT_LE(norm(place.p - p), 1e-13);
     // d p / d psi, by a small turn.
@@ -32,7 +30,7 @@ TEST(Place, ASightingMeansThePoseThatItWasMadeFrom) {
 TEST(Place, TheSensorFrameIsThatOfTheModels) {
   Random random(2);
   for (int k = 0; k < 200; ++k) {
-    const SensorMount mount{.pitch = uniform(random, -1, 1), .offset = uniform(random, 0, 0.3)};
+    const SensorMount mount = random_mount(random);
     const double psi = uniform(random, -3, 3);
     const Pose<double> robot{random_point(random, 2), {std::cos(psi), std::sin(psi)}};
     const Vec3<double> point = random_point(random, 4);

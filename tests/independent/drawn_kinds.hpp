@@ -230,6 +230,12 @@ inline constexpr std::array<std::string_view, 10> drawn_faults = {
     "kind = \"late_plan\"\ndelay = $[0.01 0.6]",
 };
 
+inline constexpr std::array<std::string_view, 2> drawn_sensors = {
+    "{ pitch = $[-0.2 0.6], offset = $[0 0.2] }",
+    "{ yaw = $[-3 3], pitch = $[-1.5 1.5], roll = $[-3 3], offset = [$[-0.2 0.2], $[-0.2 0.2], $[-0.1 0.1]] "
+    "}",
+};
+
 inline constexpr std::array<std::string_view, 7> drawn_disturbances = {
     "wind = [$[-0.2 0.2], $[-0.2 0.2], 0.0]",
     "gust = { sigma = $[0.01 0.2], time = 1.0 }",

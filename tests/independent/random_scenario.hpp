@@ -257,7 +257,7 @@ class RandomScenario : DrawnLines {
       for (const double most : kind.most) rates.push_back(most * between(0.3, 6.0));
       line("rate_max = {}", list(rates));
     }
-    if (robot.looks) line("sensor = {}", drawn("{ pitch = $[-0.2 0.6], offset = $[0 0.2] }", robot));
+    if (robot.looks) line("sensor = {}", drawn(any(drawn_sensors), robot));
     if (!kind.text.empty()) line("[agent.{}.robot.text]\n{}", robot.name, kind.text);
   }
 

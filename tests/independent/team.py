@@ -71,10 +71,12 @@ class Term:
 
 def in_sensor(a, b, sensor):
     """b in the frame of the sensor on a: along its axis, to the left, up."""
-    pitch, offset = sensor
+    (yaw, pitch, roll), offset = sensor
     x, y, up = (b.p - a.p).T
-    ahead, left = x * a.d[:, 0] + y * a.d[:, 1] - offset, y * a.d[:, 0] - x * a.d[:, 1]
-    return ahead * np.cos(pitch) - up * np.sin(pitch), left, ahead * np.sin(pitch) + up * np.cos(pitch)
+    ahead, left, up = x * a.d[:, 0] + y * a.d[:, 1] - offset[0], y * a.d[:, 0] - x * a.d[:, 1] - offset[1], up - offset[2]
+    ahead, left = ahead * np.cos(yaw) + left * np.sin(yaw), left * np.cos(yaw) - ahead * np.sin(yaw)
+    ahead, up = ahead * np.cos(pitch) - up * np.sin(pitch), ahead * np.sin(pitch) + up * np.cos(pitch)
+    return ahead, left * np.cos(roll) + up * np.sin(roll), up * np.cos(roll) - left * np.sin(roll)
 
 
 class Team:
@@ -124,7 +126,9 @@ class Team:
 
     def sensor(self, name):
         keys = self.scenario.get("agent", {}).get(name, {}).get("sensor", {})
-        return keys.get("pitch", 0.5), keys.get("offset", 0.17)
+        offset = keys.get("offset", 0.17)
+        angles = keys.get("yaw", 0.0), keys.get("pitch", 0.5), keys.get("roll", 0.0)
+        return angles, offset if isinstance(offset, list) else [offset, 0.0, 0.0]
 
     def excess(self, term):
         return term.excess(self.flight, self.sensor(term.a))

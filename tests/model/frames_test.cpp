@@ -38,11 +38,23 @@ Transform about_z(Vec2<double> d) {
   return T;
 }
 
+/// From the frame of a mount: T_SV = T_y(beta) of an offset ahead, (45), and its generalisation.
+Transform sensor_from_frame(const SensorMount& mount) {
+  using Eigen::AngleAxisd, Eigen::Vector3d;
+  const Transform back = translation(-mount.offset.x, -mount.offset.y, -mount.offset.z);
+  if (mount.yaw == 0 && mount.roll == 0) return about_y(mount.pitch) * back;
+  Transform T = Transform::Identity();
+  T.topLeftCorner<3, 3>() =
+      (AngleAxisd(-mount.roll, Vector3d::UnitX()) * AngleAxisd(-mount.pitch, Vector3d::UnitY()) *
+       AngleAxisd(-mount.yaw, Vector3d::UnitZ()))
+          .toRotationMatrix();
+  return T * back;
+}
+
 /// T_SG = T_SV T_VG, (44)-(46).
 Transform sensor_from_global(const SensorMount& mount, const Pose<double>& robot) {
   const Transform T_VG = about_z(robot.d) * translation(-robot.p.x, -robot.p.y, -robot.p.z);
-  const Transform T_SV = about_y(mount.pitch) * translation(-mount.offset, 0, 0);
-  return T_SV * T_VG;
+  return sensor_from_frame(mount) * T_VG;
 }
 
 /// The same pose with another velocity and lean.
@@ -52,8 +64,6 @@ Sight<double> random_sight_at(Random& random, const Pose<double>& pose) {
   return seen;
 }
 
-SensorMount random_mount(Random& random) { return {uniform(random, -1.5, 1.5), uniform(random, -0.5, 0.5)}; }
-
 TEST(SensorMount, TheClosedFormIsTheProductOfTheTransforms) {
   Random random(1);
   for (int k = 0; k < 20'000; ++k) {
@@ -62,9 +72,9 @@ TEST(SensorMount, TheClosedFormIsTheProductOfTheTransforms) {
     const Vec3<double> point = random_point(random, 3), p_S = mount(robot, point);
     const Eigen::Vector4d expected =
         sensor_from_global(mount, robot) * Eigen::Vector4d(point.x, point.y, point.z, 1.0);
-    EXPECT_NEAR(p_S.x, expected[0], 4e-15);
-    EXPECT_NEAR(p_S.y, expected[1], 4e-15);
-    EXPECT_NEAR(p_S.z, expected[2], 4e-15);
+    EXPECT_NEAR(p_S.x, expected[0], 8e-15);
+    EXPECT_NEAR(p_S.y, expected[1], 8e-15);
+    EXPECT_NEAR(p_S.z, expected[2], 8e-15);
   }
 }
 
@@ -93,24 +103,65 @@ TEST(SensorMount, TheFarthestPointIsAsFarOffTheAxisAsAnyOfTheDoubt) {
   EXPECT_EQ(uncertain.farthest(0.0, Vec3<double>{1, 0.3, 0.2}).y, 0.3) << "who is sure sees what is there";
 }
 
-TEST(SensorMount, TheAxisInTheVehicleIsCosBetaZeroMinusSinBeta) {
+TEST(SensorMount, TheAxisInTheVehicleIsTurnedByTheYawAndThenDown) {
   Random random(4);
   for (int k = 0; k < 5000; ++k) {
     const SensorMount mount = random_mount(random);
     const double far = uniform(random, 0.1, 5);
     const Pose<double> robot{{}, {1.0, 0.0}};  // V is G
-    const Vec3<double> on_axis{mount.offset + far * std::cos(mount.pitch), 0.0, -far * std::sin(mount.pitch)};
+    const double ahead = far * std::cos(mount.pitch);
+    const Vec3<double> on_axis =
+        mount.offset +
+        Vec3<double>{ahead * std::cos(mount.yaw), ahead * std::sin(mount.yaw), -far * std::sin(mount.pitch)};
     const Vec3<double> p_S = mount(robot, on_axis);
-    EXPECT_NEAR(p_S.x, far, 2e-15 * (1 + far));
-    EXPECT_NEAR(std::hypot(p_S.y, p_S.z), 0.0, 2e-15 * (1 + far));
+    EXPECT_NEAR(p_S.x, far, 3e-15 * (1 + far));
+    EXPECT_NEAR(std::hypot(p_S.y, p_S.z), 0.0, 3e-15 * (1 + far));
   }
+}
+
+TEST(SensorMount, PointsOfSAndOfGAreThereAndBackAgain) {
+  Random random(5);
+  for (int k = 0; k < 5000; ++k) {
+    const SensorMount mount = random_mount(random);
+    const Vec3<double> p_S = random_point(random, 3);
+    EXPECT_LE(norm(mount(Pose<double>{{}, {1.0, 0.0}}, mount.point_in_F(p_S)) - p_S), 4e-15);
+    const double distance = uniform(random, 1.0, 5.0), depth = mount.depth_at(distance);
+    EXPECT_NEAR(norm(mount.point_in_F({depth, 0, 0})), distance, 2e-15 * distance);
+  }
+  EXPECT_EQ((SensorMount{.pitch = 0.0, .offset = {0.0, 0.3, 0.0}}.depth_at(0.1)), 0.0) << "all are farther";
+}
+
+// A camera that is turned to the left on a robot that is turned to the right looks where one ahead did.
+TEST(SensorMount, AYawOfTheSensorAndAHeadingOfTheRobotAreOneTurn) {
+  Random random(6);
+  for (int k = 0; k < 2000; ++k) {
+    SensorMount mount = random_mount(random);
+    mount.yaw = 0.0;
+    const double psi = uniform(random, -3, 3), by = uniform(random, -3, 3);
+    const Pose<double> robot{random_point(random, 3), {std::cos(psi), std::sin(psi)}},
+        other{robot.p, {std::cos(psi - by), std::sin(psi - by)}};
+    SensorMount turned = mount;
+    turned.yaw = by;
+    turned.offset.x = mount.offset.x * std::cos(by) - mount.offset.y * std::sin(by);
+    turned.offset.y = mount.offset.x * std::sin(by) + mount.offset.y * std::cos(by);
+    const Vec3<double> point = random_point(random, 3);
+    EXPECT_LE(norm(mount(robot, point) - turned(other, point)), 5e-15);
+  }
+}
+
+TEST(SensorMount, RollTurnsThePictureWithItsLeftSideUp) {
+  const SensorMount rolled = {.pitch = 0.0, .offset = 0.0, .roll = 0.5};
+  const Vec3<double> level = rolled(Pose<double>{{}, {1, 0}}, Vec3<double>{2, 1, 0});
+  EXPECT_GT(level.y, 0);
+  EXPECT_LT(level.z, 0) << "what is level on the left is below the raised axis to the left";
 }
 
 TEST(SensorMount, ARobotThatDoesNotLeanIsSeenFromAlikeInBothFrames) {
   Random random(20);
   for (int k = 0; k < 20'000; ++k) {
     const SensorMount level = random_mount(random);
-    const SensorMount body = {level.pitch, level.offset, MountFrame::body};
+    SensorMount body = level;
+    body.frame = MountFrame::body;
     const Sight<double> upright = {random_pose(random, 3), random_point(random, 1)};
     const Vec3<double> point = random_point(random, 3);
     const Vec3<double> expected = level(static_cast<const Pose<double>&>(upright), point);
@@ -138,9 +189,9 @@ TEST(SensorMount, TheBodyFrameIsThatOfTheAnglesYawPitchRoll) {
     // A sensor that is fixed to the body, by transforms: T_SB T_BV T_VG.
     Transform T_BV = Transform::Identity();
     T_BV.topLeftCorner<3, 3>() = tilt.transpose();
-    const Transform T_SB = about_y(mount.pitch) * translation(-mount.offset, 0, 0);
     const Transform T_VG = about_z(robot.d) * translation(-robot.p.x, -robot.p.y, -robot.p.z);
-    const Eigen::Vector4d expected = T_SB * T_BV * T_VG * Eigen::Vector4d(point.x, point.y, point.z, 1.0);
+    const Eigen::Vector4d expected =
+        sensor_from_frame(mount) * T_BV * T_VG * Eigen::Vector4d(point.x, point.y, point.z, 1.0);
     EXPECT_LE(norm(p_S - Vec3<double>{expected[0], expected[1], expected[2]}), 2e-14);
     EXPECT_NEAR(view_angle(mount, robot, point),
                 std::acos(std::clamp(expected[0] / expected.head<3>().norm(), -1.0, 1.0)), 1e-7);

@@ -15,13 +15,18 @@ Bearing random_bearing(Random& random) {
   return {.alpha = uniform(random, 0.1, 1.4),
           .width = uniform(random, 0.02, 0.2),
           .tilt = uniform(random, 0.05, 0.2),
-          .mount = {uniform(random, -0.8, 0.8), uniform(random, -0.3, 0.3)}};
+          .mount = {
+              .pitch = uniform(random, -0.8, 0.8),
+              .offset = {uniform(random, -0.3, 0.3), uniform(random, -0.3, 0.3), uniform(random, -0.3, 0.3)},
+              .yaw = random() % 2 == 0 ? 0.0 : uniform(random, -3, 3),
+              .roll = uniform(random, -3, 3)}};
 }
 
-/// l with the target `far` [m] from the sensor, phi off the nose (> 0: to the left) and `up` above it.
+/// l with the target `far` [m] from the sensor, phi off where it looks (> 0: to the left) and `up` above it.
 double at(const Bearing& bearing, double far, double phi, double up) {
-  const Sight<double> observer{{{-bearing.mount.offset, 0.0, 0.0}, {1.0, 0.0}}, {}};
-  return bearing(observer, Sight<double>{{{far * std::cos(phi), far * std::sin(phi), up}, {1.0, 0.0}}, {}});
+  const Sight<double> observer{{-1.0 * bearing.mount.offset, {1.0, 0.0}}, {}};
+  const double yaw = bearing.mount.yaw + phi;
+  return bearing(observer, Sight<double>{{{far * std::cos(yaw), far * std::sin(yaw), up}, {1.0, 0.0}}, {}});
 }
 
 /// Slope over the bearing [1/rad].
@@ -36,8 +41,9 @@ TEST(Bearing, IsOneLessTheCosineOfTheViewAngleInTheHalfSpaceAhead) {
     Bearing bearing = random_bearing(random);
     bearing.width = 1e-6;
     const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
-    const Vec3<double> p_V = SensorMount{0.0, bearing.mount.offset}(a, b.p);
-    if (p_V.x < 0) bearing.tilt = 0;
+    SensorMount level = bearing.mount;
+    level.pitch = level.roll = 0.0;
+    if (level(a, b.p).x < 0) bearing.tilt = 0;
     EXPECT_NEAR(bearing(a, b), 1 - std::cos(view_angle(bearing.mount, a, b.p)), 1e-9);
   }
 }
@@ -100,6 +106,9 @@ TEST(Bearing, AMountOutOfItsRangeIsRefusedByName) {
   const auto refusal = [](Bearing bearing) { return refusal_of([&] { bearing.check(); }); };
   EXPECT_EQ(refusal({.mount = {.pitch = 1.6}}), "bearing.mount.pitch = 1.6, expected in [-pi/2, pi/2] rad");
   EXPECT_NE(refusal({.mount = {.offset = not_a_number}}), "");
+  EXPECT_EQ(refusal({.mount = {.offset = {0.0, -5.5}}}), "bearing.mount.offset = -5.5, expected -5 to 5 m");
+  EXPECT_EQ(refusal({.mount = {.yaw = 3.2}}), "bearing.mount.yaw = 3.2, expected in [-pi, pi] rad");
+  EXPECT_EQ(refusal({.mount = {.roll = -3.2}}), "bearing.mount.roll = -3.2, expected in [-pi, pi] rad");
   EXPECT_EQ(refusal({.alpha = pi, .mount = {.pitch = -pi / 2}}), "");
 }
 

@@ -71,6 +71,15 @@ class PotentialLaws : public testing::Test {
   P potential_ = example<P>();
   Random random_{1};
 };
+constexpr SensorMount sideways = {
+    .pitch = 1.37, .offset = {0.1, -0.2, 0.05}, .frame = MountFrame::body, .yaw = 1.57, .roll = -0.7};
+/// The views of a camera as labs mount it.
+struct SideCone : SensorCone {
+  SideCone() : SensorCone{.mount = sideways} {}
+};
+struct SideBearing : Bearing {
+  SideBearing() : Bearing{.mount = sideways} {}
+};
 /// The views of a camera that is fixed to the body, so that they see the lean.
 struct BodySensorCone : SensorCone {
   BodySensorCone()
@@ -79,8 +88,9 @@ struct BodySensorCone : SensorCone {
 struct BodyBearing : Bearing {
   BodyBearing() : Bearing{.mount = {.pitch = 0.3, .frame = MountFrame::body}} {}
 };
-using Potentials = testing::Types<BodySensorCone, BodyBearing, SensorCone, KeepOut, Cohesion, AltitudeBand,
-                                  Geofence, Bearing, TooNear, TooFar, RelativeVelocity, PassRight>;
+using Potentials =
+    testing::Types<SideCone, SideBearing, BodySensorCone, BodyBearing, SensorCone, KeepOut, Cohesion,
+                   AltitudeBand, Geofence, Bearing, TooNear, TooFar, RelativeVelocity, PassRight>;
 TYPED_TEST_SUITE(PotentialLaws, Potentials);
 
 /// The laws of those made from inequalities by a step.
@@ -98,8 +108,7 @@ class ViewLaws : public PotentialLaws<P> {
     Random& random = this->random_;
     P p = this->potential_;
     p.alpha = uniform(random, 0.1, 1.4);
-    p.mount = {uniform(random, -1.2, 1.2), uniform(random, -0.3, 0.3),
-               random() % 2 == 0 ? MountFrame::level : MountFrame::body};
+    p.mount = random_mount(random, random() % 2 == 0 ? MountFrame::level : MountFrame::body);
     if constexpr (std::is_same_v<P, Bearing>) {
       p.width = uniform(random, 0.02, 0.2), p.tilt = uniform(random, 0.05, 0.2);
     } else {

@@ -11,7 +11,7 @@ SensorCone random_cone(Random& random, ConeForm form) {
           .kappa_G = uniform(random, 0.001, 0.1),
           .kappa_A = uniform(random, 0.5, 20),
           .form = form,
-          .mount = {uniform(random, -1.2, 1.2), uniform(random, -0.3, 0.3)}};
+          .mount = random_mount(random)};
 }
 
 /// The angle from the axis within which the unit step is zero.

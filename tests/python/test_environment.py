@@ -18,7 +18,7 @@ def pursuit(observation, env):
     bearing, distance = np.arctan2(q[1], q[0]), np.hypot(q[0], q[1])
     wanted = 0.5 * (env.d_min + env.d_max)
     speed = 0.8 * (distance - wanted) / distance
-    above = np.tan(env.pitch) * (wanted - env.offset)
+    above = -env.axis[2] / env.axis[0] * (wanted - env.offset[0])
     return np.array([1.5 * (speed * q[0] - v[0]), -1.5 * (speed * q[1] - v[1]), q[2] + above, 1.5 * bearing])
 
 
@@ -52,10 +52,9 @@ def test_a_seed_repeats_an_episode():
 
 def test_the_angle_is_that_between_the_axis_and_the_target():
     env = environment.KeepInView("adversary")
-    axis = np.array([np.cos(env.pitch), 0.0, -np.sin(env.pitch)])
     for q in np.random.default_rng(1).uniform(-2, 2, (100, 3)):
-        from_sensor = q - [env.offset, 0, 0]
-        assert env.angle(q) == pytest.approx(np.arccos(from_sensor @ axis / np.linalg.norm(from_sensor)), abs=1e-6)
+        from_sensor = q - env.offset
+        assert env.angle(q) == pytest.approx(np.arccos(from_sensor @ env.axis / np.linalg.norm(from_sensor)), abs=1e-6)
 
 
 def test_a_task_of_several_observers_is_refused():

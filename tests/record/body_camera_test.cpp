@@ -74,5 +74,27 @@ TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
   EXPECT_EQ(leaning_bodies(in_the_model), (std::vector<bool>{true, false}));
 }
 
+TEST(BodyCamera, OrAnyOtherMountIsReadBackFromItsLog) {
+  const Scenario scenario = read_scenario(
+      SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml", built_in_registry(),
+      {"simulation.duration=0.1",
+       "agent.uav0.sensor={yaw=1.5,pitch=0.25,roll=-0.5,offset=[0.125,0.25,-0.5],frame=\"body\"}"});
+  const Controls controls(scenario);
+  SimulatedClock clock;
+  const auto folder = test::place("any_mount");
+  ASSERT_TRUE(fly_logged(scenario, folder, clock, controls.controllers()).logged);
+  const Recording run = read_recording(folder);
+  ASSERT_EQ(run.pairs.size(), 1u);
+  EXPECT_EQ(run.pairs[0].mount, (SensorMount{.pitch = 0.25,
+                                             .offset = {0.125, 0.25, -0.5},
+                                             .frame = MountFrame::body,
+                                             .yaw = 1.5,
+                                             .roll = -0.5}));
+  // The scenario in the log, read again.
+  const auto again = observations(parse_scenario(run.scenario, "again.toml").team.couplings());
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].mount, run.pairs[0].mount);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -33,6 +33,20 @@ at = 5.0
 observe = { observer = "uav1", target = "rock" }
 )";
 
+TEST(TeamJson, AMountHasTheNumbersThatDifferFromOneAhead) {
+  std::string text = scene;
+  const auto pair = [&] {
+    return nlohmann::json::parse(team_json(parse_scenario(text, "a.toml")))["pairs"][0].dump();
+  };
+  EXPECT_NE(pair().find(R"("offset":0.125,"pitch":0.25)"), std::string::npos);
+  EXPECT_EQ(pair().find("yaw"), std::string::npos);
+  const std::string_view plain = "{ pitch = 0.25, offset = 0.125 }";
+  text.replace(text.find(plain), plain.size(),
+               "{ yaw = 1.5, pitch = 0.25, roll = -0.5, offset = [0.125, 0.25, -0.5] }");
+  EXPECT_NE(pair().find(R"("offset":[0.125,0.25,-0.5],"pitch":0.25,"roll":-0.5,"target":0,"yaw":1.5)"),
+            std::string::npos);
+}
+
 TEST(TeamJson, BodiesPairsAndEventsAreToldInTheirOrder) {
   const auto json = nlohmann::json::parse(team_json(parse_scenario(scene, "a.toml")));
   ASSERT_EQ(json["bodies"].size(), 3U);

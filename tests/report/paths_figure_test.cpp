@@ -68,6 +68,23 @@ TEST(PathsFigure, EachZoneIsAClosedLineFromAbove) {
   EXPECT_EQ(std::count_if(all.begin(), all.end(), is_zone), 1) << "one entry of the legend";
 }
 
+TEST(PathsFigure, TheFootprintBeginsAtTheSensorAndLiesWhereItLooks) {
+  Recording r = row(2);
+  r.bodies[0].heading.assign(50, 0.5);
+  const SensorMount mount = {.pitch = 0.2, .offset = {0.1, 0.3, 0.2}, .yaw = 1.2, .roll = 2.0};
+  r.pairs.push_back({.observer = 0, .target = 1, .mount = mount, .alpha = 0.4, .d_min = 1, .d_max = 3});
+  const Drawing drawing = drawn(r);
+  const auto& all = drawing.panels[0].curves;
+  const auto edge =
+      std::find_if(all.begin(), all.end(), [](const auto& c) { return c.mark == Drawing::Mark::dashed; });
+  ASSERT_NE(edge, all.end());
+  const double c = std::cos(0.5), s = std::sin(0.5), x = edge->x[0], y = edge->y[0];
+  EXPECT_NEAR(x - r.bodies[0].p.back().x, 0.1 * c - 0.3 * s, 1e-12);
+  EXPECT_NEAR(y - r.bodies[0].p.back().y, 0.1 * s + 0.3 * c, 1e-12);
+  const std::size_t middle = edge->x.size() / 2;
+  EXPECT_NEAR(std::atan2(edge->y[middle] - y, edge->x[middle] - x), 0.5 + 1.2, 1e-9);
+}
+
 TEST(PathsFigure, TheFootprintIsTheShadowOfTheCone) {
   Random random(1);
   for (int n = 0; n < 200; ++n) {

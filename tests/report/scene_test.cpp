@@ -18,18 +18,22 @@ namespace {
 using Bodies = std::vector<std::optional<Sight<double>>>;
 
 const std::string team_to_draw =
-    "[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n[agent.a.sensor]\npitch = 0.4\noffset = "
-    "0.2\nframe = \"FRAME\"\n"
+    "[agent.a]\nrobot = \"multirotor\"\nstart = { p = [0, 0, 1] }\n[agent.a.sensor]\nMOUNT\nframe = "
+    "\"FRAME\"\n"
     "[agent.b]\nrobot = \"multirotor\"\nstart = { p = [2, 0, 1] }\n[target.t]\np = [4, 0, 1]\n"
     "[[couple]]\npotential = { sensor_cone = { alpha = 0.5 } }\nbetween = [\"a\", \"b\"]\nfelt_by = [\"a\"]\n"
     "[[couple]]\npotential = { keep_out = { d_min = 1.0 } }\nbetween = [\"b\", \"a\"]\nfelt_by = [\"b\"]\n"
     "[[couple]]\npotential = { keep_out = { d_min = 1.0 } }\nbetween = [\"b\", \"t\"]\nfelt_by = [\"b\"]\n"
     "[safety]\nbarrier = \"on\"\nd_hard = 0.7\n";
 
-Scenario scene_of(const std::string& frame) {
+constexpr std::string_view ahead = "pitch = 0.4\noffset = 0.2",
+                           aside = "yaw = 1.57\npitch = 0.4\nroll = -0.5\noffset = [0.1, -0.2, 0.05]";
+
+Scenario scene_of(const std::string& frame, std::string_view mount = ahead, std::string_view rest = "") {
   std::string text = team_to_draw;
   text.replace(text.find("FRAME"), 5, frame);
-  return test::scenario_of(text);
+  text.replace(text.find("MOUNT"), 5, mount);
+  return test::scenario_of(text.append(rest));
 }
 
 std::vector<Drawn> in_group(const std::vector<Drawn>& all, std::string_view group) {
@@ -52,8 +56,9 @@ TEST(Scene, TheConeOfAViewIsThatOfItsLimit) {
   const auto draw = [&](double low, double high) {
     return std::uniform_real_distribution<>(low, high)(random);
   };
-  for (const char* frame : {"level", "body"}) {
-    const Scenario scenario = scene_of(frame);
+  for (const auto& [frame, mount] :
+       {std::pair{"level", ahead}, {"body", ahead}, {"level", aside}, {"body", aside}}) {
+    const Scenario scenario = scene_of(frame, mount);
     const Scene scene(scenario);
     ASSERT_EQ(scene.pairs().size(), 2u);
     int green = 0;
@@ -88,9 +93,7 @@ TEST(Scene, TheConeOfAViewIsThatOfItsLimit) {
 }
 
 TEST(Scene, EachZoneIsDrawnByTheWallsOnItsBoundary) {
-  std::string text = team_to_draw;
-  text.replace(text.find("FRAME"), 5, "level");
-  const Scenario scenario = test::scenario_of(text + R"(
+  const Scenario scenario = scene_of("level", ahead, R"(
 [[safety.zone]]
 polygon = [[-9, -9], [9, -9], [9, 9], [6, 9], [6, 3], [-9, 3]]
 from = 0.5

@@ -49,6 +49,27 @@ TEST(ViewFilter, NoMoveOfTheTargetLeavesTheSetInOnePeriod) {
   expect_invariant(Multirotor{}, {.speed = 0.5}, cone_limits(0.5, MountFrame::body));
 }
 
+TEST(ViewFilter, OfASensorThatSitsAskewNoneLeavesItEitherAndInItTheTargetIsInView) {
+  for (const MountFrame frame : {MountFrame::level, MountFrame::body}) {
+    const std::vector<Potential> limits = test::askew_limits(frame);
+    expect_invariant(Multirotor{}, {.speed = 0.3}, limits);
+    const ViewCertificate z = certificate_of(view_task(Multirotor{}, {.speed = 0.3}), limits);
+    const Vec2<double> lean = z.task.motion.lean;
+    Random random(8);
+    for (int k = 0; k < 5000; ++k) {
+      const ViewState s = test::state_in(z, random, k % 4 != 0);
+      const Sight<double> robot = {{{0, 0, s.z}, {std::cos(s.psi), std::sin(s.psi)}},
+                                   {},
+                                   {uniform(random, -lean.x, lean.x), uniform(random, -lean.y, lean.y)}};
+      for (const Potential& limit : limits) EXPECT_LE(limit.violation(robot, {{s.target, {1, 0}}, {}}), 1e-9);
+    }
+  }
+  EXPECT_NE(refusal_of<std::invalid_argument>([] {
+              certificate_of(view_task(Multirotor{}), view_limits(SensorCone{.mount = {.yaw = 1.57}}));
+            }).find("the sensor must look ahead"),
+            std::string::npos);
+}
+
 TEST(ViewFilter, NorWhereItsVelocityIsMeasured) {
   expect_invariant(Multirotor{}, {.speed = 1.5, .acceleration = 0.3}, cone_limits());
   expect_invariant(Multirotor{}, {.speed = 1.99, .acceleration = 0.3}, cone_limits());

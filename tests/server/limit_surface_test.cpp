@@ -92,7 +92,8 @@ TEST(LimitSurface, AConeLooksAlikeAtEveryDistanceAndASonarEnds) {
 }
 
 TEST(LimitSurface, ItDoesNotMatterHowTheSensorSitsOrTheRobotLeans) {
-  const SensorMount tilted = {.pitch = 0.6, .offset = 0.2, .frame = MountFrame::body};
+  const SensorMount tilted = {
+      .pitch = 0.6, .offset = {0.2, -0.1, 0.05}, .frame = MountFrame::body, .yaw = -1.2, .roll = 0.4};
   const LimitSurface surface = limit_surface(Potential(camera()).seen_from(tilted), tilted);
   EXPECT_EQ(surface.goes, LimitSurface::Goes::with_sensor);
   EXPECT_EQ(surface.corners.size(),

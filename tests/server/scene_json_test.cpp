@@ -40,6 +40,20 @@ TEST(SceneJson, ASceneSaysBodiesLimitsAndWhoIsToSeeWhom) {
   EXPECT_EQ(said["pairs"][0]["d_min"], 1.0);
 }
 
+TEST(SceneJson, AMountHasItsPlaceAndAQuaternion) {
+  std::string text = test::view_scenario;
+  const std::string_view plain = "pitch = 0.5\noffset = 0.17";
+  text.replace(text.find(plain), plain.size(), "yaw = 1.2\npitch = 0.0\noffset = [0.125, 0.25, -0.5]");
+  const json mount = json::parse(SceneJson(test::scenario_of(text)).scene("word", true))["pairs"][0]["mount"];
+  EXPECT_EQ(mount["offset"], json::parse("[0.125, 0.25, -0.5]"));
+  EXPECT_EQ(mount["on_body"], false);
+  ASSERT_EQ(mount["turned"].size(), 4U);
+  EXPECT_NEAR(mount["turned"][0].get<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(mount["turned"][1].get<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(mount["turned"][2].get<double>(), std::sin(0.6), 1e-12) << "a turn to the left about z";
+  EXPECT_NEAR(mount["turned"][3].get<double>(), std::cos(0.6), 1e-12);
+}
+
 TEST(SceneJson, AMomentHasPosesViewsAndInputsInTheOrderOfTheScene) {
   const SceneJson scene(test::scenario_of(test::view_scenario));
   const json said = json::parse(scene.moment(pair_state(), {{3, 1.0, "a \"word\""}}));

@@ -50,6 +50,16 @@ inline Sight<double> random_sight(Random& random, double reach) {
   return seen;
 }
 
+/// A sensor anywhere on the robot that looks anywhere; every second one sits and looks ahead, as the paper's.
+inline SensorMount random_mount(Random& random, MountFrame frame = MountFrame::level) {
+  SensorMount mount = {
+      .pitch = uniform(random, -1.5, 1.5), .offset = uniform(random, -0.5, 0.5), .frame = frame};
+  if (random() % 2 == 0) return mount;
+  mount.yaw = uniform(random, -3.1, 3.1), mount.roll = uniform(random, -3.1, 3.1);
+  mount.offset.y = uniform(random, -0.5, 0.5), mount.offset.z = uniform(random, -0.5, 0.5);
+  return mount;
+}
+
 /// D [m] apart in a random direction.
 inline std::pair<Sight<double>, Sight<double>> random_sights_apart(double D, Random& random) {
   const Sight<double> a = random_sight(random, 3);

@@ -77,9 +77,8 @@ class SyntheticSensors {
   std::optional<std::pair<double, Measurement>> expose(double t, const TruePose& own_pose,
                                                        const TruePose& other) {
     const Mat<3, 3> held = o.mount.frame == MountFrame::body ? own_pose.R() : turn_z(own_pose.psi);
-    const Mat<3, 3> R_GS = held * sensor_attitude(o.mount) * turn_;
-    const Vec3<double> z =
-        transposed(R_GS) * (other.p - own_pose.p - held * Vec3<double>{o.mount.offset, 0, 0});
+    const Mat<3, 3> R_GS = held * o.mount.attitude() * turn_;
+    const Vec3<double> z = transposed(R_GS) * (other.p - own_pose.p - held * o.mount.offset);
     const double range = norm(z), n = 207.8 * 0.2 / z.x;
     const double s_range = range * (1.7 / (n * n) + 7e-4), s_side = range * 27 * std::pow(n, -1.5) / 207.8,
                  s_yaw = std::min(0.3, 5 / (n * n) + 0.001);
@@ -97,7 +96,7 @@ class SyntheticSensors {
     m.z = z + L * noise;
     m.has_yaw = o.yaw;
     // The other's heading in V, by where the camera is supposed to sit.
-    const Mat<3, 3> R_VB = turn_z(-own_pose.psi) * held, R_BS = sensor_attitude(o.mount);
+    const Mat<3, 3> R_VB = turn_z(-own_pose.psi) * held, R_BS = o.mount.attitude();
     const Mat<3, 3> R_VT = R_VB * R_BS * transposed(turn_) * transposed(R_BS) * transposed(R_VB) *
                            turn_z(other.psi - own_pose.psi);
     m.yaw = wrap(yaw_of(R_VT) + s_yaw * error(3, 0)), m.yaw_variance = s_yaw * s_yaw;

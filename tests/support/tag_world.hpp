@@ -64,7 +64,7 @@ class TagWorld final : public World {
 
   void expose(const Camera& camera, double t, std::span<const double> x) {
     const Sight<double> own = sight(camera.observer, x), other = sight(camera.target, x);
-    const Mat<3, 3> R_GB = upright_attitude(own), R_GS = R_GB * sensor_attitude(camera.mount);
+    const Mat<3, 3> R_GB = upright_attitude(own), R_GS = R_GB * camera.mount.attitude();
     const Vec3<double> p = camera.mount(static_cast<const Pose<double>&>(own), other.p);
     const double latency = 0.03 + 0.05 * chance_.uniform(), lost = chance_.uniform();
     const Vec3<double> noise = chance_.normals(), turned = chance_.normals();

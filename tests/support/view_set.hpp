@@ -25,6 +25,12 @@ inline std::vector<Potential> view_limits(const Potential& sensor, double d_min 
 inline std::vector<Potential> cone_limits(double alpha = 0.5, MountFrame frame = MountFrame::level) {
   return view_limits(SensorCone{.alpha = alpha, .mount = {.frame = frame}});
 }
+/// A cone of a camera beside the nose that looks a little to the left, rolled.
+inline std::vector<Potential> askew_limits(MountFrame frame) {
+  return view_limits(SensorCone{
+      .alpha = 0.5,
+      .mount = {.pitch = 0.5, .offset = {0.1, -0.08, 0.05}, .frame = frame, .yaw = 0.12, .roll = 1.2}});
+}
 /// A picture of 69 by 42 degrees, as text.
 inline std::vector<Potential> pyramid_limits() {
   return view_limits(Region(all_of({"x > 0 m", "abs(y) < x * tan(34.5 deg)", "abs(z) < x * tan(21 deg)"}))

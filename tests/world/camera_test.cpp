@@ -47,8 +47,8 @@ TEST(Tags, StandUprightAroundTheBodyTheFirstAhead) {
 TEST(SensorPose, IsTheFrameOfTheMountLevelAndLeaning) {
   Random random(3);
   for (const MountFrame frame : {MountFrame::level, MountFrame::body}) {
-    const SensorMount mount{.pitch = 0.5, .offset = 0.17, .frame = frame};
     for (int k = 0; k < 200; ++k) {
+      const SensorMount mount = random_mount(random, frame);
       const double psi = uniform(random, -3.0, 3.0);
       const Sight<double> sight{
           {{uniform(random, -2.0, 2.0), uniform(random, -2.0, 2.0), uniform(random, 0.0, 2.0)},

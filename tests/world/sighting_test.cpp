@@ -20,15 +20,14 @@ Quaternion as_quaternion(const Mat<3, 3>& R) {
 TEST(Sighting, ItsYawIsTheHeadingOfTheTargetLessThatOfTheObserver) {
   Random random(1);
   for (int k = 0; k < 300; ++k) {
-    const SensorMount mount{.pitch = uniform(random, -1, 1),
-                            .frame = k % 2 == 0 ? MountFrame::body : MountFrame::level};
+    const SensorMount mount = random_mount(random, k % 2 == 0 ? MountFrame::body : MountFrame::level);
     const double psi = uniform(random, -3, 3), other = uniform(random, -3, 3);
     const Vec2<double> lean = {uniform(random, -0.4, 0.4), uniform(random, -0.4, 0.4)};
     const Mat<3, 3> held =
         turn_z(psi) * (mount.frame == MountFrame::body ? tilt(lean.x, lean.y) : identity<3>());
     const Mat<3, 3> R_GT = turn_z(other) * tilt(uniform(random, -0.3, 0.3), uniform(random, -0.3, 0.3));
     Detection d{.target = BodyId{3}, .stamp = 2.5, .p = random_point(random, 2)};
-    d.q = as_quaternion(transposed(held * sensor_attitude(mount)) * R_GT);
+    d.q = as_quaternion(transposed(held * mount.attitude()) * R_GT);
     for (std::size_t i = 0; i < 6; ++i) d.covariance[Detection::place(i, i)] = 0.01;
     const Measurement z = sighting_of(d, mount, lean);
     EXPECT_NEAR(wrap(z.yaw - (other - psi)), 0.0, 1e-12);
@@ -43,7 +42,7 @@ TEST(Sighting, TheCovarianceOfTheYawIsThatOfSmallTurns) {
   Random random(2);
   constexpr double by = 1e-6;
   for (int k = 0; k < 100; ++k) {
-    const SensorMount mount{.pitch = uniform(random, -1, 1), .frame = MountFrame::body};
+    const SensorMount mount = random_mount(random, MountFrame::body);
     const Vec2<double> lean = {uniform(random, -0.4, 0.4), uniform(random, -0.4, 0.4)};
     Detection d{.p = random_point(random, 2)};
     const Mat<3, 3> R_ST = turn(random_point(random, 0.4));

@@ -212,22 +212,22 @@ export class Stage {
     const a = moment.b[pair.observer], b = moment.b[pair.target];
     setLine(told[0] === 1 ? parts.whole : parts.dashed, [a[0], a[1], a[2], b[0], b[1], b[2]], 2);
     if (!parts.region) return;
-    const { position, quaternion } = this.sensor(pair, a);
+    const { position, quaternion } = this.sensor(pair.mount, a);
     parts.region.position.copy(position);
     parts.region.quaternion.copy(quaternion);
     if (parts.region.userData.scales) parts.region.scale.setScalar(Math.min(10, Math.max(0.5, told[1])));
     colourSurface(parts.region, told[0] === 1 ? colours().good : colours().bad);
   }
 
-  // Where a sensor is and how it looks: its axis is x, pitched down on the body, or on what is level in its heading.
-  sensor(pair, seen) {
+  // Where a sensor is and how it looks: its axis is x, as mounted on the body, or on what is level in its heading.
+  sensor(mount, seen) {
     const body = new THREE.Quaternion(seen[3], seen[4], seen[5], seen[6]);
-    if (!pair.on_body) {
+    if (!mount.on_body) {
       const ahead = new THREE.Vector3(1, 0, 0).applyQuaternion(body);
       body.setFromAxisAngle(new THREE.Vector3(0, 0, 1), Math.atan2(ahead.y, ahead.x));
     }
-    const position = new THREE.Vector3(pair.offset, 0, 0).applyQuaternion(body).add(new THREE.Vector3(seen[0], seen[1], seen[2]));
-    const quaternion = body.multiply(new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(0, 1, 0), pair.pitch));
+    const position = new THREE.Vector3(...mount.offset).applyQuaternion(body).add(new THREE.Vector3(seen[0], seen[1], seen[2]));
+    const quaternion = body.multiply(new THREE.Quaternion(...mount.turned));
     return { position, quaternion };
   }
 

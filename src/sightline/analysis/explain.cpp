@@ -152,11 +152,7 @@ class Pair {
 
   /// The target on the axis of a member's sensor.
   static Station on_axis(const Member& m, double distance, double psi, double psi_target) {
-    const double c = std::cos(m.mount->pitch), offset = m.mount->offset * c;
-    // Solves |(offset, 0) + x (cos beta, -sin beta)| = distance for x.
-    const double root =
-        std::sqrt(std::max(0.0, distance * distance - m.mount->offset * m.mount->offset + offset * offset));
-    const Vec3<double> r = seen_at({std::max(0.0, root - offset), 0, 0}, m.mount).target;
+    const Vec3<double> r = seen_at({m.mount->depth_at(distance), 0, 0}, m.mount).target;
     const double heading = m.turned ? psi_target : psi, sign = m.turned ? -1 : 1;
     const double dx = std::cos(heading), dy = std::sin(heading);
     return {{}, sign * Vec3<double>{dx * r.x - dy * r.y, dy * r.x + dx * r.y, r.z}, psi, psi_target};

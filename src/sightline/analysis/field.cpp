@@ -112,9 +112,7 @@ Sight<double> target_of(const Station& s) {
 }
 
 Station seen_at(const Vec3<double>& p_S, const SensorMount* mount) {
-  if (mount == nullptr) return {.target = p_S};
-  const double c = std::cos(mount->pitch), s = std::sin(mount->pitch);
-  return {.target = {mount->offset + c * p_S.x + s * p_S.z, p_S.y, c * p_S.z - s * p_S.x}};
+  return {.target = mount != nullptr ? mount->point_in_F(p_S) : p_S};
 }
 
 Vec3<double> in_sensor_frame(const Station& s, const SensorMount* mount) {

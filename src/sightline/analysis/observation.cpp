@@ -114,8 +114,9 @@ std::vector<std::string> maneuvers(const CycleInTeam& cycle) {
   const Team level = changed(team, [&](Coupling& c) {
     const SensorMount* mount = c.term.potential.mount();
     if (mount == nullptr || !cycle.has(c.between.first) || !cycle.has(c.between.second)) return;
-    c.term.potential =
-        c.term.potential.seen_from({.pitch = 0.0, .offset = mount->offset, .frame = mount->frame});
+    SensorMount straight = *mount;
+    straight.pitch = 0.0;
+    c.term.potential = c.term.potential.seen_from(straight);
   });
   if (!cycle.drift(level)) ways.emplace_back("level their sensors (sensor.pitch = 0)");
 

@@ -288,14 +288,15 @@ class Pictures {
       // Where the axis meets the plane: 1.5 m ahead, or 1.5 m above or below if it is steeper.
       constexpr double far = 1.5;
       const double slope = std::tan(mount_->pitch), ahead = far / std::max(1.0, std::abs(slope)),
-                   below = -std::clamp(far * slope, -far, far);
+                   below = mount_->offset.z - std::clamp(far * slope, -far, far);
+      const SensorMount level = {.pitch = 0.0, .offset = mount_->offset, .yaw = mount_->yaw};
       drawing.panels.push_back(
-          picture(potential_.seen_from({0.0, mount_->offset}), 0.0, "plane z = 0, sensor level (β = 0)"));
+          picture(potential_.seen_from(level), 0.0, "plane z = 0, sensor level (β = 0)"));
       drawing.panels.push_back(
           picture(potential_, below, fmt::format("plane z = {:.2f} m, β = {:.3g}", below, mount_->pitch)));
       drawing.caption += fmt::format(
           " Left with a level sensor, as the paper has it. Right as it is mounted: the axis "
-          "meets that plane {:.3g} m ahead.",
+          "meets that plane {:.3g} m from the sensor, seen from above.",
           ahead);
     }
     drawings_.push_back(std::move(drawing));
@@ -391,14 +392,14 @@ class Pictures {
                .height = 260,
                .log_y = true};
     std::size_t colour = 0;
-    const double down = mount_ != nullptr ? std::tan(mount_->pitch) : 0.0;
+    const Vec3<double> axis =
+        mount_ != nullptr ? mount_->attitude() * Vec3<double>{1, 0, 0} : Vec3<double>{1, 0, 0};
     for (const double distance : {0.5, 1.5, 3.0, 5.0}) {
       Curve curve{fmt::format("{:.3g} m away", distance), colour++, Mark::line};
       for (int i = 0; i <= 360; ++i) {
         const double psi = pi * (i / 180.0 - 1);
-        const double r = distance / norm(1.0, down);
         curve.x.push_back(psi);
-        curve.y.push_back(std::fabs(field_({.target = {r, 0, -r * down}, .psi = psi}).yaw()));
+        curve.y.push_back(std::fabs(field_({.target = distance * axis, .psi = psi}).yaw()));
       }
       size.curves.push_back(std::move(curve));
     }
@@ -407,11 +408,11 @@ class Pictures {
                            Mark::dashed,
                            {-pi, pi},
                            {verdict_.options.flat, verdict_.options.flat}});
-    drawings_.push_back({fmt::format("{}: what turns the observer", name_),
-                         "The gradient by the observer's heading, for targets straight ahead at the height "
-                         "of the axis; below "
-                         "the threshold nothing turns it.",
-                         {std::move(size)}});
+    drawings_.push_back(
+        {fmt::format("{}: what turns the observer", name_),
+         "The gradient by the observer's heading, for targets in the direction of the axis; below "
+         "the threshold nothing turns it.",
+         {std::move(size)}});
   }
 
   Potential potential_;

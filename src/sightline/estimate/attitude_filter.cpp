@@ -165,8 +165,8 @@ Innovation<4, AttitudeFilterOf<sources>::n> AttitudeFilterOf<sources>::innovatio
     set_block(of.R, 0, 0, z.R);
     return of;
   }
-  const Mat<3, 3> C = sensor_attitude(mount_) * turn(s.camera_turn);
-  const Vec3<double> r = z.p_other - s.p, m = Vec3<double>{mount_.offset, 0, 0} + C * z.z;
+  const Mat<3, 3> C = mount_.attitude() * turn(s.camera_turn);
+  const Vec3<double> r = z.p_other - s.p, m = mount_.offset + C * z.z;
   const bool leans = mount_.frame == MountFrame::body;
   const Mat<3, 3> back = leans ? transposed(s.R) : turn_z(-yaw_of(s.R));
   const Vec3<double> e = back * r, level = back * Vec3<double>{r.x, r.y, 0.0};

@@ -126,7 +126,7 @@ struct SharedError {
               const Vec2<double>& roll_pitch, double psi_given) noexcept {
     const Place place = place_of(z, mount, roll_pitch, psi_given, 0.0, 0.0);
     const Mat<3, 3> R_VB = mount.frame == MountFrame::body ? tilt(roll_pitch.x, roll_pitch.y) : identity<3>();
-    const Mat<3, 3> R_GS = turn_z(psi_given) * R_VB * sensor_attitude(mount);
+    const Mat<3, 3> R_GS = turn_z(psi_given) * R_VB * mount.attitude();
     p = R_GS * block<3, 4>(L, 0, 0);
     if (!z.measures_heading()) return;
     psi = block<1, 4>(L, 3, 0);

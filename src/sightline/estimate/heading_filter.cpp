@@ -132,8 +132,8 @@ Innovation<4, HeadingFilterOf<others, sources>::n> HeadingFilterOf<others, sourc
   const Vec2<double> reported = tilt_at(motion, z.stamp);
   const double pitch = reported.y + s.tilt_error.y;
   const Mat<3, 3> R_VB = leans ? tilt(reported.x + s.tilt_error.x, pitch) : identity<3>();
-  const Mat<3, 3> R_VS = R_VB * sensor_attitude(mount_), R_VG = turn_z(-s.psi);
-  const Vec3<double> m = R_VB * Vec3<double>{mount_.offset, 0, 0} + R_VS * z.z;
+  const Mat<3, 3> R_VS = R_VB * mount_.attitude(), R_VG = turn_z(-s.psi);
+  const Vec3<double> m = R_VB * mount_.offset + R_VS * z.z;
   const bool lasting = others > 0 && z.other_error == OtherError::lasting;
   Vec3<double> p_other = z.p_other;
   if constexpr (others > 0) {

@@ -67,12 +67,18 @@ void read_team(const json& team, Recording& run) {
   for (const json& entry : team.at("pairs")) {
     const MountFrame frame =
         entry.value("frame", "level") == mount_frames[1] ? MountFrame::body : MountFrame::level;
-    const Recording::Pair pair{entry.at("observer"),
-                               entry.at("target"),
-                               {entry.at("pitch"), entry.at("offset"), frame},
-                               or_no_value(entry.at("alpha")),
-                               or_no_value(entry.at("d_min")),
-                               or_no_value(entry.at("d_max"))};
+    const json& arm = entry.at("offset");
+    const Recording::Pair pair{
+        entry.at("observer"),
+        entry.at("target"),
+        {.pitch = entry.at("pitch"),
+         .offset = arm.is_array() ? LeverArm(arm.at(0), arm.at(1), arm.at(2)) : LeverArm(arm),
+         .frame = frame,
+         .yaw = entry.value("yaw", 0.0),
+         .roll = entry.value("roll", 0.0)},
+        or_no_value(entry.at("alpha")),
+        or_no_value(entry.at("d_min")),
+        or_no_value(entry.at("d_max"))};
     if (pair.observer >= run.bodies.size() || pair.target >= run.bodies.size()) {
       throw_unreadable("a pair names body {}, expected one of {}", std::max(pair.observer, pair.target),
                        run.bodies.size());

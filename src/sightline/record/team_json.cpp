@@ -62,11 +62,16 @@ std::string team_json(const Scenario& scenario) {
     json["pairs"].push_back({{"observer", pair.observer.index},
                              {"target", pair.target.index},
                              {"pitch", pair.mount.pitch},
-                             {"offset", pair.mount.offset},
+                             {"offset", pair.mount.offset.x},
                              {"alpha", pair.alpha},
                              {"d_min", pair.d_min},
                              {"d_max", pair.d_max}});
-    if (pair.mount.frame == MountFrame::body) json["pairs"].back()["frame"] = "body";
+    Json& written = json["pairs"].back();
+    const LeverArm& arm = pair.mount.offset;
+    if (!arm.is_along_x()) written["offset"] = {arm.x, arm.y, arm.z};
+    if (pair.mount.yaw != 0) written["yaw"] = pair.mount.yaw;
+    if (pair.mount.roll != 0) written["roll"] = pair.mount.roll;
+    if (pair.mount.frame == MountFrame::body) written["frame"] = "body";
   }
   for (const Swarm& swarm : team.swarms()) {
     Json& robots = json["swarms"].emplace_back(Json::array());

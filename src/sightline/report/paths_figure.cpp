@@ -44,18 +44,21 @@ std::size_t last_of(const Recording::Body& body) {
   return k;
 }
 
-/// Footprint of a cone with half-angle alpha and pitch beta: a sector of half-angle asin(sin alpha
-/// / cos beta), or the full circle if the cone contains the vertical. Assumes an upright robot.
+/// Footprint of a cone with half-angle alpha and pitch beta: a sector about its yaw of half-angle
+/// asin(sin alpha / cos beta), or the full circle if the cone contains the vertical. Assumes an
+/// upright robot.
 Curve footprint(const Recording& r, const Recording::Pair& pair) {
   const Recording::Body& body = r.bodies[pair.observer];
   Curve edge{"", pair.observer % Drawing::colours, Mark::dashed, {}, {}};
   const std::size_t end = std::min(last_of(body), body.heading.size());
   if (end == 0 || !std::isfinite(pair.alpha)) return edge;
-  const double psi = body.heading[end - 1], reach = std::isfinite(pair.d_max) ? pair.d_max : footprint_max;
+  const double ahead = body.heading[end - 1], psi = ahead + pair.mount.yaw,
+               reach = std::isfinite(pair.d_max) ? pair.d_max : footprint_max;
   const double beta = std::abs(pair.mount.pitch), pi = std::numbers::pi;
   const double half = pair.alpha + beta < pi / 2 ? std::asin(std::sin(pair.alpha) / std::cos(beta)) : pi;
-  const double x = body.p[end - 1].x + pair.mount.offset * std::cos(psi),
-               y = body.p[end - 1].y + pair.mount.offset * std::sin(psi);
+  const Vec2<double> arm =
+      rotate<double>({std::cos(ahead), std::sin(ahead)}, {pair.mount.offset.x, pair.mount.offset.y});
+  const double x = body.p[end - 1].x + arm.x, y = body.p[end - 1].y + arm.y;
   const auto corner = [&](double angle, double length) {
     edge.x.push_back(x + length * std::cos(psi + angle));
     edge.y.push_back(y + length * std::sin(psi + angle));

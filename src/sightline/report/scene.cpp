@@ -32,9 +32,8 @@ std::vector<Vec3<double>> cone(const Observation& view, const Sight<double>& obs
   const SensorMount& mount = view.mount;
   const Rotation B =
       rotation(mount.frame == MountFrame::body ? leaning(observer.d, observer.lean) : upright(observer.d));
-  const double c = std::cos(mount.pitch), s = std::sin(mount.pitch);
-  const Vec3<double> apex = observer.p + B.to_G({mount.offset, 0, 0}), axis = B.to_G({c, 0, -s}), side = B.y,
-                     up = B.to_G({s, 0, c});
+  const Vec3<double> apex = observer.p + B.to_G(mount.offset);
+  const auto [axis, side, up] = compose(B, rotation_from(mount.attitude()));
   const double ahead = length * std::cos(view.alpha), aside = length * std::sin(view.alpha);
   const auto rim = [&](int k) {
     const double angle = 2 * std::numbers::pi * k / cone_sides;

@@ -362,7 +362,12 @@ ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * b
     if (!holds_at(r, std::max(3.0, r))) continue;
     first = std::min(first, r), last = r;
   }
-  if (last == 0.0) throw_invalid("no place within {} m is in the region, expected some", farthest);
+  if (last == 0.0)
+    throw_invalid(
+        "no place ahead within {} m is in the region, expected some: the certificate keeps the target ahead "
+        "of "
+        "the nose, so the sensor must look ahead",
+        farthest);
   if (last > farthest)
     throw_invalid(
         "the region reaches beyond {} m, expected a limit of the distance such as "

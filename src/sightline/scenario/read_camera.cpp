@@ -79,7 +79,20 @@ std::string lens_words(const Camera& camera) {
 
 std::optional<SensorMount> read_mount(const TomlTable& agent) {
   if (!agent.has("sensor")) return std::nullopt;
-  return read_part<SensorMount>(TableSource(agent.table("sensor")));
+  constexpr std::string_view key = "offset";
+  const TomlTable at = agent.table("sensor");
+  auto mount = read_part<SensorMount>(TableSource(at));
+  if (!at.has(key)) return mount;
+  const std::string of_one = mount_offsets.expected("m"),
+                    expected = of_one + ", [ahead, left, up] or a number ahead";
+  const TomlValue arm = at.value(key, expected);
+  if (arm.is_array()) {
+    const std::vector<double> d = at.numbers(key, 3, {mount_offsets.low, mount_offsets.high, of_one});
+    mount.offset = {d[0], d[1], d[2]};
+  } else {
+    mount.offset = arm.number({mount_offsets.low, mount_offsets.high, expected});
+  }
+  return mount;
 }
 
 void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,

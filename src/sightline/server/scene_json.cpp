@@ -88,7 +88,10 @@ SceneValue rounded(const LimitSurface& surface) {
 }
 
 SceneValue mounted(const SensorMount& mount) {
-  return {{"pitch", mount.pitch}, {"offset", mount.offset}, {"on_body", mount.frame == MountFrame::body}};
+  const Quaternion q = quaternion(rotation_from(mount.attitude()));
+  return {{"offset", {mount.offset.x, mount.offset.y, mount.offset.z}},
+          {"turned", {q.x, q.y, q.z, q.w}},
+          {"on_body", mount.frame == MountFrame::body}};
 }
 
 /// Surfaces of a scene's limits, each once.
@@ -254,9 +257,7 @@ std::string SceneJson::scene(std::string_view session, bool live) const {
                              {"alpha", or_null(pair.alpha)},
                              {"d_min", or_null(pair.d_min)},
                              {"d_max", or_null(pair.d_max)},
-                             {"pitch", pair.mount.pitch},
-                             {"offset", pair.mount.offset},
-                             {"on_body", pair.mount.frame == MountFrame::body},
+                             {"mount", mounted(pair.mount)},
                              {"surface", surfaces.of_pair(pair)}});
   for (const Coupling& c : couplings_) surfaces.add_zone(c);
   json["surfaces"] = std::move(surfaces.all);

@@ -44,9 +44,9 @@ struct TriggeredEvent {
 ///   scene    {name, session, live, period, duration, solver, floor, ceiling, barrier,
 ///             wind: {v, gust}, faults: [{name, from, until}],
 ///             bodies: [{name, robot, agent, localized, hard, inputs, u_min, u_max}],
-///             pairs: [{observer, target, alpha, d_min, d_max, pitch, offset, on_body, surface}],
+///             pairs: [{observer, target, alpha, d_min, d_max, mount, surface}],
 ///             surfaces: [{reach, scales, open, corners: [x, y, z, ..], triangles: [a, b, c, ..]}],
-///             zones: [{body, surface, name, mount: {pitch, offset, on_body}}],
+///             zones: [{body, surface, name, mount: {offset, turned, on_body}}],
 ///             prisms: [{polygon: [x, y, ..], low, high, keep}],
 ///             undrawn: [sentence]}
 ///   moment   {t, b: [[x, y, z, qx, qy, qz, qw]], p: [[in view, distance, angle]], u: [[..]],

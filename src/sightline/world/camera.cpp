@@ -77,9 +77,7 @@ RigidPose sensor_pose(const SensorMount& mount, const RigidPose& body) {
     const Vec2<double> d = heading(body.R);
     R = {{d.x, d.y, 0}, {-d.y, d.x, 0}, {0, 0, 1}};
   }
-  const SinCos<double> pitch = sincos(mount.pitch);
-  return {body.p + mount.offset * R.x,
-          compose(R, {{pitch.cos, 0, -pitch.sin}, {0, 1, 0}, {pitch.sin, 0, pitch.cos}})};
+  return {body.p + R.to_G(mount.offset), compose(R, rotation_from(mount.attitude()))};
 }
 
 RigidPose seen_from(const RigidPose& a, const RigidPose& b) {

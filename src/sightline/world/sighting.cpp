@@ -13,7 +13,7 @@ Measurement sighting_of(const Detection& detection, const SensorMount& mount,
   z.has_yaw = detection.is_oriented();
   if (!z.has_yaw) return z;
   const Mat<3, 3> level = mount.frame == MountFrame::body ? tilt(roll_pitch.x, roll_pitch.y) : identity<3>();
-  const Mat<3, 3> R_VS = level * sensor_attitude(mount), R_VT = R_VS * matrix(rotation(detection.q));
+  const Mat<3, 3> R_VS = level * mount.attitude(), R_VT = R_VS * matrix(rotation(detection.q));
   z.yaw = yaw_of(R_VT);
   const Vec3<double> x = {R_VT(0, 0), R_VT(1, 0), R_VT(2, 0)};
   const double per = 1 / (square(x.x) + square(x.y));

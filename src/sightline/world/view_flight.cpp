@@ -34,20 +34,12 @@ Vec3<double> target_place(const ViewFlight& flight, double t) {
   return {circle_radius * h.cos, circle_radius * h.sin, 1.2};
 }
 
-/// Distance from the camera to a body on its optical axis, at this distance of the body's origin
-/// from the robot's.
-double depth_of(const SensorMount& mount, double distance) {
-  const double along = mount.offset * cos(mount.pitch);
-  return sqrt(std::max(0.0, square(distance) - square(mount.offset) + square(along))) - along;
-}
-
 /// Positions of both at t. The observer would hold the body on its optical axis but for its lag.
 Places places_at(const ViewFlight& flight, double distance, double t, const Turning& turning) {
   Places at{.target = target_place(flight, t), .target_heading = wrap(turning.at(t))};
-  const double c = cos(flight.mount.pitch), s = sin(flight.mount.pitch);
   const double swayed = distance + flight.sway * sin(swaying * t + turning.from);
-  const double depth = depth_of(flight.mount, swayed), level = flight.mount.offset + depth * c;
-  at.own = target_place(flight, t - flight.lag) - Vec3<double>{level, 0, -depth * s};
+  at.own =
+      target_place(flight, t - flight.lag) - flight.mount.point_in_F({flight.mount.depth_at(swayed), 0, 0});
   return at;
 }
 

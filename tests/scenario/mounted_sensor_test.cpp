@@ -1,0 +1,341 @@
+// A sensor that sits and looks anywhere: its view by quaternions of the test's own, two set-ups that are one, and flights.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "sightline/analysis/field.hpp"
+#include "sightline/estimator.hpp"
+#include "sightline/judge/present_team.hpp"
+#include "sightline/potential/protection.hpp"
+#include "sightline/potentials.hpp"
+#include "sightline/sensors.hpp"
+#include "sightline/world/sighting.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sampled_flight.hpp"
+#include "tests/support/scenario_text.hpp"
+#include "tests/support/two_robots.hpp"
+
+namespace sightline {
+namespace {
+
+using std::numbers::pi;
+
+/// Hamilton product.
+Quaternion times(const Quaternion& a, const Quaternion& b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+Quaternion about(const Vec3<double>& axis, double angle) {
+  const double s = std::sin(0.5 * angle);
+  return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
+}
+/// q v q*, or q* v q for `back`.
+Vec3<double> turned(Quaternion q, const Vec3<double>& v, bool back = false) {
+  if (back) q = {q.w, -q.x, -q.y, -q.z};
+  const Quaternion r = times(times(q, {0, v.x, v.y, v.z}), {q.w, -q.x, -q.y, -q.z});
+  return {r.x, r.y, r.z};
+}
+
+constexpr Vec3<double> x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
+
+/// The target in the sensor frame: yaw, pitch and roll of the robot, the lever arm, and those of the sensor.
+Vec3<double> in_sensor(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& point) {
+  Quaternion q = about(z_axis, std::atan2(robot.d.y, robot.d.x));
+  if (mount.frame == MountFrame::body) {
+    const double pitch = std::atan(robot.lean.x), roll = -std::atan(robot.lean.y * std::cos(pitch));
+    q = times(times(q, about(y_axis, pitch)), about(x_axis, roll));
+  }
+  const Vec3<double> from_sensor = point - robot.p - turned(q, mount.offset);
+  q = times(times(times(q, about(z_axis, mount.yaw)), about(y_axis, mount.pitch)), about(x_axis, mount.roll));
+  return turned(q, from_sensor, true);
+}
+double angle_to(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& point) {
+  const Vec3<double> p = in_sensor(mount, robot, point);
+  return std::atan2(std::hypot(p.y, p.z), p.x);
+}
+
+SensorMount any_mount(Random& random) {
+  SensorMount mount = random_mount(random, random() % 2 == 0 ? MountFrame::level : MountFrame::body);
+  if (random() % 8 == 0) mount.pitch = pi / 2;
+  return mount;
+}
+
+TEST(MountedSensor, BearingAndRangeAreThoseOfQuaternions) {
+  Random random(1);
+  const Region near("range < 2 m"), seen("bearing < 0.4"), left("azimuth < 0"), above("elevation < 0");
+  for (int k = 0; k < 3000; ++k) {
+    const SensorMount mount = any_mount(random);
+    const Sight<double> a = random_sight(random, 3), b = random_sight(random, 3);
+    const Vec3<double> p = in_sensor(mount, a, b.p);
+    const double angle = angle_to(mount, a, b.p), level = std::hypot(p.x, p.y);
+    EXPECT_NEAR(near.seen_from(mount).violation(a, b, 0), norm(p) - 2, 1e-13);
+    EXPECT_NEAR(seen.seen_from(mount).violation(a, b, 0), angle - 0.4, 1e-12);
+    EXPECT_NEAR(view_angle(mount, a, b.p), angle, 1e-12);
+    EXPECT_NEAR(Bearing({.alpha = 0.3, .mount = mount}).violation(a, b), angle - 0.3, 1e-12);
+    EXPECT_NEAR(SensorCone({.alpha = 0.3, .mount = mount}).violation(a, b), angle - 0.3, 1e-12);
+    if (level < 0.1) continue;
+    EXPECT_NEAR(std::remainder(left.seen_from(mount).violation(a, b, 0) - std::atan2(p.y, p.x), 2 * pi), 0,
+                1e-12);
+    EXPECT_NEAR(above.seen_from(mount).violation(a, b, 0), std::atan2(p.z, level), 1e-12);
+  }
+}
+
+/// Numbers of both sights and the time, as a formula takes them.
+std::array<double, 2 * sight_size + 1> numbers_of(const Sight<double>& a, const Sight<double>& b) {
+  std::array<double, 2 * sight_size + 1> all{};
+  write_sight(a, std::span(all));
+  write_sight(b, std::span(all).subspan(sight_size));
+  return all;
+}
+
+/// The derivatives of the recorded formula, by which solvers see it, against central differences of `l`.
+template <class Own>
+void expect_derivatives(const Potential& potential, const Sight<double>& a, const Sight<double>& b,
+                        const Own& l) {
+  constexpr double h = 1e-5;
+  Graph graph;
+  const std::vector<Symbol> in = variables(graph, 0, 2 * sight_size + 1);
+  const Symbol of =
+      potential(sight_from<Symbol>(in.data()), sight_from<Symbol>(in.data() + sight_size), in.back());
+  std::vector<Term> by;
+  for (int i = 0; i < 2 * sight_size; ++i) by.push_back(graph.input(i));
+  const auto here = numbers_of(a, b);
+  const std::vector<double> slopes =
+      evaluate(Program(graph, gradient(graph, of.in(graph), by), 2 * sight_size + 1), here);
+  for (std::size_t i = 0; i < 2 * sight_size; ++i) {
+    if (i % sight_size == 3 || i % sight_size == 4) continue;  // a heading has one degree of freedom
+    const auto moved = [&](double step) {
+      auto there = here;
+      there[i] += step;
+      return l(sight_from<double>(there.data()), sight_from<double>(there.data() + sight_size));
+    };
+    EXPECT_NEAR(slopes[i], (moved(h) - moved(-h)) / (2 * h), 1e-6 * (1 + std::abs(slopes[i]))) << i;
+  }
+  const auto by_turn = [&](double step) {
+    Sight<double> other = a;
+    other.d = rotate<double>({std::cos(step), std::sin(step)}, a.d);
+    return l(other, b);
+  };
+  EXPECT_NEAR(a.d.x * slopes[4] - a.d.y * slopes[3], (by_turn(h) - by_turn(-h)) / (2 * h), 1e-6);
+}
+
+TEST(MountedSensor, SolversSeeTheDerivativesOfTheQuaternionsView) {
+  Random random(2);
+  for (int k = 0; k < 100; ++k) {
+    const SensorMount mount = any_mount(random);
+    const Sight<double> a = random_sight(random, 2);
+    Sight<double> b = random_sight(random, 2);
+    if (norm(in_sensor(mount, a, b.p)) < 0.7) continue;
+    expect_derivatives(Bearing{.width = 1e-7, .tilt = 0.0, .mount = mount}, a, b,
+                       [&](const Sight<double>& c, const Sight<double>& d) {
+                         return 1 - std::cos(angle_to(mount, c, d.p));
+                       });
+    // A soft limit of the range: the sigmoid of kappa_A c.
+    const Potential range = Region("range < 2 m").sigmoid(3.0).smoothed_over(1e-9).seen_from(mount);
+    expect_derivatives(range, a, b, [&](const Sight<double>& c, const Sight<double>& d) {
+      return 1 / (1 + std::exp(-3.0 * (norm(in_sensor(mount, c, d.p)) - 2)));
+    });
+  }
+}
+
+TEST(MountedSensor, ADistanceOfTheSensorKeepsApartWhereverItSits) {
+  const SensorMount mount = {.offset = {0.1, -0.4, 0.3}, .yaw = 1.0, .roll = 2.0};
+  EXPECT_TRUE(keeps_apart(Region("range > 0.7 m").seen_from(mount)));
+  EXPECT_FALSE(keeps_apart(Region("range < 0.7 m").seen_from(mount)));
+}
+
+/// The mount on a robot whose heading is turned back by a quarter, so that the sensor is where it was.
+SensorMount on_the_left(SensorMount mount) {
+  mount.yaw += pi / 2;
+  mount.offset = {-mount.offset.y, mount.offset.x, mount.offset.z};
+  return mount;
+}
+Sight<double> turned_right(Sight<double> robot) {
+  robot.d = {robot.d.y, -robot.d.x};
+  return robot;
+}
+
+TEST(MountedSensor, OnTheLeftOfARobotTurnedRightCostsAndJudgesAlike) {
+  Random random(3);
+  int seen = 0;
+  for (int k = 0; k < 2000; ++k) {
+    SensorMount mount = random_mount(random);
+    mount.yaw = uniform(random, -1.5, 1.5);
+    const SensorMount left = on_the_left(mount);
+    const Sight<double> a = random_sight(random, 2), b = random_sight(random, 2), right = turned_right(a);
+    const Region text =
+        Region(all_of({"abs(y) < x * tan(40 deg)", "abs(z) < x * tan(20 deg)", "range > 0.3 m"}));
+    for (const Potential& potential :
+         {Potential(SensorCone{}), Potential(Bearing{.width = 0.02}), Potential(text.sigmoid(4.0))}) {
+      const Potential ahead = potential.seen_from(mount), aside = potential.seen_from(left);
+      EXPECT_NEAR(ahead(a, b, 0.0), aside(right, b, 0.0), 1e-11);
+      const Observation one{BodyId{0}, BodyId{1}, ahead, mount, potential.alpha().value_or(no_value),
+                            no_value,  no_value},
+          other{BodyId{0}, BodyId{1}, aside, left, potential.alpha().value_or(no_value), no_value, no_value};
+      if (std::abs(ahead.violation(a, b, 0.0)) < 1e-9) continue;
+      EXPECT_EQ(is_in_view(one, a, b, 0.0), is_in_view(other, right, b, 0.0));
+      seen += is_in_view(one, a, b, 0.0);
+    }
+  }
+  EXPECT_GT(seen, 100);
+}
+
+/// Sightings of a body by a robot at `p` with this heading, and what its filter makes of them in 2 s.
+struct Localized {
+  std::vector<Detection> pictures{};
+  PoseEstimate estimate{};
+};
+Localized localized(const SensorMount& mount, FilterKind kind, double heading) {
+  const Team team = test::two_robots();
+  CameraOptions options{.seed = 4};
+  options.cameras.push_back({.observer = BodyId{0}, .mount = mount});
+  options.tags.push_back({BodyId{1}, {}});
+  SyntheticDetections camera(team, options);
+  const FilterOptions errors{.filter = kind};
+  const auto filter = make_pose_filter(errors, mount);
+  Localized all;
+  for (int k = 0; k < 200; ++k) {
+    const double t = 0.01 * k;
+    std::array<ExposedBody, 2> bodies;
+    bodies[0].now = {{0.1, -0.2, 1.5}, turn_by({0, 0, heading})};
+    bodies[1].now = {{1.3 + 0.1 * std::sin(t), 0.1, 1.0}, turn_by({0, 0, 2.5 + 0.2 * t})};
+    for (ExposedBody& body : bodies) body.before = body.now;
+    filter->advance({.t = t, .dt = 0.01, .force = {0, 0, gravity}});
+    std::array<Detection, 1> found;
+    if (camera.find({0, t, 0.0, bodies}, found) == 0) continue;
+    found[0].stamp = found[0].arrival = t;
+    Measurement z = sighting_of(found[0], mount, {});
+    z.p_other = bodies[1].now.p, z.psi_other = 2.5 + 0.2 * t, z.P_other = identity<4>(1e-4);
+    filter->take(z);
+    all.pictures.push_back(found[0]);
+  }
+  all.estimate = filter->estimate();
+  return all;
+}
+
+TEST(MountedSensor, OnTheLeftOfARobotTurnedRightSeesAndLocalizesAlike) {
+  for (const MountFrame frame : {MountFrame::level, MountFrame::body}) {
+    const SensorMount mount{
+        .pitch = 0.3, .offset = {0.1, 0.05, 0.02}, .frame = frame, .yaw = 0.1, .roll = -0.5};
+    for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
+      const Localized ahead = localized(mount, kind, 0.2),
+                      aside = localized(on_the_left(mount), kind, 0.2 - pi / 2);
+      ASSERT_EQ(ahead.pictures.size(), aside.pictures.size());
+      ASSERT_GT(ahead.pictures.size(), 100U);
+      for (std::size_t i = 0; i < ahead.pictures.size(); ++i) {
+        const Detection &one = ahead.pictures[i], &other = aside.pictures[i];
+        EXPECT_LE(norm(one.p - other.p), 1e-9);
+        EXPECT_NEAR(
+            std::abs(one.q.w * other.q.w + one.q.x * other.q.x + one.q.y * other.q.y + one.q.z * other.q.z),
+            1.0, 1e-9);
+      }
+      ASSERT_TRUE(ahead.estimate.known && aside.estimate.known);
+      EXPECT_LE(norm(ahead.estimate.p - Vec3<double>{0.1, -0.2, 1.5}), 0.05);
+      EXPECT_NEAR(wrap(ahead.estimate.psi - 0.2), 0.0, 0.05);
+      // Of a robot that is tilted by an estimated error, headings add up to second order in that.
+      EXPECT_LE(norm(ahead.estimate.p - aside.estimate.p), 1e-5);
+      EXPECT_NEAR(wrap(ahead.estimate.psi - aside.estimate.psi), pi / 2, 1e-5);
+      EXPECT_NEAR(ahead.estimate.position_sigma(), aside.estimate.position_sigma(), 1e-5);
+    }
+  }
+}
+
+/// A robot that watches a ball on a circle.
+std::string watcher(std::string_view start, std::string_view sensor, std::string_view potential,
+                    std::string_view rest = "") {
+  return fmt::format(R"(
+[simulation]
+duration = 12.0
+[agent.uav0]
+robot = "multirotor"
+start = {{ {} }}
+sensor = {{ {} }}
+[target.ball]
+motion = {{ circle = {{ centre = [0.0, 0.0, 1.0], radius = 0.5, rate = 0.5 }} }}
+[[couple]]
+potential = {{ {} }}
+between = ["uav0", "ball"]
+weight = 2.0
+[[couple]]
+potential = {{ keep_out = {{ d_min = 1.0 }} }}
+between = ["ball", "uav0"]
+felt_by = ["uav0"]
+weight = 0.4
+[[couple]]
+potential = {{ cohesion = {{ d_max = 2.0 }} }}
+between = ["uav0", "ball"]
+weight = 0.4
+{})",
+                     start, sensor, potential, rest);
+}
+
+/// Share of the samples from 4 s on in which the ball is within 0.5 rad of the axis, by quaternions.
+double share_in_view(const std::string& text, const SensorMount& mount) {
+  const Scenario scenario = test::scenario_of(text);
+  const auto& observed = observations(scenario.team.couplings());
+  EXPECT_EQ(observed.at(0).mount, mount) << "what the file says";
+  double in_view = 0, all = 0;
+  for (const Sample& sample : test::samples_of(scenario)) {
+    if (sample.time < 4.0) continue;
+    const Sight<double> robot = true_sight(scenario.team, BodyId{0}, sample),
+                        ball = true_sight(scenario.team, BodyId{1}, sample);
+    in_view += angle_to(mount, robot, ball.p) <= 0.5, ++all;
+  }
+  return in_view / all;
+}
+
+TEST(MountedSensor, ThatLooksAsideRolledAndDisplacedKeepsItsTarget) {
+  constexpr std::string_view sensor = "yaw = 1.57, pitch = 0.4, roll = 0.6, offset = [0.05, -0.1, 0.03]";
+  const SensorMount mount{.pitch = 0.4, .offset = {0.05, -0.1, 0.03}, .yaw = 1.57, .roll = 0.6};
+  constexpr std::string_view start = "p = [-0.8, 0.0, 1.6], heading = -1.57";
+  for (const char* potential :
+       {"bearing = { alpha = 0.5 }", "sensor_cone = { alpha = 0.5 }",
+        "region = { inside = \"bearing < 0.5\", kappa_A = 10.0, slope = { softplus = {} } }"}) {
+    EXPECT_GE(share_in_view(watcher(start, sensor, potential), mount), 0.99) << potential;
+  }
+  // One that begins with its target behind the sensor turns to it.
+  EXPECT_GE(share_in_view(watcher("p = [-0.8, 0.0, 1.6], heading = 1.2", sensor, "bearing = { alpha = 0.5 }"),
+                          mount),
+            0.99);
+}
+
+TEST(MountedSensor, ThatLooksStraightDownOrUpKeepsItsTarget) {
+  EXPECT_GE(
+      share_in_view(watcher("p = [0.5, 0.0, 2.4], heading = 0.3", "pitch = 1.5707963267948966, offset = 0.1",
+                            "sensor_cone = { alpha = 0.5 }"),
+                    {.pitch = pi / 2, .offset = 0.1}),
+      0.99);
+  EXPECT_GE(share_in_view(watcher("p = [0.5, 0.0, -0.4], heading = 0.3",
+                                  "pitch = -1.5707, offset = [0.0, 0.0, 0.1]", "bearing = { alpha = 0.5 }"),
+                          {.pitch = -1.5707, .offset = {0.0, 0.0, 0.1}}),
+            0.99);
+}
+
+// The set of a certificate keeps the target ahead of the nose.
+TEST(MountedSensor, OfACertifiedViewLooksAheadOrIsRefused) {
+  constexpr std::string_view certified =
+      "[[certify_view]]\nobserver = \"uav0\"\ntarget = \"ball\"\nspeed_max = 0.3\n";
+  const auto view = [&](std::string_view sensor) {
+    return watcher("p = [-0.8, 0.0, 1.55], heading = 0.0", sensor, "sensor_cone = { alpha = 0.5 }",
+                   certified);
+  };
+  for (const char* aside : {"yaw = 1.57", "yaw = -1.57, frame = \"body\"", "yaw = 3.14, pitch = 0.2"})
+    EXPECT_NE(test::scenario_refusal(view(aside)).find("no place ahead within 30 m is in the region"),
+              std::string::npos)
+        << aside;
+  constexpr std::string_view askew = "yaw = 0.15, pitch = 0.5, roll = 1.2, offset = [0.1, 0.05, 0.03]";
+  const SensorMount mount{.pitch = 0.5, .offset = {0.1, 0.05, 0.03}, .yaw = 0.15, .roll = 1.2};
+  const std::string text = view(askew);
+  ASSERT_EQ(test::scenario_refusal(text), "");
+  EXPECT_EQ(share_in_view(text, mount), 1.0);
+}
+
+}  // namespace
+}  // namespace sightline
