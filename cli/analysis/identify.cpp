@@ -188,7 +188,8 @@ Execute describe_identify(CLI::App& app) {
   app.add_option("--columns", command->columns,
                  "Names of the columns of a table, t,x,y,z,-,vx; -: not used [its first line]")
       ->delimiter(',');
-  app.add_option("--body", command->body, "Topic of the motion in a bag, /odom or /poses:cf1 [the only one]");
+  app.add_option("--body", command->body,
+                 "Topic or name of the motion in a bag, /odom, /poses:cf1 or cf1 [the only one]");
   app.add_option("--commands", command->commands, "Topic of the velocity commands in a bag [the only one]");
   app.add_option("-o,--output", command->output,
                  "Folder for the results [out/NAME/identify; of a run, its own]");
