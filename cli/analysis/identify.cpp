@@ -243,7 +243,8 @@ Execute describe_identify(CLI::App& app) {
   app.add_option("--columns", command->columns,
                  "Names of the columns of a table, t,x,y,z,-,vx; -: not used [its first line]")
       ->delimiter(',');
-  app.add_option("--body", command->body, "Topic of the motion in a bag, /odom or /poses:cf1 [the only one]");
+  app.add_option("--body", command->body,
+                 "Topic or name of the motion in a bag, /odom, /poses:cf1 or cf1 [the only one]");
   app.add_option("--commands", command->commands, "Topic of the velocity commands in a bag [the only one]");
   app.add_option("--vehicle", command->vehicles,
                  "Preset or file (TOML) of the vehicles of a flight: one for all, or one for each recording")
