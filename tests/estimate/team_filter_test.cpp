@@ -301,6 +301,27 @@ TEST(TeamFilter, RangesOfSixAntennasLocateABodyFromNowhere) {
   EXPECT_LE(nees / located, 6.0);
 }
 
+TEST(TeamFilter, TheErrorOfAnAntennaTowardsOneRobotIsFoundApartFromThatTowardsAnother) {
+  TeamNoise noise;
+  noise.range_noise = 0.02, noise.range_share = 0.0, noise.range_error = 0.0, noise.antenna_error = 0.2;
+  TeamFilter filter({0.0, 0.0, 0.0}, {}, noise, 0.0, 2);
+  const std::array<PlanarPose, 3> poses = {{{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}};
+  for (int i = 0; i < 3; ++i) filter.start(i, guess(poses[static_cast<std::size_t>(i)], 1e-6, 1e-6));
+  const auto range = [&](int other, int antenna, double error) {
+    TeamSighting z;
+    z.of = Sighted::range, z.subject = other, z.antenna = antenna;
+    z.range = (other == 1 ? 3.0 : 4.0) + error;
+    return filter.take(z);
+  };
+  for (int k = 0; k < 100; ++k) {
+    EXPECT_EQ(range(1, 0, 0.3).verdict, FitVerdict::accepted);
+    EXPECT_EQ(range(2, 0, 0.1).verdict, FitVerdict::accepted);
+  }
+  EXPECT_NEAR(range(1, 0, 0.3).y[0], 0.0, 0.01);
+  EXPECT_NEAR(range(2, 0, 0.1).y[0], 0.0, 0.01);
+  EXPECT_NEAR(range(1, 1, 0.0).y[0], 0.0, 0.01) << "another antenna has none of it";
+}
+
 // On a ring of landmarks x, y and psi are independent, so their variances follow by hand.
 TEST(TeamFilter, LocatesARobotWithTheLastingErrorOfEachPairHoweverManyThereAre) {
   constexpr int landmarks = 40;

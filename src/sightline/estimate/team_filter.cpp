@@ -35,7 +35,7 @@ TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landma
       heights_(std::move(heights)),
       robots_(static_cast<int>(heights_.size())),
       antennas_(antennas),
-      first_pair_(robots_ * (robot_states + antennas_)),
+      first_pair_(robots_ * (robot_states + antennas_ * bodies())),
       capacity_(first_pair_ + robots_ * 2 * pairs_per_robot),
       n_(first_pair_),
       x_(at(capacity_)),
@@ -62,7 +62,10 @@ TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landma
                                        {mu, noise_.sensor_turn}})
       P(k + state, k + state) = square(sigma);
     for (int a = 0; a < antennas_; ++a)
-      P(antenna_index(i, a), antenna_index(i, a)) = square(noise_.antenna_error);
+      for (int body = 0; body < bodies(); ++body) {
+        const int error = antenna_index(i, a, body);
+        P(error, error) = 0.5 * square(noise_.antenna_error);
+      }
   }
 }
 
@@ -283,10 +286,12 @@ TeamFilter::Row TeamFilter::row_of(const TeamSighting& z, int pair) noexcept {
   if (z.of == Sighted::range)
     for (const auto& [robot, antenna] : {std::pair{z.observer, z.antenna}, {z.subject, z.other_antenna}}) {
       if (antenna < 0) continue;
-      const int state_of_antenna = antenna_index(robot, antenna);
-      row.H(0, row.used) = 1.0;
-      row.columns[at(row.used++)] = state_of_antenna;
-      range += x_[at(state_of_antenna)];
+      for (const int body : {z.observer, z.subject}) {
+        const int error = antenna_index(robot, antenna, body);
+        row.H(0, row.used) = 1.0;
+        row.columns[at(row.used++)] = error;
+        range += x_[at(error)];
+      }
     }
   for (int a = 0; a < 2; ++a) {
     if (z.of == Sighted::range && a == 1) continue;

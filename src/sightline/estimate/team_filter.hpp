@@ -85,8 +85,10 @@ struct TeamNoise {
         parameter("range_error", &N::range_error, "", from_zero, "lasting error of a pair, per range"),
         parameter("range_error_time", &N::range_error_time, "s", above_zero,
                   "correlation time of that error"),
-        parameter("antenna_error", &N::antenna_error, "m", from_zero,
-                  "constant error of an antenna's ranges, where sightings name antennas"),
+        parameter(
+            "antenna_error", &N::antenna_error, "m", from_zero,
+            "constant error of an antenna's ranges, where sightings name antennas; half of its variance "
+            "is towards each other body alone"),
         parameter("bearing_noise", &N::bearing_noise, "rad", above_zero, "white noise of a bearing"),
         parameter("bearing_error", &N::bearing_error, "rad", from_zero, "lasting error of a pair"),
         parameter("bearing_error_time", &N::bearing_error_time, "s", above_zero,
@@ -158,7 +160,7 @@ inline constexpr int robot_states = 9;
 ///                    b           bias of the yaw rate                                   random walk
 ///                    delta       clock offset: the motion at t is the odometry's at t - delta
 ///                    mu          mounting error of its sensor                              constant
-///   for each antenna             error of its ranges                                  constant
+///   for each antenna             error of its ranges, common and to each other body     constant
 ///   for each pair    rho, eta    lasting errors of range and bearing (RangeBearing)    Gauss-Markov
 ///
 /// and its motion, with v_m, r_m of the odometry,
@@ -217,7 +219,7 @@ class TeamFilter {
  private:
   /// A linearised measurement of m <= 3 components: y = H dx + noise, over the used columns.
   struct Row {
-    static constexpr int width = RangeBearing::estimated + 2;
+    static constexpr int width = RangeBearing::estimated + 4;  // two for each antenna
     int m = 0, used = 0;
     std::array<int, width> columns{};
     Mat<3, width> H{};
@@ -252,8 +254,9 @@ class TeamFilter {
 
   static std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
   static int index(int robot, RobotState k) noexcept { return robot * robot_states + static_cast<int>(k); }
-  int antenna_index(int robot, int antenna) const noexcept {
-    return robots_ * robot_states + robot * antennas_ + antenna;
+  /// State of an antenna's error towards another body; its common error where `body` is the robot.
+  int antenna_index(int robot, int antenna, int body) const noexcept {
+    return robots_ * robot_states + (robot * antennas_ + antenna) * bodies() + body;
   }
   double& P(int i, int j) noexcept { return P_[at(i) * at(capacity_) + at(j)]; }
   double P(int i, int j) const noexcept { return P_[at(i) * at(capacity_) + at(j)]; }
