@@ -13,6 +13,15 @@ namespace {
 
 using test::fly_leaning;
 
+/// The recording of a scenario's flight.
+Recording recorded(const Scenario& scenario, std::string_view name) {
+  const Controls controls(scenario);
+  SimulatedClock clock;
+  const auto folder = test::place(name);
+  EXPECT_TRUE(fly_logged(scenario, folder, clock, controls.controllers()).logged);
+  return read_recording(folder);
+}
+
 TEST(BodyCamera, PlannedWithItsLeanSeesBetterThanPlannedLevel) {
   const auto pair_of = [](std::string_view frame) {
     const SummaryValues values = fly_leaning({.frame = frame}).summary.values();
@@ -52,11 +61,7 @@ TEST(BodyCamera, InTheWorldOfModelsItLeansAsTheModelDoes) {
 
 TEST(BodyCamera, TheLogHasItsTrueAttitudeAndTheRecordingItsLean) {
   const Scenario scenario = test::leaning_scenario({.duration = 3.0});
-  const Controls controls(scenario);
-  SimulatedClock clock;
-  const auto folder = test::place("body_camera");
-  ASSERT_TRUE(fly_logged(scenario, folder, clock, controls.controllers()).logged);
-  const Recording run = read_recording(folder);
+  const Recording run = recorded(scenario, "body_camera");
   ASSERT_EQ(run.pairs.size(), 1u);
   EXPECT_EQ(run.pairs[0].mount.frame, MountFrame::body);
   double largest = 0.0;
@@ -79,11 +84,7 @@ TEST(BodyCamera, OrAnyOtherMountIsReadBackFromItsLog) {
       SIGHTLINE_SOURCE_DIR "/scenarios/paper_7_1.toml", built_in_registry(),
       {"simulation.duration=0.1",
        "agent.uav0.sensor={yaw=1.5,pitch=0.25,roll=-0.5,offset=[0.125,0.25,-0.5],frame=\"body\"}"});
-  const Controls controls(scenario);
-  SimulatedClock clock;
-  const auto folder = test::place("any_mount");
-  ASSERT_TRUE(fly_logged(scenario, folder, clock, controls.controllers()).logged);
-  const Recording run = read_recording(folder);
+  const Recording run = recorded(scenario, "any_mount");
   ASSERT_EQ(run.pairs.size(), 1u);
   EXPECT_EQ(run.pairs[0].mount, (SensorMount{.pitch = 0.25,
                                              .offset = {0.125, 0.25, -0.5},

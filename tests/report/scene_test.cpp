@@ -26,10 +26,11 @@ const std::string team_to_draw =
     "[[couple]]\npotential = { keep_out = { d_min = 1.0 } }\nbetween = [\"b\", \"t\"]\nfelt_by = [\"b\"]\n"
     "[safety]\nbarrier = \"on\"\nd_hard = 0.7\n";
 
-constexpr std::string_view ahead = "pitch = 0.4\noffset = 0.2",
-                           aside = "yaw = 1.57\npitch = 0.4\nroll = -0.5\noffset = [0.1, -0.2, 0.05]";
+constexpr std::string_view mounted_ahead = "pitch = 0.4\noffset = 0.2",
+                           mounted_aside = "yaw = 1.57\npitch = 0.4\nroll = -0.5\noffset = [0.1, -0.2, 0.05]";
 
-Scenario scene_of(const std::string& frame, std::string_view mount = ahead, std::string_view rest = "") {
+Scenario scene_of(const std::string& frame, std::string_view mount = mounted_ahead,
+                  std::string_view rest = "") {
   std::string text = team_to_draw;
   text.replace(text.find("FRAME"), 5, frame);
   text.replace(text.find("MOUNT"), 5, mount);
@@ -56,8 +57,10 @@ TEST(Scene, TheConeOfAViewIsThatOfItsLimit) {
   const auto draw = [&](double low, double high) {
     return std::uniform_real_distribution<>(low, high)(random);
   };
-  for (const auto& [frame, mount] :
-       {std::pair{"level", ahead}, {"body", ahead}, {"level", aside}, {"body", aside}}) {
+  for (const auto& [frame, mount] : {std::pair{"level", mounted_ahead},
+                                     {"body", mounted_ahead},
+                                     {"level", mounted_aside},
+                                     {"body", mounted_aside}}) {
     const Scenario scenario = scene_of(frame, mount);
     const Scene scene(scenario);
     ASSERT_EQ(scene.pairs().size(), 2u);
@@ -93,7 +96,7 @@ TEST(Scene, TheConeOfAViewIsThatOfItsLimit) {
 }
 
 TEST(Scene, EachZoneIsDrawnByTheWallsOnItsBoundary) {
-  const Scenario scenario = scene_of("level", ahead, R"(
+  const Scenario scenario = scene_of("level", mounted_ahead, R"(
 [[safety.zone]]
 polygon = [[-9, -9], [9, -9], [9, 9], [6, 9], [6, 3], [-9, 3]]
 from = 0.5

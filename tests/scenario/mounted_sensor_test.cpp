@@ -21,6 +21,7 @@
 #include "tests/support/sampled_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/two_robots.hpp"
+#include "tests/support/view_scenario.hpp"
 
 namespace sightline {
 namespace {
@@ -263,17 +264,8 @@ motion = {{ circle = {{ centre = [0.0, 0.0, 1.0], radius = 0.5, rate = 0.5 }} }}
 potential = {{ {} }}
 between = ["uav0", "ball"]
 weight = 2.0
-[[couple]]
-potential = {{ keep_out = {{ d_min = 1.0 }} }}
-between = ["ball", "uav0"]
-felt_by = ["uav0"]
-weight = 0.4
-[[couple]]
-potential = {{ cohesion = {{ d_max = 2.0 }} }}
-between = ["uav0", "ball"]
-weight = 0.4
-{})",
-                     start, sensor, potential, rest);
+{}{})",
+                     start, sensor, potential, test::ball_distances, rest);
 }
 
 /// Share of the samples from 4 s on in which the ball is within 0.5 rad of the axis, by quaternions.

@@ -12,6 +12,7 @@
 #include "sightline/safety/view_filter.hpp"
 #include "tests/support/sampled_flight.hpp"
 #include "tests/support/scenario_text.hpp"
+#include "tests/support/view_scenario.hpp"
 #include "tests/support/view_set.hpp"
 
 namespace sightline {
@@ -34,17 +35,8 @@ motion = {{ circle = {{ centre = [0.0, 0.0, 1.0], radius = 0.5, rate = {} }} }}
 potential = {{ sensor_cone = {{ alpha = 0.5 }} }}
 between = ["uav0", "ball"]
 weight = 0.4
-[[couple]]
-potential = {{ keep_out = {{ d_min = 1.0 }} }}
-between = ["ball", "uav0"]
-felt_by = ["uav0"]
-weight = 0.4
-[[couple]]
-potential = {{ cohesion = {{ d_max = 2.0 }} }}
-between = ["uav0", "ball"]
-weight = 0.4
-{})",
-                     place, rate, rest);
+{}{})",
+                     place, rate, test::ball_distances, rest);
 }
 
 constexpr const char* certified = R"([[certify_view]]

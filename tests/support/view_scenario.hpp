@@ -58,4 +58,17 @@ remove = { couple = "view" }
 duration = 1.0
 )toml";
 
+/// uav0 and a ball stay 1 to 2 m apart.
+inline const std::string ball_distances = R"toml(
+[[couple]]
+potential = { keep_out = { d_min = 1.0 } }
+between = ["ball", "uav0"]
+felt_by = ["uav0"]
+weight = 0.4
+[[couple]]
+potential = { cohesion = { d_max = 2.0 } }
+between = ["uav0", "ball"]
+weight = 0.4
+)toml";
+
 }  // namespace sightline::test
