@@ -28,6 +28,9 @@
 /// Against a body that moves at will it is safe in the passive sense: it stands before the body can
 /// be nearer than d_hard, and cannot flee.
 ///
+/// If the acceleration follows its command with a lag, the present one is part of p_a, and rho counts
+/// what yaw rate and climb add until they settle.
+///
 /// If vehicles accelerate by up to w beyond their models, rho(t) contains w F(delay + t), or twice that
 /// for a cooperative pair.
 ///
@@ -102,7 +105,7 @@ struct BarrierOptions {
   double margin = 0.002, wall_margin = 0.0;
   double rate = 4.0;       ///< greatest decay rate of the reserve [1/s], in (0, 1 / dt]
   double authority = 0.9;  ///< part of the acceleration that plans use, in (0, 1]; the rest is for wind
-  /// Bound of the horizontal acceleration beyond the robots' models, such as wind and lags [m/s^2], >= 0
+  /// Bound of the horizontal acceleration beyond the robots' models, such as wind [m/s^2], >= 0
   double residual_acceleration = 0.0;
   double command_delay = 0.0;   ///< from the measurement of a state to its command's effect [s], >= 0
   double velocity_sigma = 0.0;  ///< standard deviation of the robot's estimated velocity [m/s], >= 0
@@ -193,9 +196,9 @@ class Barrier {
     return filter(x, neighbours, u_min, u_max, u, none);
   }
 
-  /// Whether the height follows commands with a lag; then no robot can be its cooperative
+  /// Whether height or tilt follow commands with a lag; then no robot can be its cooperative
   /// neighbour.
-  bool climbs_late() const noexcept;
+  bool lags() const noexcept;
 
   /// Whether the robot drives along its heading, and therefore brakes instead of fleeing. Its filter
   /// considers all given neighbours.

@@ -126,6 +126,14 @@ TEST(Guarantee, HoldsUnderAWindWithinTheResidualAcceleration) {
               ElementsAre("the residual acceleration of a robot that moves by another law is not counted"));
 }
 
+/// Least distance of the first robot from a rock at (0, 0, 1).
+double nearest_to_rock(const Scenario& scenario) {
+  double least = infinity;
+  for (const FlownPeriod& period : fly_scenario(scenario).flown)
+    least = std::min(least, norm(Vec3<double>{period.x[0], period.x[1], period.x[2] - 1.0}));
+  return least;
+}
+
 TEST(Guarantee, OfLateCommandsInAWindIsKeptInFlight) {
   // A robot is sent through a rock, towards which the wind blows.
   const auto text = [](const std::string& bound, const std::string& delay) {
@@ -136,16 +144,43 @@ TEST(Guarantee, OfLateCommandsInAWindIsKeptInFlight) {
            "\nQ = [4.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0]\nreference = { constant = { p = [9, 0, 1] } }\n" +
            obstacle_text("rock", "0, 0, 1", "speed_max = 0.0");
   };
-  const auto nearest = [](const Scenario& scenario) {
-    double least = infinity;
-    for (const FlownPeriod& period : fly_scenario(scenario).flown)
-      least = std::min(least, norm(Vec3<double>{period.x[0], period.x[1], period.x[2] - 1.0}));
-    return least;
-  };
   EXPECT_THAT(reasons_of_pairs(text("0.5", "0.2")), ElementsAre(""));
-  EXPECT_GE(nearest(test::scenario_of(text("0.5", "0.2"))), 0.5);
+  EXPECT_GE(nearest_to_rock(test::scenario_of(text("0.5", "0.2"))), 0.5);
   EXPECT_THAT(reasons_of_pairs(text("0.0", "0.0")), ElementsAre(HasSubstr("simulation.disturbance moves")));
-  EXPECT_LT(nearest(test::scenario_of(text("0.0", "0.0"))), 0.5);
+  EXPECT_LT(nearest_to_rock(test::scenario_of(text("0.0", "0.0"))), 0.5);
+}
+
+const std::string tilts_late = "parameters = { preset = \"x500\", tau = 0.121, tau_z = 0.231, tau_psi = 0.16";
+
+TEST(Guarantee, OfARobotThatTiltsLateIsThatOfItsLawAgainstOneBody) {
+  const auto with = [](const std::string& more, const std::string& second) {
+    return with_barrier + agent_text("a", "hover_multirotor", "0, 0, 1") + tilts_late + more + " }\n" +
+           second;
+  };
+  const std::string foe = obstacle_text("foe", "0, 9, 1", "speed_max = 1.5");
+  EXPECT_THAT(reasons_of_pairs(with("", foe)), ElementsAre(""));
+  EXPECT_THAT(reasons_of_pairs(with(", a_s = -0.2", foe)),
+              ElementsAre("the drag of a robot that tilts late depends on the direction"));
+  EXPECT_THAT(reasons_of_pairs(with("", obstacle_text("foe", "0, 0.8, 1", "speed_max = 1.5"))),
+              ElementsAre("the start leaves no plan"));
+  EXPECT_THAT(
+      reasons_of_pairs(with("", agent_text("b", "hover_multirotor", "0, 9, 1") + tilts_late + " }\n")),
+      ElementsAre(HasSubstr("fast, but the barriers assume 1.5 m/s")));
+  EXPECT_THAT(reasons_of_pairs("[horizon]\nperiod = 0.02\n" + with("", foe)),
+              ElementsAre("plans are exact for periods of up to 0.01 s only"));
+}
+
+TEST(Guarantee, OfARobotThatTiltsLateIsKeptInFlight) {
+  // A robot is sent into a rock.
+  const auto text = [](const std::string& barrier) {
+    return "[simulation]\nduration = 12.0\n[safety]\nbarrier = \"" + barrier + "\"\nd_hard = 0.5\n" +
+           agent_text("a", "hover_multirotor", "-5, 0.02, 1") + tilts_late +
+           " }\nQ = [1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0]\nreference = { constant = { p = [0, 0, 1] } }\n" +
+           obstacle_text("rock", "0, 0, 1", "speed_max = 0.0");
+  };
+  EXPECT_THAT(reasons_of_pairs(text("on")), ElementsAre(""));
+  EXPECT_GE(nearest_to_rock(test::scenario_of(text("on"))), 0.5);
+  EXPECT_LT(nearest_to_rock(test::scenario_of(text("off"))), 0.5);
 }
 
 TEST(Guarantee, IsALineForEachVerdict) {

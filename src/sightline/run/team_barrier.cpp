@@ -174,7 +174,7 @@ bool TeamBarrier::gives_way(const TeamSituation& now, const Robot& robot, BodyId
   // A robot behind a link lands by its autopilot.
   const Presence presence = now.presence[at(other)];
   if (presence == Presence::absent || (presence == Presence::land && !now.absent.empty())) return false;
-  if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.climbs_late()) return false;
+  if (kinds_[at(robot.body)] != kinds_[at(other)] || robot.barrier.lags()) return false;
   if (team_.is_agent(other) ? now.is_grounded(other) : now.connectivity == nullptr) return false;
   return now.connectivity == nullptr || now.connectivity->receives_from(robot.body, other);
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sightline/base.hpp"
+#include "sightline/model/state_roles.hpp"
 #include "sightline/safety/projection.hpp"
 
 namespace sightline {
@@ -95,6 +96,7 @@ Strength strength(const Columns& c, const Vec2<double>& other, std::span<const d
 
 /// A state reached from rest in some heading under diverse commands, and the thrusts there.
 struct ResponseSample {
+  Motion at;  // without commands
   Vec2<double> v, drift, heading;
   double climb = 0.0, brake = 0.0;  // vertical speed [m/s], and its derivative without commands [m/s^2]
   double turn = 0.0;                // turn rate without commands [rad/s]
@@ -138,7 +140,7 @@ std::vector<ResponseSample> response_samples(const Model& model, std::span<const
         if (dot(resting.thrust[k], resting.thrust[k]) == 0) here.thrust[k] = {};
       }
       const auto& [v, a, d, turn_rate] = response(model, at);
-      found.push_back({{v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turn_rate, here, push, rise});
+      found.push_back({at, {v.x, v.y}, {a.x, a.y}, d, v.z, a.z, turn_rate, here, push, rise});
     }
   }
   return found;
@@ -233,6 +235,109 @@ bool find_drive(const std::vector<ResponseSample>& all, std::span<const double> 
   return true;
 }
 
+/// Derivative of g(x, u) in time under constant inputs, by a central difference.
+template <class G>
+auto rate_of(const Model& model, const Motion& at, const G& g) {
+  std::array<double, most_states> rate{};
+  model.f(at.x.data(), at.u.data(), rate.data());
+  Motion before = at, after = at;
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    before.x[i] -= finite_step * rate[i], after.x[i] += finite_step * rate[i];
+  return (0.5 / finite_step) * (g(after) - g(before));
+}
+
+/// Fills the authority of a robot whose horizontal acceleration follows its commands with one lag.
+/// @return whether it is one
+bool find_thrust_lag(const Model& model, const std::vector<ResponseSample>& all,
+                     std::span<const double> u_min, std::span<const double> u_max, Authority& authority) {
+  constexpr double slow = 1e-2, same = 1e-4;  // [m/s^2] or [rad/s]; relative
+  const auto tilt = [&](const Motion& at) {
+    const Vec2<double> lean = model.sight(at.x.data(), at.u.data()).lean;
+    return Vec3<double>{gravity * lean.x, gravity * lean.y, 0.0};
+  };
+  const auto moves = [&](const Motion& at) { return model.sight(at.x.data(), at.u.data()).v; };
+  const auto turns = [&](const Motion& at) { return response(model, at).turn_rate; };
+  const auto agrees = [](double& known, double value) {
+    if (known == 0) known = value;
+    return value > 0 && std::abs(value - known) <= same * known;
+  };
+  // The lags of the tilt and of the yaw rate, and what the commands add to the tilt.
+  Columns gains;
+  double turned = 0.0;  // of all commands together [rad/s^2]
+  for (const ResponseSample& sample : all) {
+    const Vec3<double> a = tilt(sample.at), fades = rate_of(model, sample.at, tilt);
+    if (norm(a) > slow && !agrees(authority.thrust_lag, -dot(a, a) / dot(a, fades))) return false;
+    if (std::abs(sample.turn) > slow &&
+        !agrees(authority.turn_lag, -sample.turn / rate_of(model, sample.at, turns)))
+      return false;
+  }
+  if (authority.thrust_lag == 0) return false;
+  for (std::size_t k = 0; k < u_min.size(); ++k) {
+    const double greatest = std::max(-u_min[k], u_max[k]);
+    for (const ResponseSample& sample : all) {
+      Motion pushed = sample.at;
+      pushed.u[k] = 1.0;
+      if (&sample == all.data())
+        turned += greatest * std::abs(rate_of(model, pushed, turns) - rate_of(model, sample.at, turns));
+      const Vec3<double> at_once = tilt(pushed) - tilt(sample.at),
+                         gain = authority.thrust_lag *
+                                (rate_of(model, pushed, tilt) - rate_of(model, sample.at, tilt));
+      if (&sample == all.data()) gains.thrust[k] = {gain.x, gain.y};
+      if (norm(at_once) > rounding || norm(gain.x - gains.thrust[k].x, gain.y - gains.thrust[k].y) > same)
+        return false;
+    }
+    if (norm(gains.thrust[k].x, gains.thrust[k].y) < rounding) gains.thrust[k] = {};
+  }
+  authority.turn = 2 * turned;
+  authority.rate_state = authority.turn_lag > 0 ? roles_of(model).rate : -1;
+  if (authority.turn_lag > 0 && authority.rate_state < 0) return false;
+  // Drag and lift, from the acceleration with and without a command that keeps the vertical speed.
+  struct Seen {
+    Vec2<double> v, a, steady;
+  };
+  std::vector<Seen> seen;
+  double along = 0.0, speed = 0.0;
+  for (const ResponseSample& sample : all) {
+    Motion steady = sample.at;
+    for (std::size_t k = 0; k < u_min.size(); ++k) {
+      if (sample.columns.climb_later[k] != 0) steady.u[k] = -sample.brake / sample.columns.climb_later[k];
+    }
+    const Vec3<double> a_V = tilt(sample.at), with = rate_of(model, steady, moves),
+                       without = rate_of(model, sample.at, moves);
+    const Vec2<double> a = rotate(sample.heading, Vec2<double>{a_V.x, a_V.y}),
+                       lifted = {without.x - with.x, without.y - with.y};
+    seen.push_back({sample.v, a, {with.x, with.y}});
+    along -= dot(Vec2<double>{with.x - a.x, with.y - a.y}, sample.v);
+    speed += dot(sample.v, sample.v);
+    if (std::abs(sample.brake) * dot(a, a) < slow) continue;
+    const double lift = dot(lifted, a) / (without.z * dot(a, a));
+    if (authority.lift == 0) authority.lift = lift;
+    if (std::abs(lift - authority.lift) > same ||
+        norm(lifted.x - lift * without.z * a.x, lifted.y - lift * without.z * a.y) > same)
+      return false;
+  }
+  const double c = speed > rounding ? std::max(along / speed, 0.0) : 0.0;
+  for (const Seen& one : seen)
+    authority.misfit = std::max(
+        authority.misfit, norm(one.steady.x - one.a.x + c * one.v.x, one.steady.y - one.a.y + c * one.v.y));
+  if (authority.misfit < rounding) authority.misfit = 0.0;
+  authority.lift = std::abs(authority.lift);
+  authority.drag = c;
+  authority.acceleration = strength(gains, {}, u_min, u_max).disc;
+  authority.free = 1.0;
+  Vec2<double> most;
+  for (std::size_t k = 0; k < u_min.size(); ++k) {
+    // Earlier commands may have had wider limits.
+    const double u = std::max({-u_min[k], u_max[k], -model.u_min()[k], model.u_max()[k]});
+    most = {most.x + u * std::abs(gains.thrust[k].x), most.y + u * std::abs(gains.thrust[k].y)};
+    if (dot(gains.thrust[k], gains.thrust[k]) > 0) authority.reach[k] = std::min(u_max[k], -u_min[k]);
+  }
+  authority.thrust_most = norm(most.x, most.y);
+  const double jerk = authority.climb_lag > 0 ? 2 * authority.climb / authority.climb_lag : 0.0;
+  authority.push = (1 + authority.lift * jerk) * authority.thrust_most;
+  return authority.acceleration > rounding;
+}
+
 }  // namespace
 
 double Authority::part(std::span<const double> u_min, std::span<const double> u_max) const noexcept {
@@ -248,7 +353,8 @@ bool moves_alike(const Authority& a, const Authority& b) noexcept {
   constexpr double fitted_to = 1e-6;  // relative, for drag and lag
   const auto same = [](double x, double y) { return std::abs(x - y) <= fitted_to * (1 + std::abs(x)); };
   return a.drive == b.drive && a.turns == b.turns && a.climbs == b.climbs &&
-         a.thrust_count == b.thrust_count && same(a.drag, b.drag) && same(a.climb_lag, b.climb_lag);
+         a.thrust_count == b.thrust_count && same(a.drag, b.drag) && same(a.climb_lag, b.climb_lag) &&
+         same(a.thrust_lag, b.thrust_lag);
 }
 
 Authority authority_of(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
@@ -293,6 +399,8 @@ Authority authority_of(const Model& model, std::span<const double> u_min, std::s
       authority.reach[k] = std::min(u_max[k], -u_min[k]);
   }
   if (!(authority.acceleration > rounding) && find_drive(all, u_min, u_max, authority)) return authority;
+  if (Authority late = authority; !(at_rest > rounding) && find_thrust_lag(model, all, u_min, u_max, late))
+    return late;
   // If the heading continues to turn, the corners of the thrusts turn with it; the disc does not.
   const auto turns_on = [](const ResponseSample& sample) { return std::abs(sample.turn) > rounding; };
   const bool turns = std::any_of(all.begin(), all.end(), turns_on);

@@ -10,6 +10,11 @@
 /// c = -a_f, b = b_f, since along an axis one command alone accelerates it, and g_k = (b_f, 0),
 /// (0, b_s) in V.
 ///
+/// If the horizontal acceleration itself is a state of the robot, shown by its tilt, a follows its
+/// command, and the yaw rate r and the vertical speed theirs:
+///
+///   tau a' = a_command - a + tau r J a,    v' = -c v + (1 + lift v_z') a
+///
 /// A robot that drives along its heading d, such as the unicycle, has v = v_f d instead, and one
 /// input that accelerates it, v_f' = -c v_f + a for every |a| <= b. Its heading turns by command
 /// alone.
@@ -41,6 +46,13 @@ struct Authority {
   std::array<double, 4> reach{};  ///< half range of each input; 0: it neither pushes nor climbs
   double push = 0.0;              ///< greatest |v' + c v| under any command [m/s^2]
   double rise = 0.0;              ///< greatest vertical speed of a robot without a lag, up or down [m/s]
+  double thrust_lag = 0.0;   ///< tau of a; 0: a follows its command at once, and the rest does not hold [s]
+  double thrust_most = 0.0;  ///< greatest |a| under any command [m/s^2]
+  double turn_lag = 0.0;     ///< of the yaw rate; 0: no lag [s]
+  double turn = 0.0;         ///< greatest |r'|, if the yaw rate lags [rad/s^2]
+  int rate_state = -1;       ///< index of the yaw rate in the state, if it lags
+  double lift = 0.0;         ///< share of a that a vertical acceleration adds [s^2/m]
+  double misfit = 0.0;       ///< greatest |v'| beyond this law at the sampled states [m/s^2]
   int drive = -1;     ///< input that accelerates a robot which drives along its heading; -1: any other robot
   double free = 1.0;  ///< part of the inputs' push that compensates nothing else, in (0, 1]
 

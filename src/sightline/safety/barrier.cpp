@@ -31,6 +31,7 @@ void require(bool good, std::string_view name, double value, std::string_view ex
 BarrierPeriod begin(const BarrierLaw& law, std::span<const double> x, std::span<const double> u,
                     std::span<const Neighbour> neighbours) {
   const Sight<double> seen = law.model.sight(x.data(), u.data()), self = law.settled(seen);
+  const Lagging late = law.lagging(x, seen);
   return {.x = x,
           .u_min = {},
           .u_max = {},
@@ -38,7 +39,9 @@ BarrierPeriod begin(const BarrierLaw& law, std::span<const double> x, std::span<
           .self = self,
           .part = 1.0,
           .beside = std::abs(seen.p.z - self.p.z),
+          .lagging = late,
           .p_z = seen.p.z,
+          .leading = law.leading(self.p, {self.v.x, self.v.y}, late),
           .threats = {},
           .rows = {},
           .heights = {},
@@ -83,7 +86,7 @@ Barrier::Barrier(const Model& model, std::span<const double> u_min, std::span<co
 Barrier::Barrier(const Model& model, const Authority& can, double dt, const BarrierOptions& options)
     : law_(std::make_shared<const BarrierLaw>(model, can, dt, options)) {}
 
-bool Barrier::climbs_late() const noexcept { return law_->can.climb_lag > 0; }
+bool Barrier::lags() const noexcept { return law_->can.climb_lag > 0 || law_->can.thrust_lag > 0; }
 
 bool Barrier::drives() const noexcept { return law_->can.drives(); }
 
@@ -139,12 +142,16 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   const double least = result.reserve;
   if (std::isfinite(joint)) result.reserve = joint;
   result.surrounded = joint == -infinity;
-  add_neighbours(law, Heeded::all, now);
-  add_walls(law, std::isfinite(joint) ? Approach::at_once : Approach::slowing, now);
-
   std::array<double, most_inputs> nominal{};
   std::copy(u.begin(), u.end(), nominal.begin());
   NextState after = law.next(x, u);
+  constexpr double turns = 1e-6;  // [rad/s]
+  now.turn_side =
+      std::copysign(1.0, std::abs(now.lagging.rate) > turns ? now.lagging.rate : after.lagging.rate);
+  add_neighbours(law, Heeded::all, now);
+  add_walls(law, std::isfinite(joint) ? Approach::at_once : Approach::slowing, now);
+  if (law.can.thrust_lag > 0) add_cuts(law, after, now);
+
   const auto keep_rows = [&] {
     double missed = 0.0;
     for (const BarrierRow& row : now.rows) missed = std::max(missed, row.missed(after));
@@ -172,8 +179,8 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   } else {
     maneuver = {};
   }
-  // For a long period linear rows are not accurate enough.
-  if (law.parts > 1) {
+  // For a long period, or with a lag, linear rows are not accurate enough.
+  if (law.parts > 1 || law.can.thrust_lag > 0) {
     ensure_walls(law, now, u, after);
     if (!lost && joint > -infinity && ensure_distances(law, now, u, after))
       result.violation = now.missed_of_heights(after);

@@ -58,7 +58,6 @@ struct CommandCheck {
   /// of the plan.
   double left_of_chases(const Flown& flown) const {
     const NextState& after = flown.after;
-    const EscapeShape step = law.plans.shape(law.dt);
     double least = infinity;
     Bounded<Tube, most_neighbours> rest;
     Bounded<const Threat*, most_neighbours> of;
@@ -73,14 +72,7 @@ struct CommandCheck {
             tube.rho0 - now.beside + s * (tube.speed + 0.5 * tube.growth * s) + tube.spread * law.plans.E(s);
         least = std::min(least, norm(q) - rho - wanted);
       }
-      Tube& later = rest.push_back(tube);
-      later.r = tube.r + (after.p - now.self.p) - law.dt * tube.drift;
-      later.w = after.v;
-      later.rho0 += law.dt * (tube.speed + 0.5 * tube.growth * law.dt) + tube.spread * step.E +
-                    std::abs(after.beside) - now.beside;
-      later.speed += law.dt * tube.growth;
-      later.spread *= step.e;
-      later.room = std::max(0.0, tube.room - std::copysign(1.0, tube.climb) * (after.p.z - now.self.p.z));
+      rest.push_back(rest_of(law, now, tube, after));
       of.push_back(&threat);
     }
     // Neighbours with the same plan are evaluated side by side.
@@ -143,14 +135,15 @@ struct CommandCheck {
   /// within the period. A bound that is already exceeded must not be exceeded further.
   double left_of_walls(const Flown& flown) const {
     constexpr double touched = 1e-6;  // [m]
+    const BarrierLaw::Point after = law.leading(flown.after.p, flown.after.v, flown.after.lagging);
     double least = infinity;
     for (const BoundPlane& plane : now.planes) {
-      const double here = law.braked(plane, now.self.p, {now.self.v.x, now.self.v.y}, now.part);
+      const double here = law.braked(plane, now.leading.p, now.leading.v, now.part);
       const double wanted = here > 0 ? (1.0 - law.options.rate * law.dt) * here : here;
       const double p_off = law.next_predicted.p - law.predicted.p,
                    v_off = law.next_predicted.v - law.predicted.v;
-      const Vec3<double> p_after = flown.after.p - p_off * Vec3<double>{plane.n.x, plane.n.y, 0.0};
-      const Vec2<double> v_after = {flown.after.v.x - v_off * plane.n.x, flown.after.v.y - v_off * plane.n.y};
+      const Vec3<double> p_after = after.p - p_off * Vec3<double>{plane.n.x, plane.n.y, 0.0};
+      const Vec2<double> v_after = {after.v.x - v_off * plane.n.x, after.v.y - v_off * plane.n.y};
       least = std::min(least, law.braked(plane, p_after, v_after, now.part) - wanted);
       for (const Vec3<double>& p : flown.between)
         least = std::min(least, plane.offset + plane.n.x * p.x + plane.n.y * p.y - law.next_predicted.p -
@@ -172,11 +165,7 @@ struct CommandCheck {
     std::array<double, most_inputs> command{}, tried{};
     const auto planned = std::span(command).first(u.size());
     for (std::size_t k = 0; k < u.size(); ++k) planned[k] = std::clamp(0.0, now.u_min[k], now.u_max[k]);
-    const EscapeShape step = law.plans.shape(law.dt);
-    law.reach_for(
-        now.x,
-        {step.e * now.self.v.x + step.E * a.x, step.e * now.self.v.y + step.E * a.y, now.self.p.z + rise},
-        now.u_min, now.u_max, planned);
+    law.reach_for(now.x, law.outcome_of(now.self, now.lagging, a, rise), now.u_min, now.u_max, planned);
     double leaves = left(planned);
     if (leaves <= leaves_now) return leaves_now;
     const auto between = [&](double part, std::size_t k) {
@@ -186,8 +175,8 @@ struct CommandCheck {
     double share = 0.0, more = 0.5;
     for (int round = 0; round < halvings && leaves >= 0; ++round, more *= 0.5) {
       for (std::size_t k = 0; k < u.size(); ++k) tried[k] = between(share + more, k);
-      const double then = left(std::span<const double>(tried).first(u.size()));
-      if (then >= 0) share += more, leaves = then;
+      const double left_then = left(std::span<const double>(tried).first(u.size()));
+      if (left_then >= 0) share += more, leaves = left_then;
     }
     for (std::size_t k = 0; k < u.size(); ++k) u[k] = between(share, k);
     return leaves;
@@ -199,13 +188,34 @@ struct CommandCheck {
 
 }  // namespace
 
+Tube rest_of(const BarrierLaw& law, const BarrierPeriod& now, const Tube& tube,
+             const NextState& after) noexcept {
+  const EscapeShape step = law.plans.shape(law.dt);
+  Tube later = tube;
+  later.r = tube.r + (after.p - now.self.p) - law.dt * tube.drift;
+  later.w = after.v;
+  later.rho0 += law.dt * (tube.speed + 0.5 * tube.growth * law.dt) + tube.spread * step.E +
+                std::abs(after.beside) - now.beside;
+  later.speed += law.dt * tube.growth;
+  later.spread *= step.e;
+  later.room = std::max(0.0, tube.room - std::copysign(1.0, tube.climb) * (after.p.z - now.self.p.z));
+  if (law.can.thrust_lag > 0) {
+    // What has settled is in the next state.
+    const double settled = law.settling(now.beside, now.lagging.rate);
+    later.s = after.lagging.a;
+    later.rho0 -= settled * step.E;
+    later.spread += law.settling(after.beside, after.lagging.rate) - settled * step.e;
+  }
+  return later;
+}
+
 void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<double> u,
                   NextState& after) noexcept {
   if (now.planes.empty()) return;
   const CommandCheck check{law, now};
   const auto nearer = [&](const BoundPlane& one, const BoundPlane& other) {
-    const Vec2<double> v = {now.self.v.x, now.self.v.y};
-    return law.braked(one, now.self.p, v, now.part) < law.braked(other, now.self.p, v, now.part);
+    const auto& [p, v] = now.leading;
+    return law.braked(one, p, v, now.part) < law.braked(other, p, v, now.part);
   };
   const auto left = [&](std::span<const double> one) { return check.left_of_walls(law.flown(now.x, one)); };
   auto nearest = now.planes;

@@ -7,6 +7,9 @@
 
 namespace sightline {
 
+/// The tube of the rest of a plan, after a period that ends in `after`.
+Tube rest_of(const BarrierLaw& law, const BarrierPeriod& now, const Tube& tube,
+             const NextState& after) noexcept;
 /// Makes u keep the bounds of the world and of zones if braking does.
 /// @param after  state under u
 void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<double> u,

@@ -14,6 +14,18 @@ namespace {
 
 constexpr double least_ample = 0.3;  // [m]
 
+/// tau / (1 - c tau): a quantity that settles with the lag tau moves a velocity with drag as far as
+/// an impulse of this times it.
+double impulse_of(const Model& model, double drag, double lag) {
+  constexpr double most = 0.9;
+  if (drag * lag > most) {
+    throw std::invalid_argument(
+        fmt::format("barrier: \"{}\" has a lag of {:.3g} s and a drag of {:.3g} /s, expected a product <= {}",
+                    model.name(), lag, drag, most));
+  }
+  return lag / (1.0 - drag * lag);
+}
+
 }  // namespace
 
 BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double period,
@@ -26,9 +38,23 @@ BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double peri
       b(given.authority * can.acceleration),
       predicted(),
       next_predicted(),
-      plans(can.drag, dt),
+      plans(can.drag, dt, can.thrust_lag),
       ample(std::max(least_ample, 2 * can.push * (plans.F(dt) + plans.E(dt) * plans.E_longest()))),
       maneuvers(can.drag, can.climbs ? can.climb : 0.0) {
+  options.residual_acceleration += can.misfit;
+  if (can.thrust_lag > 0) {
+    const double c = can.drag, tau = impulse_of(model, c, can.thrust_lag);
+    if (can.climb_lag > 0)
+      per_beside = can.lift * can.thrust_most * impulse_of(model, c, can.climb_lag) / square(can.climb_lag);
+    if (can.turn_lag > 0) {
+      // The command keeps its direction in V for a period, while the heading turns.
+      const double held = can.turn_lag * (std::exp(dt / can.turn_lag) - 1.0);
+      const double turned = can.thrust_most + can.acceleration * held / can.thrust_lag;
+      per_rate = turned * tau * impulse_of(model, c, can.turn_lag);
+    }
+    ample =
+        ample * tau / can.thrust_lag + settling(2 * dt * can.climb, 2 * dt * can.turn) * plans.E_longest();
+  }
   const double w = options.residual_acceleration;
   if (w > 0 && (can.drives() || w >= b)) {
     throw std::invalid_argument(fmt::format(
@@ -64,7 +90,7 @@ NextState BarrierLaw::next(std::span<const double> x, std::span<const double> u)
   std::copy(x.begin(), x.end(), state.begin());
   for (int k = 0; k < parts; ++k) model.step(state.data(), u.data(), dt / parts);
   const Sight<double> seen = model.sight(state.data(), u.data()), there = settled(seen);
-  return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z};
+  return {there.p, seen.d, {seen.v.x, seen.v.y}, seen.p.z - there.p.z, lagging(state, seen)};
 }
 
 Flown BarrierLaw::flown(std::span<const double> x, std::span<const double> u) const noexcept {
@@ -95,6 +121,29 @@ Sight<double> BarrierLaw::settled(Sight<double> self) const noexcept {
   return self;
 }
 
+Lagging BarrierLaw::lagging(std::span<const double> x, const Sight<double>& seen) const noexcept {
+  if (can.thrust_lag == 0) return {};
+  const double rate = can.rate_state < 0 ? 0.0 : x[static_cast<std::size_t>(can.rate_state)];
+  return {rotate(seen.d, Vec2<double>{gravity * seen.lean.x, gravity * seen.lean.y}), rate};
+}
+
+BarrierLaw::Point BarrierLaw::leading(const Vec3<double>& p, const Vec2<double>& v,
+                                      const Lagging& late) const noexcept {
+  const double tau = can.thrust_lag, kept = 1.0 - can.drag * tau;
+  if (tau == 0) return {p, v};
+  return {p + tau * Vec3<double>{v.x, v.y, 0.0}, {kept * v.x + tau * late.a.x, kept * v.y + tau * late.a.y}};
+}
+
+BarrierLaw::Outcome BarrierLaw::outcome_of(const Sight<double>& self, const Lagging& late,
+                                           const Vec2<double>& a, double rise) const noexcept {
+  if (can.thrust_lag > 0) {
+    const double left = std::exp(-dt / can.thrust_lag);
+    return {a.x + left * (late.a.x - a.x), a.y + left * (late.a.y - a.y), self.p.z + rise};
+  }
+  const EscapeShape step = plans.shape(dt);
+  return {step.e * self.v.x + step.E * a.x, step.e * self.v.y + step.E * a.y, self.p.z + rise};
+}
+
 double BarrierLaw::braking(double part) const noexcept {
   constexpr double least = 0.05;  // of narrower limits
   return std::max(part * b - options.residual_acceleration, least * part * b);
@@ -117,22 +166,22 @@ double BarrierLaw::braked(const BoundPlane& plane, const Vec3<double>& p, const 
          braking(part) * plans.F(stop);
 }
 
-void BarrierLaw::reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
-                           std::span<const double> u_min, std::span<const double> u_max,
-                           std::span<double> u) const noexcept {
+void BarrierLaw::reach_for(std::span<const double> x, const Outcome& wanted, std::span<const double> u_min,
+                           std::span<const double> u_max, std::span<double> u) const noexcept {
   const auto outcome = [&] {
     const NextState n = next(x, u);
-    return std::array<double, 3>{n.v.x, n.v.y, n.p.z};
+    const Vec2<double>& level = can.thrust_lag > 0 ? n.lagging.a : n.v;
+    return Outcome{level.x, level.y, n.p.z};
   };
   // du = J' (J J' + tiny)^-1 (wanted - outcome), the least-norm solution.
-  const std::array<double, 3> now = outcome();
+  const Outcome now = outcome();
   std::array<std::array<double, 3>, most_inputs> J{};
   for (std::size_t k = 0; k < u.size(); ++k) {
     if (can.reach[k] == 0) continue;  // yaw would turn the plan's thrust
     constexpr double difference = 1e-3;
     const double at = u[k];
     u[k] = at + difference;
-    const std::array<double, 3> there = outcome();
+    const Outcome there = outcome();
     u[k] = at;
     for (std::size_t i = 0; i < 3; ++i) J[k][i] = (there[i] - now[i]) / difference;
   }

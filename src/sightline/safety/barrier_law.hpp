@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -20,11 +21,18 @@ namespace sightline {
 inline constexpr std::size_t most_neighbours = Barrier::most_neighbours;
 inline constexpr double far_away = 1e6;  // [m] bodies farther away are ignored
 
+/// What follows late of a robot whose horizontal acceleration has a lag.
+struct Lagging {
+  Vec2<double> a;     // acceleration, in G [m/s^2]
+  double rate = 0.0;  // of the heading [rad/s]
+};
+
 /// The next sampled state, as far as the filter depends on it.
 struct NextState {
   Vec3<double> p;  // position, as BarrierLaw::settled()
   Vec2<double> d, v;
   double beside = 0.0;  // height less the height at which the robot comes to rest [m]
+  Lagging lagging{};
 };
 
 /// The motion of one period under a command.
@@ -58,6 +66,22 @@ struct BarrierLaw {
   Stop stop(double speed, double part) const noexcept;
   /// Replaces the height by that at which the robot comes to rest without commands.
   Sight<double> settled(Sight<double> self) const noexcept;
+  Lagging lagging(std::span<const double> x, const Sight<double>& seen) const noexcept;
+  /// The point p + tau v, which follows the commands at once. The position is a low-pass of it.
+  struct Point {
+    Vec3<double> p;
+    Vec2<double> v;
+  };
+  Point leading(const Vec3<double>& p, const Vec2<double>& v, const Lagging& late) const noexcept;
+  using Outcome = std::array<double, 3>;
+  /// The horizontal velocity, or the acceleration if that lags, and the height after a period with
+  /// one commanded acceleration and a climb `rise` [m].
+  Outcome outcome_of(const Sight<double>& self, const Lagging& late, const Vec2<double>& a,
+                     double rise) const noexcept;
+  /// Speed that bounds all later effects of a height and a yaw rate that settle [m/s].
+  double settling(double beside, double rate) const noexcept {
+    return per_beside * std::abs(beside) + per_rate * std::abs(rate);
+  }
   /// Deceleration that plans have left against the residual acceleration [m/s^2].
   double braking(double part) const noexcept;
   /// Time until a velocity towards a bound is zero [s].
@@ -66,11 +90,9 @@ struct BarrierLaw {
   /// with a part of the acceleration, or along the heading [m]; at most the distance now.
   double braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
                 double part) const noexcept;
-  /// Makes the smallest change of u that leads to the wanted horizontal velocity and height after
-  /// the period, within the limits.
-  void reach_for(std::span<const double> x, const std::array<double, 3>& wanted,
-                 std::span<const double> u_min, std::span<const double> u_max,
-                 std::span<double> u) const noexcept;
+  /// Makes the smallest change of u that leads to the wanted outcome, within the limits.
+  void reach_for(std::span<const double> x, const Outcome& wanted, std::span<const double> u_min,
+                 std::span<const double> u_max, std::span<double> u) const noexcept;
 
   Model model;
   BarrierOptions options;              // bounds less their margins
@@ -85,7 +107,8 @@ struct BarrierLaw {
   };
   Deviation predicted, next_predicted;  // where the present command and the next one take effect
   EscapePlans plans;
-  double ample;  // upper bound on the loss of a plan's reserve in a period [m]
+  double per_beside = 0.0, per_rate = 0.0;  // settling() of 1 m and 1 rad/s
+  double ample;                             // upper bound on the loss of a plan's reserve in a period [m]
   EvasiveManeuvers maneuvers;
   /// Thrusts of plans for several neighbours, in V or G [m/s^2].
   std::array<Vec2<double>, EvasiveManeuvers::headings> joint;

@@ -21,7 +21,7 @@ struct Threat {
   double margin = 0.0;   // that the rows keep in addition [m]
 };
 
-/// n . (p+ + E v+ + R(d+) thrust) >= least at the next sample.
+/// n . (p+ + E v+ + L a+ + R(d+) thrust) >= least at the next sample.
 struct BarrierRow {
   Vec3<double> n;
   double E;             // [s]
@@ -33,11 +33,15 @@ struct BarrierRow {
   double e;                       // decay of a velocity until then
   bool cut;                       // a second row exists at the gap's minimum under the command
   double side = 0.0;              // 1 or -1: subtracts side * beside, for a height with a lag; else 0
+  double spread = 1.0;            // factor of beside
+  double L = 0.0;                 // of an acceleration that lags [s^2]
+  double turn = 0.0;              // subtracts turn * rate [m s/rad]
 
   double value(const NextState& next) const {
-    const Vec2<double> push = rotate(next.d, thrust);
-    return dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y) -
-           side * next.beside;
+    const Vec2<double> push = rotate(next.d, thrust), &a = next.lagging.a;
+    const double at_once = dot(n, next.p) + n.x * (E * next.v.x + push.x) + n.y * (E * next.v.y + push.y) -
+                           side * spread * next.beside;
+    return at_once + L * (n.x * a.x + n.y * a.y) - turn * next.lagging.rate;
   }
   /// Amount by which the row is missed [m]; negative: it is kept.
   double missed(const NextState& next) const { return least - value(next); }
@@ -69,7 +73,10 @@ struct BarrierPeriod {
   Sight<double> self;  // as BarrierLaw::settled()
   double part;         // of the acceleration, within the limits
   double beside;       // |height less the height at which the robot comes to rest| [m]
-  double p_z;          // height [m]
+  Lagging lagging;
+  double p_z;                   // height [m]
+  BarrierLaw::Point leading{};  // of `self`
+  double turn_side = 1.0;       // sign of the yaw rate at the next sample
   Bounded<Threat, most_neighbours> threats;
   Bounded<BarrierRow, most_half_spaces> rows;
   Bounded<BoundHeight, 2 + most_pieces> heights;

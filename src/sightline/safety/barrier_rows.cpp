@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/safety/barrier_check.hpp"
+
 namespace sightline {
 namespace {
 
@@ -28,6 +30,14 @@ BarrierRow keep_away(const BarrierLaw& law, const BarrierPeriod& now, int index,
   const double least = planned + F * level(a) - spare;
   BarrierRow row{n,           left.E,          {},     least, Wall::none, index, touch.time,
                  touch.slope, touch.curvature, left.e, false};
+  if (law.can.thrust_lag > 0) {
+    // rho contains the present settling(); the row requires that of the next sample.
+    const Lagging& late = now.lagging;
+    row.L = left.L;
+    row.spread += law.per_beside * left.E;
+    row.turn = now.turn_side * law.per_rate * left.E;
+    row.least += touch.shape.L * level(late.a) - E * law.settling(now.beside, late.rate);
+  }
   if (law.can.turns) {
     const Vec2<double> a_V = rotate<double>({now.self.d.x, -now.self.d.y}, a);
     row.thrust = {left.F * a_V.x, left.F * a_V.y};
@@ -35,6 +45,33 @@ BarrierRow keep_away(const BarrierLaw& law, const BarrierPeriod& now, int index,
     row.least -= left.F * level(a);
   }
   return row;
+}
+
+void add_row(const BarrierLaw& law, BarrierRow row, BarrierPeriod& now) {
+  if (law.can.climb_lag > 0) {
+    // rho contains the present |beside|; the row requires that of the next sample.
+    row.least -= now.beside;
+    row.side = 1.0;
+    now.rows.push_back(row);
+    row.side = -1.0;
+  }
+  now.rows.push_back(row);
+}
+
+/// Adds rows at the times of the least gaps that a command leaves, where these are too small. With a
+/// lag the command changes the gaps of later times most.
+void add_later_rows(const BarrierLaw& law, const NextState& there, BarrierPeriod& now) {
+  constexpr double slight = 1e-5;  // [m]
+  for (std::size_t k = 0; k < now.threats.size(); ++k) {
+    const Threat& threat = now.threats[k];
+    const Escape rest = law.plans.with(rest_of(law, now, threat.tube, there), threat.plan.a);
+    const double wanted = threat.margin + (1.0 - law.options.rate * law.dt) * threat.reserve - slight;
+    for (std::size_t j = 0; j < rest.count && now.rows.size() + 2 <= most_half_spaces; ++j) {
+      if (rest.touches[j].gap >= wanted) continue;
+      const Touch later = law.plans.touch(threat.tube, threat.plan.a, rest.touches[j].time + law.dt);
+      add_row(law, keep_away(law, now, static_cast<int>(k), later), now);
+    }
+  }
 }
 
 /// Distance that a piece leaves after 1 s at the present velocity, by its best face [m].
@@ -62,7 +99,7 @@ void bound_by_piece(const BarrierLaw& law, const ForbiddenPiece& piece, BarrierP
   bool by_plane = false;
   for (const Face& face : piece.faces) {
     const BoundPlane plane = {face.n, -face.offset, Wall::zone};
-    const double reserve = law.braked(plane, now.self.p, {now.self.v.x, now.self.v.y}, now.part);
+    const double reserve = law.braked(plane, now.leading.p, now.leading.v, now.part);
     if (reserve > most) most = reserve, best = plane, by_plane = true;
   }
   if (by_plane)
@@ -74,19 +111,17 @@ void bound_by_piece(const BarrierLaw& law, const ForbiddenPiece& piece, BarrierP
 }  // namespace
 
 void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) noexcept {
+  if (law.per_rate > 0 && !now.threats.empty()) {
+    // |r| of the next sample is turn_side * r: a rate changes sign at a sample alone.
+    BarrierRow row = row_of_wall({}, 0.0, std::min(0.0, now.turn_side * now.lagging.rate), Wall::none);
+    row.turn = -now.turn_side;
+    now.rows.push_back(row);
+  }
   for (std::size_t k = 0; k < now.threats.size(); ++k) {
     const Threat& threat = now.threats[k];
     if (heeded == Heeded::members && threat.behavior != Behavior::cooperative) continue;
     for (std::size_t j = 0; j < threat.plan.count; ++j) {
-      BarrierRow row = keep_away(law, now, static_cast<int>(k), threat.plan.touches[j]);
-      if (law.can.climb_lag > 0) {
-        // rho contains the present |beside|; the row requires that of the next sample.
-        row.least -= now.beside;
-        row.side = 1.0;
-        now.rows.push_back(row);
-        row.side = -1.0;
-      }
-      now.rows.push_back(row);
+      add_row(law, keep_away(law, now, static_cast<int>(k), threat.plan.touches[j]), now);
     }
   }
 }
@@ -132,8 +167,8 @@ void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noe
   for (const BoundPlane& plane : now.planes) {
     // The plan brakes straight away from the wall, until the velocity towards it is zero.
     const Vec3<double> n = {plane.n.x, plane.n.y, 0.0};
-    const double away = n.x * now.self.v.x + n.y * now.self.v.y - law.predicted.v,
-                 here = plane.offset + dot(n, now.self.p) - law.predicted.p;
+    const double away = n.x * now.leading.v.x + n.y * now.leading.v.y - law.predicted.v,
+                 here = plane.offset + dot(n, now.leading.p) - law.predicted.p;
     const double t = law.stopping_time(away, now.part);
     const EscapeShape whole = t > law.dt ? law.plans.shape(t) : step,
                       left = t > law.dt ? law.plans.shape(t - law.dt) : end;
@@ -141,11 +176,15 @@ void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noe
     const double wanted = kept_part * std::min(here, later);
     const double least =
         wanted - plane.offset - b * left.F + law.next_predicted.p + left.E * law.next_predicted.v;
-    now.rows.push_back(row_of_wall(n, left.E, least, plane.wall));
+    const double tau = law.can.thrust_lag;
+    BarrierRow row = row_of_wall(n, left.E, least, plane.wall);
+    if (tau > 0) row.E = tau + left.E * (1.0 - law.can.drag * tau), row.L = left.E * tau;
+    now.rows.push_back(row);
   }
 }
 
 void add_cuts(const BarrierLaw& law, const NextState& there, BarrierPeriod& now) noexcept {
+  if (law.can.thrust_lag > 0) return add_later_rows(law, there, now);
   const EscapeShape step = law.plans.shape(law.dt);
   const std::size_t before = now.rows.size();
   for (std::size_t i = 0; i < before && !now.rows.is_full(); ++i) {

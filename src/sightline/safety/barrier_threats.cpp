@@ -33,6 +33,10 @@ void fill_tube(Tube& tube, const BarrierLaw& law, const BarrierPeriod& now, cons
   tube.beta = now.part * law.b;
   tube.rho0 = n.d_hard + law.options.margin + 3 * n.sigma + now.beside;
   tube.spread = 3 * law.options.velocity_sigma;
+  if (law.can.thrust_lag > 0) {
+    tube.s = now.lagging.a;
+    tube.spread += law.settling(now.beside, now.lagging.rate);
+  }
   tube.tie.x = n.tie;
   if (n.behavior != Behavior::cooperative) return add_residual(tube, law, law.options.residual_acceleration);
   add_residual(tube, law, 2 * law.options.residual_acceleration);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <type_traits>
 
 #include "sightline/base.hpp"
@@ -75,6 +76,7 @@ TubeOf<Lane<W>> side_by_side(EscapePlans::Tubes tubes, double climb, double room
     const Tube& tube = *tubes[std::min(static_cast<std::size_t>(i), tubes.size() - 1)];
     all.r.x.v[i] = tube.r.x, all.r.y.v[i] = tube.r.y, all.r.z.v[i] = tube.r.z;
     all.w.x.v[i] = tube.w.x, all.w.y.v[i] = tube.w.y;
+    all.s.x.v[i] = tube.s.x, all.s.y.v[i] = tube.s.y;
     all.drift.x.v[i] = tube.drift.x, all.drift.y.v[i] = tube.drift.y, all.drift.z.v[i] = tube.drift.z;
     all.beta.v[i] = tube.beta;
     all.rho0.v[i] = tube.rho0;
@@ -88,20 +90,20 @@ TubeOf<Lane<W>> side_by_side(EscapePlans::Tubes tubes, double climb, double room
 
 }  // namespace
 
-EscapePlans::EscapePlans(double drag, double dt)
-    : c_(drag), per_c_(drag > 0 ? 1.0 / drag : 0.0), dt_(dt), e_back_(std::exp(drag * dt)) {
+EscapePlans::EscapePlans(double drag, double dt, double lag)
+    : c_(drag), per_c_(drag > 0 ? 1.0 / drag : 0.0), dt_(dt), e_back_(std::exp(drag * dt)), lag_(lag) {
   // Denser at the beginning, which decides most plans.
   for (std::size_t i = 0; i < times; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(times - 1);
     t_[i] = dt + (longest - dt) * part * std::sqrt(part);
-    E_[i] = E(t_[i]);
-    F_[i] = F(t_[i]);
+    const EscapeShape at = shape(t_[i]);
+    E_[i] = at.E, F_[i] = at.F, L_[i] = at.L;
   }
   between_ = static_cast<std::size_t>(parts(dt)) - 1;
   for (std::size_t i = 0; i < between_; ++i) {
     t_between_[i] = dt * static_cast<double>(i + 1) / static_cast<double>(between_ + 1);
-    E_between_[i] = E(t_between_[i]);
-    F_between_[i] = F(t_between_[i]);
+    const EscapeShape at = shape(t_between_[i]);
+    E_between_[i] = at.E, F_between_[i] = at.F, L_between_[i] = at.L;
   }
 }
 
@@ -111,22 +113,46 @@ int EscapePlans::parts(double dt) noexcept {
 }
 
 template <class S>
-EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
+EscapeShapeOf<S> EscapePlans::shape_at_once(S t) const noexcept {
   const S ct = c_ * t, e = exp(-ct), E = (S(1.0) - e) * S(per_c_), F = (t - E) * S(per_c_);
   const S small = ct - S(1e-3);  // < 0: use the series
-  return {e, where_negative(small, t * (S(1.0) - S(0.5) * ct), E),
-          where_negative(small, S(0.5) * t * t * (S(1.0) - ct * S(1.0 / 3.0)), F)};
+  const S drifted = where_negative(small, t * (S(1.0) - S(0.5) * ct), E);
+  return {e, drifted, where_negative(small, S(0.5) * t * t * (S(1.0) - ct * S(1.0 / 3.0)), F), drifted};
 }
 
-double EscapePlans::E(double t) const noexcept { return shape(t).E; }
-double EscapePlans::F(double t) const noexcept { return shape(t).F; }
+// With k = 1 / tau and E_x = (1 - e^(-x t)) / x, L = (E_c - E_k) / (k - c) and L' = (e^(-c t) - e^(-k t)) / (k - c).
+template <class S>
+EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
+  EscapeShapeOf<S> at = shape_at_once(t);
+  if (!lags()) return at;
+  const double k = 1.0 / lag_, apart = k - c_;
+  constexpr double alike = 1e-3;
+  if (std::abs(apart) * longest < alike) {
+    // The limit k -> c: minus the derivative of E_x by x, between the two.
+    const S x(0.5 * (k + c_)), decayed = exp(-x * t);
+    at.L = (S(1.0) - (S(1.0) + x * t) * decayed) / (x * x);
+    at.L_rate = t * decayed;
+  } else {
+    const S kt = S(k) * t, decayed = exp(-kt);
+    const S E_k = where_negative(kt - S(1e-3), t * (S(1.0) - S(0.5) * kt * (S(1.0) - kt * S(1.0 / 3.0))),
+                                 (S(1.0) - decayed) * S(lag_));
+    at.L = (at.E - E_k) * S(1.0 / apart);
+    at.L_rate = (at.e - decayed) * S(1.0 / apart);
+  }
+  at.F = at.F - at.L;
+  at.F_rate = at.E - at.L_rate;
+  return at;
+}
+
+double EscapePlans::E(double t) const noexcept { return shape_at_once(t).E; }
+double EscapePlans::F(double t) const noexcept { return shape_at_once(t).F; }
 EscapeShape EscapePlans::shape(double t) const noexcept { return shape_at(t); }
 
 EscapeShape EscapePlans::left(const Touch& touch) const noexcept {
   const double t = touch.time - dt_;
-  if (c_ * t < 1e-3) return shape(t);
+  if (lags() || c_ * t < 1e-3) return shape(t);
   const double e = touch.shape.e * e_back_, E = (1.0 - e) * per_c_;
-  return {e, E, (t - E) * per_c_};
+  return {e, E, (t - E) * per_c_, E};
 }
 
 /// The plan search for one tube, or for several side by side.
@@ -160,6 +186,7 @@ struct EscapePlans::Search {
       const S z = tube.r.z + risen(tube, t) - t * tube.drift.z;
       x[k] = tube.r.x + E * tube.w.x - t * tube.drift.x;
       y[k] = tube.r.y + E * tube.w.y - t * tube.drift.y;
+      if (plans.lags()) x[k] += S(plans.L_[k]) * tube.s.x, y[k] += S(plans.L_[k]) * tube.s.y;
       height_squared[k] = z * z;
       reach[k] = t * (tube.speed + half * t) + tube.spread * E;
     }
@@ -169,15 +196,24 @@ struct EscapePlans::Search {
     Point p;
     p.t = t;
     p.shape = plans.shape_at(t);
-    const auto& [e, E, F] = p.shape;
+    const S e = p.shape.e, E = p.shape.E, F = p.shape.F;
     const S climb = where_negative(absolute(tube.climb) * t - tube.room, tube.climb, S(0.0));
     p.q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
            tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y,
            tube.r.z + risen(tube, t) - t * tube.drift.z};
-    const Vec3<S> rate = {e * tube.w.x + E * a.x - tube.drift.x, e * tube.w.y + E * a.y - tube.drift.y,
-                          climb - tube.drift.z};
+    const S pushed = p.shape.F_rate;
+    Vec3<S> rate = {e * tube.w.x + pushed * a.x - tube.drift.x, e * tube.w.y + pushed * a.y - tube.drift.y,
+                    climb - tube.drift.z};
     const S c(plans.c_);
-    const Vec2<S> bend = {e * (a.x - c * tube.w.x), e * (a.y - c * tube.w.y)};
+    Vec2<S> bend = {e * (a.x - c * tube.w.x), e * (a.y - c * tube.w.y)};
+    if (plans.lags()) {
+      const auto& [x_s, y_s] = tube.s;
+      p.q.x += p.shape.L * x_s, p.q.y += p.shape.L * y_s;
+      rate.x += p.shape.L_rate * x_s, rate.y += p.shape.L_rate * y_s;
+      const S left = exp(-t * S(1.0 / plans.lag_));
+      bend = {a.x + left * (x_s - a.x) - c * (rate.x + tube.drift.x),
+              a.y + left * (y_s - a.y) - c * (rate.y + tube.drift.y)};
+    }
     const S length = norm(p.q), apart = S(tiny_length) - length;
     const S inverse = where_negative(apart, S(1.0) / length, S(0.0)), along = dot(p.q, rate) * inverse;
     p.n = inverse * p.q;
@@ -260,8 +296,29 @@ struct EscapePlans::Search {
     return where_negative(-absolute(at_i - t), at_i, vertex);
   }
 
+  /// The minimum of f near grid points, by thirds of the interval: the curvature of f may change its
+  /// sign in it.
+  Point nearest_by_thirds(const Vec2<S>& a, const Curve& f, const Places& i) const {
+    constexpr int rounds = 12;
+    Places before = i, after = i;
+    for (std::size_t l = 0; l < i.size(); ++l) {
+      before[l] = i[l] > 0 ? i[l] - 1 : i[l];
+      after[l] = std::min(i[l] + 1, times - 1);
+    }
+    S low = time(before), high = time(after);
+    for (int round = 0; round < rounds; ++round) {
+      const S third = (high - low) * S(1.0 / 3.0), left = low + third, right = high - third;
+      const S rises = at(a, left).f - at(a, right).f;
+      low = where_negative(rises, low, left);
+      high = where_negative(rises, right, high);
+    }
+    const S t = S(0.5) * (low + high), astray = value(f, i) - tube.rho0 - at(a, t).f;
+    return at(a, where_negative(astray, time(i), t));
+  }
+
   /// The minimum of f near grid points, by Newton steps.
   Point nearest(const Vec2<S>& a, const Curve& f, const Places& i) const {
+    if (plans.lags()) return nearest_by_thirds(a, f, i);
     S t = least_of(f, i);
     Point p = at(a, t);
     constexpr double near = 1e-4;  // [s]
@@ -285,9 +342,10 @@ struct EscapePlans::Search {
     S least = norm(tube.r);
     for (std::size_t k = 0; k < plans.between_; ++k) {
       const S t(plans.t_between_[k]), E(plans.E_between_[k]), F(plans.F_between_[k]);
-      const Vec3<S> q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
-                         tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y,
-                         tube.r.z + risen(tube, t) - t * tube.drift.z};
+      Vec3<S> q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
+                   tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y,
+                   tube.r.z + risen(tube, t) - t * tube.drift.z};
+      if (plans.lags()) q.x += S(plans.L_between_[k]) * tube.s.x, q.y += S(plans.L_between_[k]) * tube.s.y;
       least = minimum(least, norm(q) - t * (tube.speed + S(0.5) * tube.growth * t) - tube.spread * E);
     }
     return least - tube.rho0;
@@ -351,15 +409,17 @@ struct EscapePlans::Search {
     Vec2<S> a = {value(a_x, i), value(a_y, i)};
     if (tube.thrust_count == 0) {
       const S t = least_of(f, i);
-      a = best_at(t, plans.shape_at(t).E);
+      a = best_at(t, plans.shape_at(t));
     }
     f = along(a);
     const Plan plan = refined(a, f);
     // If no plan is better at the plan's own tightest time, the plan is optimal.
     const Point& nearest = plan.first;
-    const Vec2<S> there = best_at(nearest.t, nearest.shape.E);
-    constexpr double met = 1e-4;  // [m]
-    const S better = tube.thrust_count == 0 ? plan.first.f + S(met) - at(there, nearest.t).f
+    const Vec2<S> there = best_at(nearest.t, nearest.shape);
+    // With a lag, a robot at the edge of its safe set regains no error.
+    constexpr double met = 1e-4, closely = 1e-6, edge = 0.05;  // [m]
+    const S off = plans.lags() ? where_negative(plan.first.f - S(edge), S(closely), S(met)) : S(met);
+    const S better = tube.thrust_count == 0 ? plan.first.f + off - at(there, nearest.t).f
                                             : -absolute(there.x - a.x) - absolute(there.y - a.y);
     return {plan, minimum(where_negative(turns, better, S(1.0)), dips(plan))};
   }
@@ -370,9 +430,10 @@ struct EscapePlans::Search {
     return where_negative(later, where_negative(dip, S(-1.0), S(1.0)), S(1.0));
   }
   Vec2<S> away() const { return direction<S>({tube.r.x, tube.r.y}, direction(tube.w, tube.tie)); }
-  Vec2<S> best_at(S t, S E) const {
-    const Vec2<S> coast = {tube.r.x + E * tube.w.x - t * tube.drift.x,
-                           tube.r.y + E * tube.w.y - t * tube.drift.y};
+  Vec2<S> best_at(S t, const EscapeShapeOf<S>& at) const {
+    Vec2<S> coast = {tube.r.x + at.E * tube.w.x - t * tube.drift.x,
+                     tube.r.y + at.E * tube.w.y - t * tube.drift.y};
+    if (plans.lags()) coast.x += at.L * tube.s.x, coast.y += at.L * tube.s.y;
     return farthest(tube, direction(coast, away()));
   }
 
@@ -389,7 +450,8 @@ struct EscapePlans::Search {
     to.gap = lane(p.f, l);
     to.time = t;
     to.n.x = lane(p.n.x, l), to.n.y = lane(p.n.y, l), to.n.z = lane(p.n.z, l);
-    to.shape.e = lane(p.shape.e, l), to.shape.E = lane(p.shape.E, l), to.shape.F = lane(p.shape.F, l);
+    to.shape = {lane(p.shape.e, l),      lane(p.shape.E, l), lane(p.shape.F, l),
+                lane(p.shape.F_rate, l), lane(p.shape.L, l), lane(p.shape.L_rate, l)};
     to.level = climb != 0 && std::abs(climb) * t >= lane(tube.room, l);
     to.slope = lane(p.slope, l);
     to.curvature = lane(p.curvature, l);
@@ -516,8 +578,10 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
     return search.escape(search.refined(a, search.along(a)));
   };
   const auto best_direction = [&](double t) {
-    const double E_t = E(t);
-    return direction<double>({tube.r.x + E_t * tube.w.x, tube.r.y + E_t * tube.w.y}, away);
+    const EscapeShape at = shape(t);
+    Vec2<double> coast = {tube.r.x + at.E * tube.w.x, tube.r.y + at.E * tube.w.y};
+    if (lags()) coast.x += at.L * tube.s.x, coast.y += at.L * tube.s.y;
+    return direction<double>(coast, away);
   };
   const std::size_t starts = dips ? 3 : 2;
   std::array<Escape, 3> from = {plan, along(away)};
@@ -536,7 +600,37 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
     }
   }
   const Escape& first = better(from[1], from[0]) ? from[1] : from[0];
-  return dips && better(from[2], first) ? from[2] : first;
+  const Escape& found = dips && better(from[2], first) ? from[2] : first;
+  return lags() ? best_around(search, found) : found;
+}
+
+Escape EscapePlans::best_around(const Search<double>& search, const Escape& found) const noexcept {
+  constexpr int directions = 32, rounds = 24;
+  constexpr double step = 2 * std::numbers::pi / directions;
+  const double from = std::atan2(found.a.y, found.a.x);
+  const auto at = [&](double turned) {
+    const SinCos<double> to = sincos(from + turned);
+    const Vec2<double> a = {search.tube.beta * to.cos, search.tube.beta * to.sin};
+    return search.escape(search.refined(a, search.along(a)));
+  };
+  const auto value = [&](const Escape& one) { return between_ > 0 ? one.reserve() : one.later(); };
+  Escape best = found;
+  double angle = 0.0;
+  const auto consider = [&](double turned) {
+    const Escape one = at(turned);
+    if (value(one) > value(best)) best = one, angle = turned;
+    return value(one);
+  };
+  for (int k = 1; k < directions; ++k) consider(k * step);
+  double low = angle - step, high = angle + step;
+  for (int round = 0; round < rounds; ++round) {
+    const double third = (high - low) / 3;
+    if (consider(low + third) < consider(high - third))
+      low += third;
+    else
+      high -= third;
+  }
+  return best;
 }
 
 }  // namespace sightline

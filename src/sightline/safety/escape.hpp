@@ -2,10 +2,11 @@
 ///
 /// Relative to the centre of the neighbour's ball, a robot that evades with acceleration a is at
 ///
-///   q_a(t) = r + E(t) w + F(t) a - t g,     r = p - c(0)
+///   q_a(t) = r + E(t) w + L(t) s + F(t) a - t g,     r = p - c(0)
 ///
 /// plus the height that the plan climbs, if it does. w is the robot's horizontal velocity, g the
-/// velocity of the centre.
+/// velocity of the centre. L and s, the present acceleration, are 0 unless the acceleration follows
+/// its commands with a lag; then F is less by L.
 ///
 /// The neighbour is within rho(t) = rho0 + speed t + growth t^2 / 2 + spread E(t) of the
 /// centre. The search maximises the least f_a(t) = |q_a(t)| - rho(t) over a in a disc |a| <= beta,
@@ -33,6 +34,7 @@ template <class S>
 struct TubeOf {
   Vec3<S> r{};      ///< from the centre to the robot [m]
   Vec2<S> w{};      ///< velocity subject to drag: of the robot, relative to a cooperative neighbour [m/s]
+  Vec2<S> s{};      ///< acceleration that decays with the lag [m/s^2]
   Vec3<S> drift{};  ///< velocity of the centre [m/s]
   S climb{};        ///< vertical speed of the robot [m/s], until its height has
   S room{};         ///< changed by this much [m], >= 0
@@ -47,10 +49,11 @@ struct TubeOf {
 };
 using Tube = TubeOf<double>;
 
-/// e^(-c t), E and F at one time t.
+/// e^(-c t), E and F at one time t, with F' = E and L = L' = 0 without a lag.
 template <class S>
 struct EscapeShapeOf {
   S e, E, F;
+  S F_rate, L{}, L_rate{};
 };
 using EscapeShape = EscapeShapeOf<double>;
 
@@ -100,7 +103,8 @@ class EscapePlans {
   EscapePlans() = default;
   /// @param drag  c [1/s], >= 0
   /// @param dt    period [s], at most most_parts longest_part
-  EscapePlans(double drag, double dt);
+  /// @param lag   tau of the acceleration [s], >= 0
+  EscapePlans(double drag, double dt, double lag = 0.0);
 
   /// The best plan at constant height.
   Escape best(const Tube& tube) const noexcept;
@@ -114,7 +118,7 @@ class EscapePlans {
   Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
 
   double E(double t) const noexcept;
-  double F(double t) const noexcept;
+  double F(double t) const noexcept;                              ///< without the lag
   double longest_time() const noexcept { return t_[times - 1]; }  ///< end of all plans [s]
   double E_longest() const noexcept { return E_[times - 1]; }     ///< at the end of all plans [s]
   EscapeShape shape(double t) const noexcept;
@@ -127,6 +131,9 @@ class EscapePlans {
   template <class S>
   struct Search;
 
+  bool lags() const noexcept { return lag_ > 0; }
+  template <class S>
+  EscapeShapeOf<S> shape_at_once(S t) const noexcept;
   template <class S>
   EscapeShapeOf<S> shape_at(S t) const noexcept;
   /// Calls visit(search, first, count) for packs of tubes, until it returns false.
@@ -134,12 +141,14 @@ class EscapePlans {
   void in_packs(Tubes tubes, double climb, double room, Visit visit) const noexcept;
   /// The best of all candidates, for a plan that the search has not proven optimal.
   Escape best_of_all(const Search<double>& search, const Escape& plan) const noexcept;
+  /// The best plan of the whole disc, by a search over its directions that includes `found`.
+  Escape best_around(const Search<double>& search, const Escape& found) const noexcept;
 
-  double c_ = 0.0, per_c_ = 0.0, dt_ = 0.0, e_back_ = 1.0;
-  std::array<double, times> t_{}, E_{}, F_{};
+  double c_ = 0.0, per_c_ = 0.0, dt_ = 0.0, e_back_ = 1.0, lag_ = 0.0;
+  std::array<double, times> t_{}, E_{}, F_{}, L_{};
   // At the times within the period.
   std::size_t between_ = 0;
-  std::array<double, most_parts - 1> t_between_{}, E_between_{}, F_between_{};
+  std::array<double, most_parts - 1> t_between_{}, E_between_{}, F_between_{}, L_between_{};
 };
 
 }  // namespace sightline

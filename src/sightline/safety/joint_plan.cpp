@@ -27,11 +27,13 @@ struct JointPlan {
       const Tube& tube = threat->tube;
       const Touch& touch = threat->plan.touches[0];
       const double t = touch.time, E = touch.shape.E;
-      looks.push_back({{tube.r.x + E * tube.w.x - t * tube.drift.x,
-                        tube.r.y + E * tube.w.y - t * tube.drift.y, tube.r.z - t * tube.drift.z},
-                       t,
-                       touch.shape.F,
-                       tube.rho0 + t * (tube.speed + 0.5 * tube.growth * t) + tube.spread * E});
+      const double L = touch.shape.L;
+      looks.push_back(
+          {{tube.r.x + E * tube.w.x - t * tube.drift.x + L * tube.s.x,
+            tube.r.y + E * tube.w.y - t * tube.drift.y + L * tube.s.y, tube.r.z - t * tube.drift.z},
+           t,
+           touch.shape.F,
+           tube.rho0 + t * (tube.speed + 0.5 * tube.growth * t) + tube.spread * E});
     }
   }
 

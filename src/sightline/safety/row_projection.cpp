@@ -88,6 +88,9 @@ double project_on_rows(const BarrierLaw& law, const NextState& nominal, BarrierP
     linear.slope[k].d = {(there.d.x - nominal.d.x) / difference, (there.d.y - nominal.d.y) / difference};
     linear.slope[k].v = {(there.v.x - nominal.v.x) / difference, (there.v.y - nominal.v.y) / difference};
     linear.slope[k].beside = (there.beside - nominal.beside) / difference;
+    const Lagging &late = there.lagging, &of = nominal.lagging;
+    linear.slope[k].lagging = {{(late.a.x - of.a.x) / difference, (late.a.y - of.a.y) / difference},
+                               (late.rate - of.rate) / difference};
   }
   std::size_t taken = 0;
   std::array<double, most_inputs> at = linear.u;

@@ -87,12 +87,8 @@ void fly_maneuver(const BarrierLaw& law, const BarrierPeriod& now, EvasiveManeuv
   const Vec2<double> a =
       begun ? EvasiveManeuvers::thrust(arena_of(law, now), maneuver.along) : Vec2<double>{};
   maneuver.wait = std::max(0.0, maneuver.wait - law.dt);
-  const EscapeShape step = law.plans.shape(law.dt);
   const double climb = begun ? maneuver.climb : 0.0;
-  law.reach_for(now.x,
-                {step.e * now.self.v.x + step.E * a.x, step.e * now.self.v.y + step.E * a.y,
-                 now.self.p.z + law.dt * climb},
-                now.u_min, now.u_max, u);
+  law.reach_for(now.x, law.outcome_of(now.self, now.lagging, a, law.dt * climb), now.u_min, now.u_max, u);
 }
 
 }  // namespace sightline

@@ -68,8 +68,7 @@ class Guarantees {
   const Ability& ability(BodyId robot) const { return abilities_[team_.agent_index(robot)]; }
   const Barrier& barrier(BodyId robot) const { return barriers_[team_.agent_index(robot)]; }
   bool cooperate(BodyId a, BodyId b) const {
-    return team_.is_agent(a) && team_.is_agent(b) && ability(a).kind == ability(b).kind &&
-           !barrier(a).climbs_late();
+    return team_.is_agent(a) && team_.is_agent(b) && ability(a).kind == ability(b).kind && !barrier(a).lags();
   }
   /// The speed that the barriers assume of an uncooperative body, and its true bound [m/s].
   double assumed(BodyId body) const {
@@ -102,6 +101,7 @@ class Guarantees {
       if (!together && assumed(other) > 0)
         return "a robot that drives along its heading stands and cannot flee";
     } else {
+      if (can.misfit > 0) return "the drag of a robot that tilts late depends on the direction";
       // The fastest body that every plan outruns: docs/safety.md, 3.
       constexpr double fastest = 2.5, usual_period = 0.01;  // [m/s], [s]
       if (!together && assumed(other) > fastest)

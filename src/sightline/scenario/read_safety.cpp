@@ -272,7 +272,7 @@ std::vector<RobotSpeed> uncooperative_robots(const ScenarioSpec& scenario) {
     return one.model == flown.front().model && first && can && moves_alike(*first, *can);
   };
   const bool alike = std::all_of(flown.begin() + 1, flown.end(), moves_as_first);
-  if (alike && (!first || first->climb_lag == 0)) return robots;
+  if (alike && (!first || (first->climb_lag == 0 && first->thrust_lag == 0))) return robots;
   for (std::size_t r = 0, i = 0; i < static_cast<std::size_t>(team.bodies()); ++i) {
     const BodyId body{static_cast<int>(i)};
     if (!team.is_agent(body)) continue;

@@ -1,0 +1,380 @@
+// Robots whose horizontal acceleration follows their commands with a lag, as a tilt does.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <deque>
+#include <numbers>
+#include <vector>
+
+#include "sightline/barrier.hpp"
+#include "sightline/robots.hpp"
+#include "sightline/safety/authority.hpp"
+#include "sightline/safety/escape.hpp"
+#include "tests/support/adversary.hpp"
+#include "tests/support/campaign.hpp"
+#include "tests/support/counted_new.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace sightline {
+namespace {
+
+using test::any_direction;
+using test::control_period;
+using test::highest;
+using test::lowest;
+using test::VehicleInput;
+
+/// The law of LaggingHoverMultirotor in G, by the midpoint rule.
+class LaggedVehicle {
+ public:
+  explicit LaggedVehicle(const LaggingHoverMultirotor& robot) : m(robot) {}
+
+  template <class Seen>
+  void fly(const VehicleInput& u, const Vec2<double>& wind, Seen&& seen) {
+    constexpr int steps = 10;
+    constexpr double h = control_period / steps;
+    for (int k = 0; k < steps; ++k) {
+      const LaggedVehicle half = moved(0.5 * h, *this, u, wind);
+      *this = moved(h, half, u, wind);
+      seen(p);
+    }
+  }
+  std::vector<double> state() const {
+    const Vec2<double> d = {std::cos(psi), std::sin(psi)}, v_V = rotate<double>({d.x, -d.y}, v);
+    return {p.x, p.y, p.z, d.x, d.y, v_V.x, v_V.y, a.x, a.y, climb, rate};
+  }
+
+  LaggingHoverMultirotor m;
+  Vec3<double> p{0, 0, 2};
+  Vec2<double> v, a;  // velocity in G, acceleration of the tilt in V
+  double psi = 0.0, climb = 0.0, rate = 0.0;
+
+ private:
+  LaggedVehicle moved(double h, const LaggedVehicle& at, const VehicleInput& u, const Vec2<double>& w) const {
+    const double rise = (m.b_z * u[2] - at.climb) / m.tau_z, lift = 1.0 + rise / gravity;
+    const Vec2<double> push = rotate<double>({std::cos(at.psi), std::sin(at.psi)}, at.a);
+    LaggedVehicle next = *this;
+    next.p = p + h * Vec3<double>{at.v.x, at.v.y, at.climb};
+    next.v = {v.x + h * (m.a_f * at.v.x + lift * push.x + w.x),
+              v.y + h * (m.a_f * at.v.y + lift * push.y + w.y)};
+    next.a = {a.x + h / m.tau * (m.b_f * u[0] - at.a.x), a.y + h / m.tau * (-m.b_s * u[1] - at.a.y)};
+    next.psi += h * at.rate;
+    next.climb += h * rise;
+    next.rate += h / m.tau_psi * (m.b_psi * u[3] - at.rate);
+    return next;
+  }
+};
+
+LaggingHoverMultirotor any_vehicle(Random& random) {
+  LaggingHoverMultirotor m;
+  m.b_z = uniform(random, 0.5, 1.2);
+  m.b_psi = uniform(random, 0.5, 2.0);
+  m.a_f = m.a_s = -uniform(random, 0.1, 0.6);
+  m.b_f = uniform(random, 1.4, 2.5);
+  m.b_s = uniform(random, 1.4, 2.5);
+  m.tau = uniform(random, 0.05, 0.25);
+  m.tau_z = uniform(random, 0.1, 0.3);
+  m.tau_psi = uniform(random, 0.05, 0.2);
+  return m;
+}
+
+LaggedVehicle any_state(const LaggingHoverMultirotor& m, Random& random) {
+  LaggedVehicle robot(m);
+  robot.psi = uniform(random, -3.2, 3.2);
+  robot.v = {uniform(random, -2, 2), uniform(random, -2, 2)};
+  robot.a = {m.b_f * uniform(random, -1, 1), m.b_s * uniform(random, -1, 1)};
+  robot.climb = m.b_z * uniform(random, -1, 1), robot.rate = m.b_psi * uniform(random, -1, 1);
+  return robot;
+}
+
+/// The same vehicle without its lags.
+HoverMultirotor at_once(const LaggingHoverMultirotor& m) {
+  return {.b_z = m.b_z, .b_psi = m.b_psi, .a_f = m.a_f, .b_f = m.b_f, .a_s = m.a_s, .b_s = m.b_s};
+}
+
+/// Puts a neighbour where its reserve is `wanted`, along a direction.
+void place(Neighbour& n, const Barrier& filter, const LaggedVehicle& robot, const Vec3<double>& along,
+           double wanted) {
+  const std::vector<double> x = robot.state();
+  double near = 0.1, far = 60.0;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (near + far);
+    n.p = robot.p + middle * along;
+    (filter.reserve(x, n) < wanted ? near : far) = middle;
+  }
+  n.p = robot.p + far * along;
+}
+
+TEST(ThrustLag, TheResponsesAreThoseOfIntegrationAlsoWhereLagAndDragAreAlike) {
+  Random random(1);
+  for (int i = 0; i < 300; ++i) {
+    const double tau = uniform(random, 0.02, 2.0);
+    const std::array<double, 5> drags = {0.0, uniform(random, 0.0, 2.0), 1 / tau, 1 / tau * (1 + 1e-6),
+                                         1 / tau + 2e-4};
+    const double c = drags[static_cast<std::size_t>(i) % drags.size()];
+    const EscapePlans plans(c, control_period, tau);
+    const double end = uniform(random, 0.0, 3.0), h = end / 2000;
+    // Position and velocity for a velocity, a present and a commanded acceleration of 1, by RK4.
+    std::array<std::array<double, 3>, 3> z = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+    for (std::size_t of = 0; of < 3; ++of) {
+      std::array<double, RungeKuttaScratch::rows_needed * 3> rows;
+      for (int k = 0; k < 2000; ++k) {
+        rk4_step(
+            [&](std::span<const double> x, std::span<double> rate) {
+              rate[0] = x[1], rate[1] = x[2] - c * x[1], rate[2] = ((of == 2 ? 1 : 0) - x[2]) / tau;
+            },
+            z[of], h, {rows});
+      }
+    }
+    const EscapeShape at = plans.shape(end);
+    EXPECT_NEAR(at.E, z[0][0], 2e-6 * end) << c << ", " << tau << ", " << end;
+    EXPECT_NEAR(at.e, z[0][1], 1e-9);
+    EXPECT_NEAR(at.L, z[1][0], 1e-7 + 2e-6 * end * end) << c << ", " << tau << ", " << end;
+    EXPECT_NEAR(at.L_rate, z[1][1], 1e-6) << c << ", " << tau << ", " << end;
+    EXPECT_NEAR(at.F, z[2][0], 1e-7 + 2e-6 * end * end) << c << ", " << tau << ", " << end;
+    EXPECT_NEAR(at.F_rate, z[2][1], 1e-6 + 2e-6 * end) << c << ", " << tau << ", " << end;
+  }
+}
+
+TEST(ThrustLag, IsFoundWithTheOthersInTheModel) {
+  Random random(2);
+  for (int i = 0; i < 20; ++i) {
+    const LaggingHoverMultirotor m = any_vehicle(random);
+    const Authority can = authority_of(m, lowest, highest);
+    EXPECT_NEAR(can.thrust_lag, m.tau, 1e-5);
+    EXPECT_NEAR(can.turn_lag, m.tau_psi, 1e-5);
+    EXPECT_NEAR(can.climb_lag, m.tau_z, 1e-4);
+    EXPECT_NEAR(can.drag, -m.a_f, 1e-6);
+    EXPECT_NEAR(can.lift, 1 / gravity, 1e-5);
+    EXPECT_NEAR(can.acceleration, std::min(m.b_f, m.b_s), 1e-5);
+    EXPECT_NEAR(can.thrust_most, std::hypot(m.b_f, m.b_s), 1e-5);
+    EXPECT_NEAR(can.turn, 2 * m.b_psi / m.tau_psi, 1e-3);
+    EXPECT_EQ(can.misfit, 0.0);
+  }
+  LaggingHoverMultirotor uneven;
+  uneven.a_s = 2 * uneven.a_f;
+  EXPECT_GT(authority_of(uneven, lowest, highest).misfit, 1e-2);
+  uneven.a_f = -2.0, uneven.a_s = -2.0, uneven.tau = 0.6;
+  EXPECT_EQ(refusal_of([&] { Barrier(uneven, lowest, highest, control_period); }),
+            "barrier: \"hover_multirotor\" has a lag of 0.6 s and a drag of 2 /s, expected a product <= 0.9");
+}
+
+TEST(ThrustLag, TheReserveIsThatOfTheBestFlightThatTheVehicleCanBegin) {
+  Random random(3);
+  for (int i = 0; i < 40; ++i) {
+    const LaggingHoverMultirotor m = any_vehicle(random);
+    LaggedVehicle robot = any_state(m, random);
+    robot.climb = robot.rate = 0.0;
+    Neighbour n{.d_hard = 0.6, .speed_max = uniform(random, 0, 1)};
+    n.p = robot.p + uniform(random, 1.0, 4.0) * any_direction(random, true);
+    const double b = 0.9 * std::min(m.b_f, m.b_s);
+    double best = -infinity;
+    for (int k = 0; k < 72; ++k) {
+      const double angle = std::numbers::pi / 36 * k;
+      const Vec2<double> a_V = rotate<double>({std::cos(robot.psi), -std::sin(robot.psi)},
+                                              {b * std::cos(angle), b * std::sin(angle)});
+      LaggedVehicle flies = robot;
+      double least = norm(flies.p - n.p), t = 0.0;
+      for (int period = 0; period < 800; ++period) {
+        flies.fly({a_V.x / m.b_f, -a_V.y / m.b_s, 0, 0}, {}, [&](const Vec3<double>& p) {
+          t += control_period / 10;
+          least = std::min(least, norm(p - n.p) - n.speed_max * t);
+        });
+      }
+      best = std::max(best, least - n.d_hard - 0.002);
+    }
+    const double reserve = Barrier(m, lowest, highest, control_period).reserve(robot.state(), n);
+    EXPECT_GE(reserve, best - 1e-3) << i;
+    EXPECT_LE(reserve, best + 5e-3) << i;
+  }
+}
+
+TEST(ThrustLag, NoOtherDirectionOfThePlanLeavesMore) {
+  Random random(6);
+  double lost = 0.0;
+  for (int i = 0; i < runs(20000, 40); ++i) {
+    const double c = uniform(random, 0.05, 0.6), tau = uniform(random, 0.05, 0.3);
+    const EscapePlans plans(c, control_period, tau);
+    Tube tube{.r = random_point(random, 3.0),
+              .w = {uniform(random, -2, 2), uniform(random, -2, 2)},
+              .s = {uniform(random, -2, 2), uniform(random, -2, 2)},
+              .beta = uniform(random, 1.0, 2.5),
+              .rho0 = uniform(random, 0.3, 1.2),
+              .speed = uniform(random, 0.0, 1.5),
+              .spread = uniform(random, 0.0, 0.2)};
+    const double best = plans.best(tube).reserve();
+    // Elsewhere a robot has room.
+    if (std::abs(best) > 0.05) continue;
+    for (int k = 0; k < 360; ++k) {
+      const double angle = std::numbers::pi / 180 * k;
+      const Vec2<double> a = {tube.beta * std::cos(angle), tube.beta * std::sin(angle)};
+      lost = std::max(lost, plans.with(tube, a).reserve() - best);
+    }
+  }
+  EXPECT_LE(lost, 2e-5);
+}
+
+/// One sample ahead of states at the edge of the safe set, with hostile commands and the worst neighbour.
+TEST(ThrustLag, NoSampleLeavesTheSafeSet) {
+  Random random(4);
+  double worst = infinity, violation = 0.0;
+  for (int i = 0; i < runs(20000, 80); ++i) {
+    const LaggingHoverMultirotor m = any_vehicle(random);
+    const Barrier filter(m, lowest, highest, control_period);
+    for (int k = 0; k < 10; ++k) {
+      LaggedVehicle robot = any_state(m, random);
+      if (k == 0) robot.rate = 0.0;
+      Neighbour n{.d_hard = uniform(random, 0.4, 1.2), .speed_max = uniform(random, 0.0, 1.5)};
+      place(n, filter, robot, any_direction(random, true), k % 2 == 0 ? 0.0 : uniform(random, 0.0, 0.05));
+      const double before = filter.reserve(robot.state(), n);
+      VehicleInput u = k % 3 == 0 ? test::towards({0, 0, 2, std::cos(robot.psi), std::sin(robot.psi)}, n.p)
+                                  : uniform_array<4>(random, -1, 1);
+      if (k % 3 == 1) u[2] = k % 2 == 0 ? 1 : -1, u[3] = random() % 2 == 0 ? 1 : -1;
+      violation = std::max(violation, filter.filter(robot.state(), {&n, 1}, lowest, highest, u).violation);
+      robot.fly(u, {}, [](const Vec3<double>&) {});
+      const Vec3<double> r = robot.p - n.p;
+      n.p = n.p + (control_period * n.speed_max / norm(r)) * r;
+      worst = std::min(
+          worst, filter.reserve(robot.state(), n) - (1 - filter.options().rate * control_period) * before);
+    }
+  }
+  std::printf("least reserve less what was required %.7f m, largest violation %.7f m\n", worst, violation);
+  EXPECT_GE(worst, -1e-3);
+  EXPECT_LE(violation, 1e-4);
+}
+
+struct LaggedDuel {
+  double nearest = infinity, reserve = infinity, lowest = infinity;  // nearest: less d_hard [m]
+  int conflicts = 0;
+  std::int64_t allocations = 0;
+};
+
+/// A vehicle whose commands take effect `late` periods after the measurement, and an adversary that heads for it, for
+/// where it will be, or anywhere; from the edge of what `guard` calls safe. `at_once`: the filter omits the lags.
+LaggedDuel duel(const Barrier& guard, const Barrier& filter, bool at_once, const LaggingHoverMultirotor& m,
+                double w, int late, std::uint64_t seed) {
+  Random random(seed);
+  LaggedVehicle robot = any_state(m, random);
+  std::deque<VehicleInput> on_the_way(static_cast<std::size_t>(late));
+  const auto predicted = [&] {
+    LaggedVehicle then = robot;
+    for (const VehicleInput& u : on_the_way) then.fly(u, {}, [](const Vec3<double>&) {});
+    return then;
+  };
+  Neighbour foe{.d_hard = uniform(random, 0.4, 1.2), .speed_max = uniform(random, 0, 1.5)};
+  foe.age = late * control_period;
+  place(foe, guard, predicted(), any_direction(random, seed % 2 == 0), uniform(random, 0.0, 0.2));
+  const bool spins = seed % 3 == 0, climbs = seed % 5 == 0;
+  const int hold = 1 + static_cast<int>(random() % 40), nominal = static_cast<int>(random() % 4),
+            pursuit = static_cast<int>(random() % 3);
+  LaggedDuel found;
+  VehicleInput wanted{};
+  Vec3<double> along{};
+  for (int k = 0; k < 600; ++k) {
+    const LaggedVehicle then = predicted();
+    if (k % hold == 0) wanted = uniform_array<4>(random, -1, 1);
+    if (k % hold == 0 && nominal == 1)
+      for (double& command : wanted) command = command < 0 ? -1 : 1;
+    VehicleInput u = wanted;
+    if (nominal > 1) {
+      u = test::towards({then.p.x, then.p.y, then.p.z, std::cos(then.psi), std::sin(then.psi)}, foe.p);
+      if (spins) u[3] = k / hold % 2 == 0 ? 1 : -1;
+      if (climbs) u[2] = k / hold % 2 == 0 ? 1 : -1;
+    }
+    std::vector<double> x = then.state();
+    if (at_once) x.resize(HoverMultirotor::nx);
+    const std::int64_t before = allocations_here();
+    const BarrierResult result = filter.filter(x, {&foe, 1}, lowest, highest, u);
+    found.allocations += allocations_here() - before;
+    found.reserve = std::min(found.reserve, result.reserve);
+    found.conflicts += result.conflict;
+    const Vec3<double> r = robot.p - foe.p;
+    const double ahead = pursuit == 1 ? norm(r) / std::max(foe.speed_max, 0.2) : 0.0;
+    const Vec3<double> aim = r + ahead * Vec3<double>{robot.v.x, robot.v.y, 0.0};
+    if (pursuit < 2 || k % hold == 0)
+      along = pursuit == 2 && random() % 2 == 0 ? any_direction(random, true) : (1 / norm(aim)) * aim;
+    const Vec3<double> from = foe.p;
+    double t = 0.0;
+    on_the_way.push_back(u);
+    const double far = norm(r.x, r.y);
+    robot.fly(on_the_way.front(), {-w * r.x / far, -w * r.y / far}, [&](const Vec3<double>& p) {
+      t += control_period / 10;
+      found.nearest = std::min(found.nearest, norm(p - (from + (t * foe.speed_max) * along)) - foe.d_hard);
+      found.lowest = std::min(found.lowest, p.z);
+    });
+    on_the_way.pop_front();
+    foe.p = from + (control_period * foe.speed_max) * along;
+  }
+  return found;
+}
+
+TEST(ThrustLag, CountedByTheBarrierNoAdversaryComesBelowTheHardDistance) {
+  struct Kind {
+    double w;
+    int late;
+  };
+  for (const auto& [w, late] : {Kind{0.0, 0}, Kind{0.2, 0}, Kind{0.0, 8}, Kind{0.2, 8}}) {
+    double worst = infinity, reserve = infinity, uncounted = infinity;
+    int below = 0, below_uncounted = 0, conflicts = 0;
+    const int count = runs(2000, 40);
+    for (int i = 0; i < count; ++i) {
+      const auto seed = static_cast<std::uint64_t>(i);
+      Random random(seed);
+      const LaggingHoverMultirotor m = i % 3 == 0 ? LaggingHoverMultirotor::x500() : any_vehicle(random);
+      const BarrierOptions options{
+          .authority = 1.0, .residual_acceleration = w, .command_delay = late * control_period};
+      const Barrier filter(m, lowest, highest, control_period, options);
+      const LaggedDuel on = duel(filter, filter, false, m, w, late, seed);
+      EXPECT_GE(on.nearest, 0.0) << w << ", " << late << ", " << seed;
+      EXPECT_EQ(on.conflicts, 0) << w << ", " << late << ", " << seed;
+      EXPECT_EQ(on.allocations, 0);
+      below += on.nearest<0, conflicts += on.conflicts> 0;
+      worst = std::min(worst, on.nearest), reserve = std::min(reserve, on.reserve);
+      const Barrier omits(at_once(m), lowest, highest, control_period, options);
+      const LaggedDuel without = duel(filter, omits, true, m, w, late, seed);
+      below_uncounted += without.nearest < 0;
+      uncounted = std::min(uncounted, without.nearest);
+    }
+    std::printf(
+        "residual %.1f m/s^2, delay %.2f s: runs %d, below d_hard %d, worst %+.4f m, least reserve %.6f m; "
+        "lags "
+        "omitted: below %d, worst %+.4f m\n",
+        w, late * control_period, count, below, worst, reserve, below_uncounted, uncounted);
+    EXPECT_GE(reserve, -1e-3);
+    EXPECT_GT(below_uncounted, count / 10);
+  }
+}
+
+// Plans for walls omit yaw and climb, which cost up to the margin.
+TEST(ThrustLag, ABoundOfTheWorldIsKeptAlsoByAVehicleThatSpinsAndClimbs) {
+  Random random(5);
+  for (int i = 0; i < runs(2000, 50); ++i) {
+    const LaggingHoverMultirotor m = any_vehicle(random);
+    const Barrier filter(m, lowest, highest, control_period,
+                         {.floor = 0.5, .world = 6.0, .wall_margin = 0.02});
+    LaggedVehicle robot(m);
+    robot.psi = uniform(random, -3.2, 3.2);
+    double farthest = 0.0, lowest_height = infinity;
+    for (int k = 0; k < 800; ++k) {
+      VehicleInput u =
+          test::towards({robot.p.x, robot.p.y, robot.p.z, std::cos(robot.psi), std::sin(robot.psi)},
+                        {9.0, 0.0, k / 50 % 2 == 0 ? 9.0 : 0.0});
+      if (i % 2 == 0) u[3] = k / 30 % 2 == 0 ? 1 : -1;
+      (void)filter.filter(robot.state(), {}, lowest, highest, u);
+      robot.fly(u, {}, [&](const Vec3<double>& p) {
+        farthest = std::max(farthest, p.x), lowest_height = std::min(lowest_height, p.z);
+      });
+    }
+    EXPECT_LE(farthest, 6.0) << i;
+    EXPECT_GE(farthest, 5.5) << i;
+    EXPECT_GE(lowest_height, 0.5 - 1e-4) << i;
+  }
+}
+
+}  // namespace
+}  // namespace sightline
