@@ -304,6 +304,7 @@ LaggedDuel duel(const Barrier& guard, const Barrier& filter, bool at_once, const
     const double far = norm(r.x, r.y);
     robot.fly(on_the_way.front(), {-w * r.x / far, -w * r.y / far}, [&](const Vec3<double>& p) {
       t += control_period / 10;
+      if (k < late) return;  // before the first command acts
       found.nearest = std::min(found.nearest, norm(p - (from + (t * foe.speed_max) * along)) - foe.d_hard);
       found.lowest = std::min(found.lowest, p.z);
     });

@@ -101,7 +101,8 @@ class Guarantees {
       if (!together && assumed(other) > 0)
         return "a robot that drives along its heading stands and cannot flee";
     } else {
-      if (can.misfit > 0) return "the drag of a robot that tilts late depends on the direction";
+      if (can.thrust_lag > 0)
+        return "the plans of a robot that tilts late are found by a search that may err";
       // The fastest body that every plan outruns: docs/safety.md, 3.
       constexpr double fastest = 2.5, usual_period = 0.01;  // [m/s], [s]
       if (!together && assumed(other) > fastest)
