@@ -83,14 +83,12 @@ std::optional<SensorMount> read_mount(const TomlTable& agent) {
   const TomlTable at = agent.table("sensor");
   auto mount = read_part<SensorMount>(TableSource(at));
   if (!at.has(key)) return mount;
-  const std::string of_one = mount_offsets.expected("m"),
-                    expected = of_one + ", [ahead, left, up] or a number ahead";
-  const TomlValue arm = at.value(key, expected);
-  if (arm.is_array()) {
+  const std::string of_one = mount_offsets.expected("m"), expected = of_one + ", ahead or [ahead, left, up]";
+  if (at.value(key, expected).is_array()) {
     const std::vector<double> d = at.numbers(key, 3, {mount_offsets.low, mount_offsets.high, of_one});
     mount.offset = {d[0], d[1], d[2]};
   } else {
-    mount.offset = arm.number({mount_offsets.low, mount_offsets.high, expected});
+    mount.offset = at.number(key, {mount_offsets.low, mount_offsets.high, expected});
   }
   return mount;
 }
