@@ -286,9 +286,9 @@ class Pictures {
       drawing.panels.push_back(picture(potential_, 0.0, "plane z = 0"));
     } else {
       // Where the axis meets the plane: 1.5 m ahead, or 1.5 m above or below if it is steeper.
-      constexpr double far = 1.5;
-      const double slope = std::tan(mount_->pitch), ahead = far / std::max(1.0, std::abs(slope)),
-                   below = mount_->offset.z - std::clamp(far * slope, -far, far);
+      constexpr double reach = 1.5;
+      const double slope = std::tan(mount_->pitch), ahead = reach / std::max(1.0, std::abs(slope)),
+                   below = mount_->offset.z - std::clamp(reach * slope, -reach, reach);
       const SensorMount level = {.pitch = 0.0, .offset = mount_->offset, .yaw = mount_->yaw};
       drawing.panels.push_back(
           picture(potential_.seen_from(level), 0.0, "plane z = 0, sensor level (β = 0)"));
