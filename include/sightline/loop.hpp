@@ -270,6 +270,8 @@ class Localizer {
     std::size_t body = 0, x = 0, u = 0, nx = 0;
     std::vector<std::size_t> velocities{};      // among its states
     std::vector<Vec3<double>> velocity_axes{};  // of each in G, at heading 0
+    std::vector<std::size_t> tilt{};            // among its states; only the model has them
+    std::optional<std::size_t> rate{};          // of the heading, among its states
     std::unique_ptr<PoseFilter> filter{};
     std::array<MotionSample, PoseFilter::memory> received{};
     std::size_t counted = 0;

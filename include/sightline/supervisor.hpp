@@ -220,6 +220,7 @@ struct View {
       0.0;                  ///< standard deviation of the target's direction, as estimated by the robot [rad]
   double accepted = never;  ///< stamp of the last sighting that its filter accepted [s]
   double sighted = never;   ///< stamp of the last sighting, accepted or not [s]
+  double azimuth = 0.0;     ///< of the sensor's axis from the robot's heading, to the left [rad]
 };
 
 enum class SearchPhase : std::uint8_t { none, stand, turn, sweep, round };

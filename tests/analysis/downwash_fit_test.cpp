@@ -174,13 +174,13 @@ TEST(DownwashFit, TableAndJsonSayTheSameAndTheKeysAreThoseOfAScenario) {
   EXPECT_NEAR(scenario.downwash.scale, found.scale, 1e-3);
 }
 
-constexpr std::string_view table =
+constexpr std::string_view rotor_table =
     "t_ms,x,y,z,vx,vy,vz,az,qx,qy,qz,qw,pwm1,pwm2,battery\n"
     "0,1,2,3,4,5,6,9.8,0,0,0,1,0.5,0.7,4.0\n"
     "10,1,2,3,4,5,6,9.9,0.6,0,0,0.8,0.5,0.7,4.0\n";
 
 TEST(DownwashFlight, ReadsARecordFromATable) {
-  const RotorRecord record = rotor_record(read_csv(table, "a.csv"), "cf1", Vehicle::crazyflie());
+  const RotorRecord record = rotor_record(read_csv(rotor_table, "a.csv"), "cf1", Vehicle::crazyflie());
   EXPECT_EQ(record.t, (std::vector<double>{0.0, 0.01}));
   EXPECT_EQ(record.p[1].z, 3.0);
   EXPECT_EQ(record.v[1].x, 4.0);
@@ -193,7 +193,7 @@ TEST(DownwashFlight, ReadsARecordFromATable) {
 
 TEST(DownwashFlight, RefusesTablesThatLackSomething) {
   const auto refused = [](std::string_view from, const std::string& to) {
-    std::string text(table);
+    std::string text(rotor_table);
     text.replace(text.find(from), from.size(), to);
     return refusal_of([&] { rotor_record(read_csv(text, "a.csv"), "cf1", Vehicle::crazyflie()); });
   };

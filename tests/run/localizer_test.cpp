@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sightline/loop.hpp"
 #include "sightline/potential/tracking.hpp"
 #include "sightline/potentials.hpp"
+#include "sightline/robots.hpp"
 #include "sightline/solvers.hpp"
 #include "sightline/worlds.hpp"
 #include "tests/support/applied.hpp"
@@ -118,8 +120,9 @@ LocalizedFlight fly_localized(Localization& of, double duration, double from = 5
 }
 
 /// uav1 and those behind it have no positions.
-Localization localized(int robots, FilterKind kind, std::uint64_t seed,
+Localization localized(const Team& team, std::vector<double> start, FilterKind kind, std::uint64_t seed,
                        TagWorld::Hidden hidden = {1e9, 1e9}) {
+  const int robots = team.bodies();
   std::vector<TagWorld::Camera> cameras;
   Localization of;
   TelemetryOptions telemetry{.seed = seed, .broadcasters = {BodyId{0}}};
@@ -133,9 +136,13 @@ Localization localized(int robots, FilterKind kind, std::uint64_t seed,
   PlantOptions plant{.seed = seed};
   plant.disturbances.gust_sigma = 0.3;
   of.world = std::make_unique<TelemetryWorld>(
-      std::make_unique<TagWorld>(followers(robots), in_a_row(robots), cameras, plant, hidden), telemetry);
+      std::make_unique<TagWorld>(team, std::move(start), cameras, plant, hidden), telemetry);
   of.localizer = std::make_unique<Localizer>(of.world->team(), of.world->start(), of.options);
   return of;
+}
+Localization localized(int robots, FilterKind kind, std::uint64_t seed,
+                       TagWorld::Hidden hidden = {1e9, 1e9}) {
+  return localized(followers(robots), in_a_row(robots), kind, seed, hidden);
 }
 
 TEST(Localizer, ARobotThatSeesNothingButItsNeighbourFliesByWhatItSees) {
@@ -235,6 +242,32 @@ TEST(Localizer, ToldWhereItIsItGoesOnFromThere) {
   EXPECT_TRUE(flight.estimate(1).known);
   EXPECT_NEAR(norm(flight.estimate(1).p - Vec3<double>{1, 2, 3}), 0.0, 0.02);
   flight.localizer->start(BodyId{0}, {1, 2, 3}, 0.5, identity<4>(1e-4));  // it knows that
+}
+
+/// No sensor measures these states, but a barrier that counts the lags of the robot needs them.
+TEST(Localizer, TheTiltThatFollowsLateIsThatOfTheModelAndTheYawRateThatOfTheEstimate) {
+  Team team = followers(1);
+  (void)team.add(LaggedHoverMultirotor<HoverLags::all>{}, {.R = {1, 1, 1, 1}, .name = "late"});
+  std::vector<double> start = in_a_row(1);
+  for (const double v : {2.3, 0.0, 1.7, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}) start.push_back(v);
+  auto flight = localized(team, start, FilterKind::heading, 8);
+  const auto late = size(team.state_offset(BodyId{1}));
+  constexpr std::size_t a_f = 7, a_s = 8, r = 10;
+  double greatest = 0.0;
+  for (int k = 0; k < 300; ++k) {
+    const double t = k * flight_period, push = k < 100 ? 0.0 : 0.2 * std::sin(4 * t);
+    const Measured now = flight.measure(t);
+    if (k > 100) {
+      const auto measured = now.measured.subspan(late), truth = now.truth.subspan(late);
+      EXPECT_NEAR(measured[a_f], truth[a_f], 1e-3) << t;
+      EXPECT_NEAR(measured[a_s], truth[a_s], 1e-3) << t;
+      EXPECT_NEAR(measured[r], truth[r], 0.05) << t;
+      greatest = std::max(greatest, std::abs(truth[a_f]));
+    }
+    const std::vector<double> u = {0, 0, 0, 0, push, -push, 0.0, push};
+    EXPECT_TRUE(flight.apply(t, now.measured, u));
+  }
+  EXPECT_GT(greatest, 0.2);
 }
 
 TEST(Localizer, SameSeedSameBits) {

@@ -78,6 +78,15 @@ TEST(Search, ItBacksOffAndLooksWhereTheTargetShouldBe) {
   EXPECT_LT(std::max(-flight.least, flight.most), 0.02);
 }
 
+TEST(Search, ItsSensorLooksWhereTheTargetShouldBe) {
+  Searching flight;
+  flight.view.bearing_sigma = 0.1;
+  flight.view.azimuth = std::numbers::pi / 2;
+  flight.fly(20.0, false);
+  EXPECT_NEAR(flight.heading, -std::numbers::pi / 2, 0.02);
+  EXPECT_NEAR(flight.distance(), 2.2, 0.02);
+}
+
 TEST(Search, ItBacksOffNoFartherThanItsUncertaintyCallsFor) {
   for (const auto& [sigma, far] : {std::pair{0.2, 1.5}, {0.4, 2.0}, {2.0, 2.2}}) {
     Searching flight;

@@ -204,7 +204,7 @@ $('time').oninput = (event) => { seek(Number(event.target.value)); playing = fal
 $('camera').onchange = (event) => {
   const [kind, number] = event.target.value.split(' ');
   const pair = history.scene.pairs[Number(number)];
-  stage.follow(kind === 'orbit' ? null : kind === 'pair' ? { body: pair.observer, sensor: pair.mount } : { body: Number(number) });
+  stage.follow(kind === 'orbit' ? null : kind === 'pair' ? { body: pair.observer, sensor: { ...pair.mount, alpha: pair.alpha } } : { body: Number(number) });
 };
 $('robot').onchange = (event) => { curves.robot = Number(event.target.value); curves.build(history.scene); };
 $('window').onchange = (event) => { curves.window = Number(event.target.value); };

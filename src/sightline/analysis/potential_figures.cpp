@@ -289,13 +289,15 @@ class Pictures {
       constexpr double reach = 1.5;
       const double slope = std::tan(mount_->pitch), ahead = reach / std::max(1.0, std::abs(slope)),
                    below = mount_->offset.z - std::clamp(reach * slope, -reach, reach);
-      const SensorMount level = {.pitch = 0.0, .offset = mount_->offset, .yaw = mount_->yaw};
+      SensorMount level = *mount_;
+      level.pitch = 0.0, level.frame = MountFrame::level;
       drawing.panels.push_back(
-          picture(potential_.seen_from(level), 0.0, "plane z = 0, sensor level (β = 0)"));
+          picture(potential_.seen_from(level), level.offset.z,
+                  fmt::format("plane z = {:.3g}, sensor level (β = 0)", level.offset.z)));
       drawing.panels.push_back(
           picture(potential_, below, fmt::format("plane z = {:.2f} m, β = {:.3g}", below, mount_->pitch)));
       drawing.caption += fmt::format(
-          " Left with a level sensor, as the paper has it. Right as it is mounted: the axis "
+          " Left with a sensor without pitch, as the paper has it. Right as it is mounted: the axis "
           "meets that plane {:.3g} m from the sensor, seen from above.",
           ahead);
     }

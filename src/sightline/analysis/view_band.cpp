@@ -72,14 +72,16 @@ std::optional<DistanceBand> served(const ViewFlight& flight, const std::vector<V
   return band;
 }
 
-/// Compass of a robot that is localized by vision, and the correlation of its sightings.
+/// Compass of a robot that is localized by vision, and the correlation of its sightings; of another robot what its camera
+/// would need.
 FilterOptions filter_beside(const Scenario& scenario, BodyId robot) {
   for (const LocalizedRobot& one : scenario.localization.robots)
     if (one.robot == robot)
       return {.compass_noise = one.filter.compass_noise,
               .compass_time = one.filter.compass_time,
               .correlation_time = one.filter.correlation_time};
-  return {};
+  const RobotCamera* const camera = scenario.vision.camera_of(robot);
+  return {.correlation_time = camera != nullptr ? camera->camera.correlation_time : 0.0};
 }
 
 }  // namespace

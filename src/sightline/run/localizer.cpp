@@ -131,7 +131,7 @@ Localizer::Localizer(const Team& team, std::span<const double> start, const Loca
     if (found == options_.robots.end()) continue;
     robot_of_[at(body)] = static_cast<int>(robots_.size());
     robots_.push_back(made(*found));
-    views_.push_back({.robot = found->robot, .target = found->observes.front()});
+    views_.push_back({.robot = found->robot, .target = found->observes.front(), .azimuth = found->mount.yaw});
     sigma_[at(body)] = infinity;
   }
   knows_all_ = robots_.empty();
@@ -151,7 +151,11 @@ Localizer::Robot Localizer::made(const LocalizedRobot& what) const {
   std::vector<double> x(robot.nx), u(size(model.nu()));
   model.at_rest({{}, {1.0, 0.0}}, x.data());
   const Vec3<double> still = model.sight(x.data(), u.data()).v;
-  for (const int v : roles_of(model).velocities) {
+  const StateRoles roles = roles_of(model);
+  for (const int tilt : roles.tilt)
+    if (tilt >= 0) robot.tilt.push_back(size(tilt));
+  if (roles.rate >= 0) robot.rate = size(roles.rate);
+  for (const int v : roles.velocities) {
     std::vector<double> moving = x;
     moving[size(v)] += 1.0;
     robot.velocities.push_back(size(v));
@@ -264,6 +268,13 @@ void Localizer::accept_measurement(Robot& robot, View& view, double t) noexcept 
     const double received = dot(robot.velocity_axes[k], v_V),
                  model = knew ? robot.predicted[robot.velocities[k]] : received;
     x[robot.velocities[k]] = model + draw * (received - model);
+  }
+  if (knew) {
+    for (const std::size_t tilt : robot.tilt) x[tilt] = robot.predicted[tilt];
+  }
+  if (robot.rate) {
+    const double model = knew ? robot.predicted[*robot.rate] : estimate.yaw_rate;
+    x[*robot.rate] = model + draw * (estimate.yaw_rate - model);
   }
   stamps_[robot.body] = estimate.stamp;
   view.position_sigma = sigma_[robot.body] = estimate.position_sigma();

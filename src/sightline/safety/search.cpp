@@ -157,7 +157,8 @@ double Search::turn_rate(const Robot& robot, double t, const Sight<double>& own,
     const double lap = 4 * most / options_.rate, part = std::fmod((t - robot.begun) / lap, 1.0);
     wanted += robot.from * most * (part < 0.25 ? 4 * part : part < 0.75 ? 2 - 4 * part : 4 * part - 4);
   }
-  return std::clamp(heading_gain * within_pi(wanted - heading_of(own)), -options_.rate, options_.rate);
+  return std::clamp(heading_gain * within_pi(wanted - robot.view.azimuth - heading_of(own)), -options_.rate,
+                    options_.rate);
 }
 
 void Search::command(double t, std::span<const double> x, std::span<const FallbackLevel> levels,

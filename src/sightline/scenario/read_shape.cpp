@@ -132,8 +132,11 @@ std::vector<ViewVariance> variances_of(const ViewChoice& choice, const CameraOpt
         all.push_back(same->variance);
         continue;
       }
-      all.push_back(view_variance(
-          {.camera = camera->camera, .mount = camera->mount, .tags = tags->tags, .duration = 10.0}));
+      all.push_back(view_variance({.camera = camera->camera,
+                                   .mount = camera->mount,
+                                   .tags = tags->tags,
+                                   .filter = {.correlation_time = camera->camera.correlation_time},
+                                   .duration = 10.0}));
       flown.push_back({camera, &tags->tags, all.back()});
     }
   }
