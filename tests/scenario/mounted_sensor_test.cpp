@@ -47,18 +47,18 @@ Vec3<double> turned(Quaternion q, const Vec3<double>& v, bool back = false) {
 constexpr Vec3<double> x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 
 /// The target in the sensor frame: yaw, pitch and roll of the robot, the lever arm, and those of the sensor.
-Vec3<double> in_sensor(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& point) {
+Vec3<double> in_sensor(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& p_G) {
   Quaternion q = about(z_axis, std::atan2(robot.d.y, robot.d.x));
   if (mount.frame == MountFrame::body) {
     const double pitch = std::atan(robot.lean.x), roll = -std::atan(robot.lean.y * std::cos(pitch));
     q = times(times(q, about(y_axis, pitch)), about(x_axis, roll));
   }
-  const Vec3<double> from_sensor = point - robot.p - turned(q, mount.offset);
+  const Vec3<double> from_sensor = p_G - robot.p - turned(q, mount.offset);
   q = times(times(times(q, about(z_axis, mount.yaw)), about(y_axis, mount.pitch)), about(x_axis, mount.roll));
   return turned(q, from_sensor, true);
 }
-double angle_to(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& point) {
-  const Vec3<double> p = in_sensor(mount, robot, point);
+double angle_to(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& p_G) {
+  const Vec3<double> p = in_sensor(mount, robot, p_G);
   return std::atan2(std::hypot(p.y, p.z), p.x);
 }
 
