@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <numbers>
 
@@ -526,6 +529,27 @@ TEST(ImportUrdf, TheLinksAreOneBodyAndThePropertiesItsRotors) {
   EXPECT_EQ(v.rotor_radius, 0.02);
 }
 
+TEST(ImportUrdf, OnlyLinksNamedAsPropellersAreRotors) {
+  const auto has_rotors = [](std::string_view base, std::string_view link) {
+    const std::string made =
+        imported("<robot name='a'>" + urdf_link(base, "0.03", "rpy='0 0 0'") +
+                 urdf_link(link, "0", "rpy='0 0 0'") +
+                 with(urdf_joint(link, "xyz='0.1 0 0'"), "link='base'", fmt::format("link='{}'", base)) +
+                 "</robot>")
+            .text;
+    return made.find("rotor_x = [0.1]") != std::string::npos;
+  };
+  for (const char* link :
+       {"prop0_link", "rotor_0", "front_left_prop", "Propeller", "m1rotor", "my_prop_rotor"})
+    EXPECT_TRUE(has_rotors("base", link)) << link;
+  for (const char* link : {"quadrotor", "multirotor_arm", "prop_guard", "PropGuard1", "support", "arm"})
+    EXPECT_FALSE(has_rotors("base", link)) << link;
+  for (const char* base : {"rotorcraft", "quad_rotor", "quadrotor"}) {
+    EXPECT_TRUE(has_rotors(base, "rotor_0")) << base;
+    EXPECT_FALSE(has_rotors(base, "arm")) << base;
+  }
+}
+
 TEST(ImportUrdf, MotorsOfGazeboStateTheRotors) {
   std::string motors = "<gazebo>";
   for (int i = 0; i < 4; ++i)
@@ -594,12 +618,13 @@ TEST(ImportMjcf, MotorsAtSitesAreRotors) {
               HasSubstr("tau_up, tau_down, rotor_drag, rotor_radius, radius, height, drag, gains.\n"));
 }
 
+const std::string body_alone =
+    "<mujoco><worldbody><body><inertial pos='0 0 0' mass='0.027' diaginertia='2e-5 2e-5 3e-5'/><site "
+    "name='a'/></body></worldbody><actuator><motor site='a' gear='0 0 1' ctrlrange='0 0.35'/><motor site='a' "
+    "gear='0 0 0 1' name='x_moment'/></actuator></mujoco>";
+
 TEST(ImportMjcf, AFileWithoutRotorsGivesTheBodyAlone) {
-  const Imported made = imported(
-      "<mujoco><worldbody><body><inertial pos='0 0 0' mass='0.027' diaginertia='2e-5 2e-5 3e-5'/><site "
-      "name='a'/></body></worldbody><actuator><motor site='a' gear='0 0 1' ctrlrange='0 0.35'/><motor "
-      "site='a' "
-      "gear='0 0 0 1' name='x_moment'/></actuator></mujoco>");
+  const Imported made = imported(body_alone);
   EXPECT_THAT(made.text,
               HasSubstr("# One thrust of all rotors, at most 0.35 N.\n# Not in the file, so as in the "
                         "preset, x500 if none is stated: rotor_x, rotor_y, spin, k_f, k_m,"));
@@ -608,7 +633,40 @@ TEST(ImportMjcf, AFileWithoutRotorsGivesTheBodyAlone) {
   EXPECT_THAT(made.notes, Contains(HasSubstr("x_moment is a torque without thrust")));
 }
 
+TEST(ImportMjcf, OneMoreCompilerChangesWhatItStates) {
+  const std::string second = "<compiler eulerseq=\"zyx\"/>\n<default><geom";
+  const auto body_of = [](const std::string& text) {
+    const std::string made = imported(text).text;
+    return made.substr(made.find('\n'));
+  };
+  for (const char* first :
+       {"angle=\"radian\"", "inertiafromgeom=\"true\"", "inertiafromgeom=\"true\" autolimits=\"false\""}) {
+    const std::string one = with(carrier, "angle=\"degree\"", first);
+    EXPECT_NE(body_of(one), body_of(carrier)) << first;
+    EXPECT_EQ(body_of(one), body_of(with(one, "<default><geom", second))) << first;
+  }
+  const std::string radian = with(carrier, "angle=\"degree\"", "angle=\"radian\" inertiafromgeom=\"true\"");
+  EXPECT_EQ(body_of(carrier),
+            body_of(with(radian, "<default><geom",
+                         "<compiler angle=\"degree\" inertiafromgeom=\"auto\"/>\n<default><geom")));
+}
+
+TEST(ImportMjcf, EachIncludeIsNoted) {
+  const auto notes = [](std::string_view before) {
+    return imported(with(carrier, before, fmt::format("<include file=\"more.xml\"/>{}", before))).notes;
+  };
+  for (const char* place : {"<geom density", "<geom type=\"capsule\"", "<motor site=\"s0\"",
+                            "<geom type=\"plane\"", "<worldbody>", "<body name=\"foot\""})
+    EXPECT_THAT(notes(place), Contains("what is in the included more.xml does not count")) << place;
+}
+
 TEST(ImportMjcf, RefusesWithPlaceElementTextAndWhatWasExpected) {
+  EXPECT_THAT(refusal(with(carrier, "eulerseq=\"zyx\"", "inertiagrouprange=\"0 1\"")),
+              HasSubstr("<compiler> = inertiagrouprange, expected masses of all groups of geoms"));
+  EXPECT_THAT(refusal(with(carrier, "eulerseq=\"zyx\"", "coordinate=\"global\"")),
+              HasSubstr("<compiler> = coordinate, expected poses in the frame of the parent (local)"));
+  const std::string as_usual = "eulerseq=\"zyx\" coordinate=\"local\" inertiagrouprange=\"0 5\"";
+  EXPECT_EQ(imported(with(carrier, "eulerseq=\"zyx\"", as_usual)).text, imported(carrier).text);
   EXPECT_THAT(refusal(with(carrier, "class=\"pod\" euler", "class=\"gone\" euler")),
               HasSubstr("<geom> = gone, expected a class of <default>"));
   EXPECT_THAT(refusal(with(carrier, "type=\"cylinder\"", "type=\"mesh\" mesh=\"leg\"")),
@@ -626,6 +684,15 @@ TEST(ImportMjcf, RefusesWithPlaceElementTextAndWhatWasExpected) {
                            "s2\" gear=\"0 0 1 0 0 0.02", "s2\" gear=\"0 0 1 0 0 -0.02")),
               HasSubstr("leave an axis without torque"));
   EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("0 bodies"));
+}
+
+TEST(Import, ABodyWithoutSoundInertiaIsRefusedThoughTheFileLacksRotors) {
+  for (const char* moments : {"-2e-5 2e-5 3e-5", "2e-5 0 3e-5", "2e-5 2e-5 -3e-5"})
+    EXPECT_THAT(refusal(with(body_alone, "2e-5 2e-5 3e-5", moments)),
+                HasSubstr("<mujoco> = a model, expected a multirotor that flies (vehicle.inertia = "));
+  EXPECT_THAT(refusal(with(body_alone, "0.027", "0")), HasSubstr("no mass"));
+  // Of this file the spin alone is missing.
+  EXPECT_THAT(refusal(with(small, "ixx='4e-5'", "ixx='-4e-3'")), HasSubstr("vehicle.inertia = -0.00"));
 }
 
 TEST(Import, AFileOfAnotherKindIsNamed) {
@@ -674,14 +741,14 @@ TEST(Import, NestingIsBounded) {
   EXPECT_THAT(refusal("a: 1\n---\nb: 2\n"), HasSubstr("this is not one YAML document"));
 }
 
-/// Changes bytes, and doubles, removes or swaps parts.
+/// Changes bytes and signs, and doubles, removes or swaps parts.
 std::string mutated(std::string text, Random& random) {
   const auto place = [&] { return static_cast<std::size_t>(random() % (text.size() + 1)); };
   constexpr std::string_view marks = ":-[]{}&*!|>'\"%#,\n \t?~0123456789eE.+";
   const int changes = 1 + static_cast<int>(random() % 4);
   for (int i = 0; i < changes && !text.empty(); ++i) {
     const std::size_t at = place(), length = std::min<std::size_t>(random() % 24, text.size() - at);
-    switch (random() % 5) {
+    switch (random() % 6) {
       case 0:
         if (at < text.size()) text[at] = static_cast<char>(random());
         break;
@@ -693,6 +760,9 @@ std::string mutated(std::string text, Random& random) {
         break;
       case 3:
         text.insert(place() % (text.size() + 1), text.substr(at, length));
+        break;
+      case 4:
+        text.insert(std::min(text.find_first_of("0123456789", at), text.size()), 1, '-');
         break;
       default:
         if (at < text.size()) text[at] = marks[random() % marks.size()];
@@ -706,7 +776,7 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
   Random random(11);
   int accepted = 0;
   for (int k = 0; k < 6000; ++k) {
-    const std::array all = {swarm, ros_camera, chain, node_tags, quad, slam_tags, small, carrier};
+    const std::array all = {swarm, ros_camera, chain, node_tags, quad, slam_tags, small, carrier, body_alone};
     const std::string text = mutated(all[static_cast<std::size_t>(k) % all.size()], random);
     Imported made;
     try {
@@ -720,7 +790,14 @@ TEST(Import, MutatedFilesAreReadOrRefused) {
     if (made.text.find("[fleet]") != std::string::npos) {
       ASSERT_NO_THROW(scenario_of(made.text)) << text << made.text;
     } else if (made.text.find(".vehicle]") != std::string::npos) {
-      // A file that lacks numbers is completed by hand.
+      // A file that lacks numbers is completed by hand, but has a body.
+      std::array<double, 4> body{};
+      ASSERT_EQ(
+          std::sscanf(made.text.c_str() + made.text.find("\nmass = "),
+                      "\nmass = %lf\ninertia = [%lf, %lf, %lf]", &body[0], &body[1], &body[2], &body[3]),
+          4)
+          << made.text;
+      for (const double number : body) ASSERT_TRUE(std::isfinite(number) && number > 0) << text << made.text;
       const bool whole = made.text.find("spin = [1.0, ") != std::string::npos;
       ASSERT_TRUE(!whole || made.text.find("\nk_f = ") == std::string::npos || vehicle_of(made).mass > 0)
           << text;

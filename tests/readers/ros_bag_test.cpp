@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <vector>
 
 #include "tests/support/folder.hpp"
 #include "tests/support/mutated_bags.hpp"
@@ -74,6 +76,97 @@ TEST(RosBag, AFolderIsReadWhollyAndInOrder) {
   bag_file(folder / "bag_10.mcap", bag_of(second).bytes("zstd"));
   bag_file(folder / "metadata.yaml", "rosbag2_bagfile_information:\n");
   EXPECT_EQ(RosBag(folder).motion("/pose").size(), 401U);
+  bag_file(folder / "run.mcap", bag_of(first).bytes(""));
+  EXPECT_EQ(RosBag(folder).motion("/pose").size(), 201U) << "the folder of a run is its log alone";
+}
+
+/// A bag with one pose, its number ahead, and one command for each time, recorded 0.1 s apart from 1e9 s on.
+fs::path stamped_bag(const std::vector<double>& times) {
+  BagWriter writer;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const double recorded = 1e9 + 0.1 * static_cast<double>(k), ahead = static_cast<double>(k);
+    Cdr pose, command;
+    pose.stamp(times[k]).pose({ahead, 0, 0}, 0);
+    command.stamp(times[k]) << Vec3<double>{ahead, 0, 0} << Vec3<double>{};
+    writer.add("/pose", "geometry_msgs/msg/PoseStamped", recorded, pose);
+    writer.add("/cmd", "geometry_msgs/msg/TwistStamped", recorded, command);
+  }
+  return bag_file(fresh_folder() / "a.mcap", writer.bytes(""));
+}
+
+TEST(RosBag, SimulatedTimeBeginsAtZeroAndNoTimeIsThatOfTheRecording) {
+  for (const bool simulated : {true, false}) {
+    std::vector<double> times(100);
+    for (std::size_t k = 0; k < times.size(); ++k) times[k] = simulated ? 0.02 * static_cast<double>(k) : 0.0;
+    const RosBag bag(stamped_bag(times));
+    const RecordedMotion motion = bag.motion("/pose");
+    const std::vector<VelocityCommand> commands = bag.commands("/cmd");
+    ASSERT_EQ(motion.size(), 100U);
+    ASSERT_EQ(commands.size(), 100U);
+    for (std::size_t k = 0; k < 100; ++k) {
+      EXPECT_NEAR(motion[k].t, simulated ? times[k] : 1e9 + 0.1 * static_cast<double>(k), 1e-6);
+      EXPECT_EQ(motion[k].t, commands[k].t);
+    }
+  }
+}
+
+TEST(RosBag, FewMessagesOutOfOrderAreLeftOutAndManyRefused) {
+  std::vector<double> times(100);
+  for (std::size_t k = 0; k < times.size(); ++k) times[k] = 1.0 + 0.02 * static_cast<double>(k);
+  for (std::size_t k = 0; k < 5; ++k) times[10 + 10 * k] = 0.5;
+  EXPECT_EQ(RosBag(stamped_bag(times)).motion("/pose").size(), 95U);
+  EXPECT_EQ(RosBag(stamped_bag(times)).commands("/cmd").size(), 95U);
+  times[60] = times[59];
+  EXPECT_THAT(
+      refusal_of([&] { (void)RosBag(stamped_bag(times)).motion("/pose"); }),
+      EndsWith("a.mcap: 6 of 100 messages of /pose are not later than those before, expected at most 5 %"));
+  EXPECT_THAT(refusal_of([&] { (void)RosBag(stamped_bag(times)).commands("/cmd"); }),
+              HasSubstr("6 of 100 messages of /cmd"));
+  // A transform that is sent again at its time is the same sample.
+  BagWriter writer;
+  for (int k = 0; k < 100; ++k) {
+    Cdr tf;
+    tf << std::uint32_t{1};
+    tf.stamp(1.0 + k / 2) << "uav0";
+    tf.pose({static_cast<double>(k / 2), 0, 0}, 0);
+    writer.add("/tf", "tf2_msgs/msg/TFMessage", 1.0 + k, tf);
+  }
+  EXPECT_EQ(RosBag(bag_file(fresh_folder() / "a.mcap", writer.bytes(""))).motion("uav0").size(), 50U);
+}
+
+TEST(RosBag, TheLengthOfAQuaternionDoesNotCountAndZeroIsUnknown) {
+  const double psi = 2.5, c = std::cos(psi / 2), s = std::sin(psi / 2);
+  for (const double length : {1e-3, 1.0, 3.0, 0.0, std::nan("")}) {
+    BagWriter writer;
+    for (int k = 0; k < 20; ++k) {
+      // The first attitude is measured in any case.
+      const double of = k == 0 ? 1.0 : length;
+      const Vec3<double> p = {0.02 * k, 0, 0};
+      Cdr pose, odometry;
+      pose.stamp(1 + 0.01 * k) << p << 0.0 << 0.0 << of * s << of * c;
+      odometry.stamp(1 + 0.01 * k) << "body";
+      odometry << p << 0.0 << 0.0 << of * s << of * c;
+      for (int i = 0; i < 36; ++i) odometry << 0.0;
+      odometry << Vec3<double>{1, 0, 0} << Vec3<double>{};
+      for (int i = 0; i < 36; ++i) odometry << 0.0;
+      writer.add("/pose", "geometry_msgs/msg/PoseStamped", 1 + 0.01 * k, pose);
+      writer.add("/odom", "nav_msgs/msg/Odometry", 1 + 0.01 * k, odometry);
+    }
+    const RosBag bag(bag_file(fresh_folder() / "a.mcap", writer.bytes("")));
+    for (const char* body : {"/pose", "/odom"}) {
+      const RecordedMotion motion = bag.motion(body);
+      ASSERT_EQ(motion.size(), 20U);
+      for (std::size_t k = 0; k < motion.size(); ++k) {
+        const bool known = k == 0 || length > 0;
+        EXPECT_EQ(std::isfinite(motion[k].heading), known) << body << k;
+        EXPECT_NEAR(known ? motion[k].heading : psi, psi, 1e-12);
+        // Without an attitude the velocity in its axes is unknown, and that of the positions counts.
+        const bool of_odometry = known && std::string(body) == "/odom";
+        EXPECT_NEAR(motion[k].v.x, of_odometry ? std::cos(psi) : 2.0, 1e-9) << body << k;
+        EXPECT_NEAR(motion[k].v.y, of_odometry ? std::sin(psi) : 0.0, 1e-9) << body << k;
+      }
+    }
+  }
 }
 
 TEST(RosBag, WhatCannotBeReadIsNamed) {

@@ -94,6 +94,7 @@ class MjcfSettings {
 
   bool geoms_alone = false, inertials_alone = false;  ///< inertiafromgeom true, false; else by the body
   bool limits = true;                                 ///< a range alone limits
+  std::vector<const MjcfElement*> includes{};         ///< in <default>
 
  private:
   struct Class {
@@ -114,18 +115,25 @@ class MjcfSettings {
     if (one.above != above) file_.refuse(at, name, "each class once");
     one.sections.push_back(&at);
     for (const MjcfElement* const below : elements_of(at, "default")) read_class(*below, name, "");
+    for (const MjcfElement* const below : elements_of(at, "include")) includes.push_back(below);
   }
   void read_compiler(const MjcfElement& at) {
     const auto is = [&](const char* key, std::string_view value) {
       const char* const text = at.Attribute(key);
       return text != nullptr && text == value;
     };
-    if (is("angle", "radian")) angle_ = 1.0;
-    if (is("autolimits", "false")) limits = false;
-    geoms_alone = is("inertiafromgeom", "true"), inertials_alone = is("inertiafromgeom", "false");
+    // One more <compiler> changes only what it states.
+    if (at.Attribute("angle") != nullptr) angle_ = is("angle", "radian") ? 1.0 : std::numbers::pi / 180;
+    if (at.Attribute("autolimits") != nullptr) limits = !is("autolimits", "false");
+    if (at.Attribute("inertiafromgeom") != nullptr)
+      geoms_alone = is("inertiafromgeom", "true"), inertials_alone = is("inertiafromgeom", "false");
     for (const char* const key : {"settotalmass", "boundmass", "boundinertia", "balanceinertia"})
       if (at.Attribute(key) != nullptr && !is(key, "false") && !is(key, "0"))
         file_.refuse(at, key, "masses as parts have them");
+    if (at.Attribute("inertiagrouprange") != nullptr && !is("inertiagrouprange", "0 5"))
+      file_.refuse(at, "inertiagrouprange", "masses of all groups of geoms");
+    if (at.Attribute("coordinate") != nullptr && !is("coordinate", "local"))
+      file_.refuse(at, "coordinate", "poses in the frame of the parent (local)");
     if (const char* const text = at.Attribute("eulerseq")) {
       sequence_ = text;
       const bool sound = sequence_.size() == 3 && sequence_.find_first_not_of("xyzXYZ") == std::string::npos;
@@ -154,9 +162,13 @@ class MjcfVehicle {
     read_body(*bodies_[chosen], {}, "main");
     if (found.parts.empty()) file.refuse(*bodies_[chosen], "no mass", "<inertial>, or geoms with masses");
     for (const MjcfElement* const section : elements_of(file.root(), "actuator")) {
-      for (const MjcfElement* const at : elements_of(*section)) read_actuator(*at);
+      for (const MjcfElement* const at : elements_of(*section)) {
+        if (std::string_view(at->Name()) == "include") note_include(*at);
+        read_actuator(*at);
+      }
     }
     add_rotors();
+    for (const MjcfElement* const at : settings_.includes) note_include(*at);
     for (const MjcfElement* const at : elements_of(file.root(), "include")) note_include(*at);
   }
 
@@ -170,7 +182,7 @@ class MjcfVehicle {
   };
 
   void note_include(const MjcfElement& at) {
-    found.notes.push_back(fmt::format("the parts of the included {} do not count",
+    found.notes.push_back(fmt::format("what is in the included {} does not count",
                                       one_line(file_.attribute_word(at, "file", "the name of a file"))));
   }
   void find_bodies(const MjcfElement& parent) {

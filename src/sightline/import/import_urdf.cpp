@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/import/vehicle_description.hpp"
@@ -29,11 +30,16 @@ PartPose urdf_origin(const XmlFile& file, const UrdfElement& parent) {
   return {{p[0], p[1], p[2]}, turn_z(turns[2]) * turn_y(turns[1]) * turn_x(turns[0])};
 }
 
-/// Tells whether a link is that of a propeller, "prop0_link" or "rotor_0".
+/// Tells whether a link is that of a propeller: "prop0_link" or "rotor_0", but not "quadrotor" or
+/// "prop_guard".
 bool is_propeller(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return name.find("prop") != std::string::npos || name.find("rotor") != std::string::npos;
+  if (name.find("guard") != std::string::npos) return false;
+  for (const std::string_view word : {"prop", "rotor"})
+    for (std::size_t at = name.find(word); at != std::string::npos; at = name.find(word, at + 1))
+      if (at == 0 || name[at - 1] < 'a' || name[at - 1] > 'z') return true;
+  return false;
 }
 
 /// The links of a URDF in the frame of its root link, with all joints at zero.
@@ -161,7 +167,7 @@ VehicleDescription describe_urdf(const XmlFile& file) {
     const PartPose place =
         tree.poses.at(name) * (inertial != nullptr ? urdf_origin(file, *inertial) : PartPose{});
     if (inertial != nullptr) found.parts.push_back(urdf_mass(file, *inertial, place));
-    if (is_propeller(name)) propellers.push_back({place.p});
+    if (&tree.link(name) != &tree.root() && is_propeller(name)) propellers.push_back({place.p});
   }
   if (found.parts.empty()) file.refuse(file.root(), "no <inertial>", "links with masses");
   for (const UrdfElement* const gazebo : elements_of(file.root(), "gazebo"))

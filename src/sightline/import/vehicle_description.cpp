@@ -127,8 +127,10 @@ Imported vehicle_table(const VehicleDescription& found, const XmlFile& file, con
     if (*number.second) vehicle.*number.first = **number.second;
     lines.add(key, *number.second);
   }
-  // What the file leaves open may make it fly, so that the scenario is checked once it is complete.
+  // What the file leaves open may make it fly, so that the scenario is checked once it is complete. Each
+  // number that it has is sound in any case.
   try {
+    check_parameters(vehicle);
     if (found.k_f && spins && !found.rotors.empty()) vehicle.check();
   } catch (const std::invalid_argument& error) {
     file.refuse(file.root(), "a model", fmt::format("a multirotor that flies ({})", error.what()));

@@ -66,7 +66,8 @@ void add_motor(VehicleDescription& to, const XmlFile& file, const XmlFile::Eleme
                const std::map<std::string, std::string>& joints);
 
 /// The table [agent.NAME.vehicle]. A comment in it names what the file lacks.
-/// @throws ScenarioError for a vehicle without mass, or that cannot fly although the file has all of it
+/// @throws ScenarioError for a vehicle without mass, with moments of inertia that are not finite and
+///   > 0, or that cannot fly although the file has all of it
 Imported vehicle_table(const VehicleDescription& found, const XmlFile& file, const ImportOptions& options);
 
 // Each takes the files of one model, its own and, of SDF, those that it includes.

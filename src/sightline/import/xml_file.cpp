@@ -18,6 +18,10 @@ XmlFile::XmlFile(const ImportFile& file) : name_(file.name) {
     throw ScenarioError(name_, 1, "XML without an element, expected SDF, URDF or MJCF");
 }
 
+XmlFile::~XmlFile() = default;
+
+const XmlFile::Element& XmlFile::root() const { return *document_.RootElement(); }
+
 void XmlFile::refuse(const Element& at, std::string_view text, std::string_view expected) const {
   refuse_at(at, at.Name(), text, expected);
 }

@@ -21,9 +21,11 @@ class XmlFile {
 
   /// @throws ScenarioError for a text that is no XML
   explicit XmlFile(const ImportFile& file);
+  // Both are in the library, so that its users need no tinyxml2.
+  ~XmlFile();
+  const Element& root() const;
 
   const std::string& name() const { return name_; }
-  const Element& root() const { return *document_.RootElement(); }
 
   /// `file:line: <name> = text, expected ...`
   [[noreturn]] void refuse(const Element& at, std::string_view text, std::string_view expected) const;

@@ -23,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
+constexpr double disorder_max = 0.05;                    // part of the samples of a body that are left out
 constexpr std::size_t bodies_max = 4096, topic_shown = 80;
 constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
                            odometry_type = "nav_msgs/msg/Odometry", tf_type = "tf2_msgs/msg/TFMessage",
@@ -38,39 +39,80 @@ struct NamedSample {
 
 class MessageDecoder {
  public:
-  explicit MessageDecoder(const McapMessage& message)
-      : from_(message.bytes), recorded_(nanosecond * static_cast<double>(message.log_time)) {}
+  explicit MessageDecoder(const McapMessage& message) : from_(message.bytes) {}
 
-  /// Time of the header [s]; of the recording, where the header has none.
+  /// Time of the header [s]; 0 where it has none.
   double header() {
     const auto seconds = from_.number<std::int32_t>();
     const auto nanoseconds = from_.number<std::uint32_t>();
     from_.string();
-    return seconds == 0 && nanoseconds == 0 ? recorded_ : seconds + nanosecond * nanoseconds;
+    return seconds + nanosecond * nanoseconds;
   }
   Vec3<double> vector() {
     const auto x = from_.number<double>(), y = from_.number<double>();
     return {x, y, from_.number<double>()};
   }
-  Rotation attitude() {
+  /// Empty for a quaternion of length 0: of a body of which only the position is measured.
+  std::optional<Rotation> attitude() {
     const Vec3<double> axis = vector();
-    return rotation({from_.number<double>(), axis.x, axis.y, axis.z});
+    const auto w = from_.number<double>();
+    const double length = std::sqrt(w * w + dot(axis, axis));
+    if (!(length > 0) || !std::isfinite(length)) return {};
+    return rotation({w / length, axis.x / length, axis.y / length, axis.z / length});
   }
   RecordedSample pose(double t) {
     RecordedSample sample{.t = t, .p = vector()};
     return with_heading(sample, attitude());
   }
-  static RecordedSample with_heading(RecordedSample sample, const Rotation& R) {
-    const Vec2<double> d = heading(R);
+  static RecordedSample with_heading(RecordedSample sample, const std::optional<Rotation>& R) {
+    if (!R) return sample;
+    const Vec2<double> d = heading(*R);
     sample.heading = std::atan2(d.y, d.x);
     return sample;
   }
-  double recorded() const { return recorded_; }
   CdrDecoder& from() { return from_; }
 
  private:
   CdrDecoder from_;
-  double recorded_;
+};
+
+/// The samples of a body, or the commands of a topic, as they were recorded. `told` is what they tell:
+/// one in which it is not finite is left out.
+template <auto told, class Sample>
+class Timed {
+ public:
+  void add(const Sample& sample, const McapMessage& message) {
+    const Vec3<double>& v = sample.*told;
+    if (!std::isfinite(v.x + v.y + v.z)) return;
+    all_.push_back(sample);
+    recorded_.push_back(nanosecond * static_cast<double>(message.log_time));
+    stamped_ = stamped_ || sample.t != 0;
+  }
+  /// Passes those on whose times rise. Times are those of the recording if all headers are 0: in
+  /// simulated time one header is 0 as well.
+  /// @throws std::invalid_argument if that leaves more than disorder_max of them out
+  template <class Take>
+  void each(const std::string& place, std::string_view name, Take&& take) {
+    std::size_t late = 0;
+    const Sample* last = nullptr;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (!stamped_) all_[i].t = recorded_[i];
+      if (last == nullptr || all_[i].t > last->t) {
+        last = &all_[i];
+        take(*last);
+      } else if (all_[i].t < last->t || norm(all_[i].*told - last->*told) > 0) {
+        ++late;  // and is no repetition
+      }
+    }
+    if (static_cast<double>(late) > disorder_max * static_cast<double>(all_.size()))
+      throw_invalid("{}: {} of {} messages of {} are not later than those before, expected at most {:.0f} %",
+                    place, late, all_.size(), one_line(shortened(name, topic_shown)), 100 * disorder_max);
+  }
+
+ private:
+  std::vector<Sample> all_;
+  std::vector<double> recorded_;  // [s]
+  bool stamped_ = false;
 };
 
 /// The samples of a message; empty if it is of no such type, or is damaged.
@@ -83,9 +125,10 @@ std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
     RecordedSample sample{.t = read.header()};
     read.from().string();  // frame of the body, which has the velocity
     sample.p = read.vector();
-    const Rotation R = read.attitude();
+    const std::optional<Rotation> R = read.attitude();
     for (int i = 0; i < 36; ++i) read.from().number<double>();  // covariance
-    sample.v = R.to_G(read.vector());
+    const Vec3<double> v = read.vector();
+    if (R) sample.v = R->to_G(v);
     samples.push_back({"", MessageDecoder::with_heading(sample, R)});
   } else if (message.schema == tf_type) {
     constexpr std::size_t least = 8 + 5 + 5 + 7 * sizeof(double);  // header, child, transform [bytes]
@@ -108,7 +151,7 @@ std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
 
 std::optional<VelocityCommand> command_in(const McapMessage& message) {
   MessageDecoder read(message);
-  VelocityCommand command{.t = read.recorded()};
+  VelocityCommand command;
   if (message.schema == stamped_twist_type) command.t = read.header();
   command.v = read.vector();
   command.yaw_rate = read.vector().z;
@@ -168,10 +211,11 @@ void each_message(const std::vector<fs::path>& files, Take&& take) {
                 more ? ", ..." : "");
 }
 
-/// Sets each velocity to the slope of the positions around it.
+/// Sets each velocity that is unknown to the slope of the positions around it.
 void add_velocities(RecordedMotion& motion) {
   std::size_t first = 0, end = 0;
   for (RecordedSample& at : motion) {
+    if (std::isfinite(at.v.x + at.v.y + at.v.z)) continue;
     while (motion[first].t < at.t - slope_reach) ++first;
     while (end < motion.size() && motion[end].t <= at.t + slope_reach) ++end;
     const double n = static_cast<double>(end - first);
@@ -194,6 +238,11 @@ RosBag::RosBag(const fs::path& place) : place_(place.native()) {
   std::error_code error;
   if (!fs::is_directory(place, error)) {
     files_ = {place};
+    return;
+  }
+  // What else is in the folder of a run was made of its log.
+  if (const fs::path run = place / "run.mcap"; fs::is_regular_file(run, error)) {
+    files_ = {run};
     return;
   }
   bool sqlite = false;
@@ -243,31 +292,33 @@ std::string RosBag::body_called(const std::string& name) const {
 
 RecordedMotion RosBag::motion(const std::string& called) const {
   const std::string body = body_called(called);
-  RecordedMotion motion;
+  Timed<&RecordedSample::p, RecordedSample> read;
   each_message(files_, [&](const McapMessage& message) {
     if (!body.starts_with(message.topic)) return true;
     const auto samples = samples_in(message);
     if (!samples) return false;
     for (const NamedSample& one : *samples)
-      if (body_name(message, one.name) == body) append_sample(motion, one.sample);
+      if (body_name(message, one.name) == body) read.add(one.sample, message);
     return true;
   });
+  RecordedMotion motion;
+  read.each(place_, body, [&](const RecordedSample& sample) { append_sample(motion, sample); });
   if (motion.empty()) refuse_unknown(place_, "body", one_line(body), topics().bodies);
-  if (!std::isfinite(motion.front().v.x)) add_velocities(motion);
+  add_velocities(motion);
   return motion;
 }
 
 std::vector<VelocityCommand> RosBag::commands(const std::string& topic) const {
-  std::vector<VelocityCommand> commands;
+  Timed<&VelocityCommand::v, VelocityCommand> read;
   each_message(files_, [&](const McapMessage& message) {
     if (message.topic != topic || !is_command(message)) return true;
     const auto command = command_in(message);
     if (!command) return false;
-    const bool later = commands.empty() || command->t > commands.back().t;
-    if (later && std::isfinite(command->t + command->v.x + command->v.y + command->v.z + command->yaw_rate))
-      commands.push_back(*command);
+    if (std::isfinite(command->yaw_rate)) read.add(*command, message);
     return true;
   });
+  std::vector<VelocityCommand> commands;
+  read.each(place_, topic, [&](const VelocityCommand& command) { commands.push_back(command); });
   if (commands.empty()) refuse_unknown(place_, "commands", one_line(topic), topics().commands);
   return commands;
 }

@@ -28,9 +28,10 @@ struct BagCamera {
   std::array<double, 9> K{}, R{};       ///< matrices of the camera [px] and of the rectification, row-major
 };
 
-/// A bag, one file or a folder with its files; also the log of a run or its folder. Messages are CDR,
-/// little-endian; chunks are plain or compressed by zstd or lz4. Times are those of the headers, else
-/// of the recording.
+/// A bag, one file or a folder with its files; also the log of a run or its folder, of which run.mcap
+/// counts. Messages are CDR, little-endian; chunks are plain or compressed by zstd or lz4. Times are
+/// those of the headers, or of the recording if all headers of a body are 0. A quaternion of 0 is an
+/// unknown attitude.
 ///
 /// A bag without its end is read up to the last complete chunk. Every other fault is refused.
 class RosBag {
@@ -44,10 +45,11 @@ class RosBag {
   /// The motion of a body in the frame of its messages. NAME stands for the only one of /NAME/pose and
   /// "/TOPIC:NAME". Without a velocity in the messages it is the
   /// slope of the positions within 0.05 s.
-  /// @throws std::invalid_argument as topics(), and for an unknown body
+  /// @throws std::invalid_argument as topics(), for an unknown body, and if more than 5 % of the
+  ///   messages are not later than those before
   RecordedMotion motion(const std::string& body) const;
   /// Commands with velocities in the axes of the body's heading.
-  /// @throws std::invalid_argument as topics(), and for an unknown topic
+  /// @throws std::invalid_argument as motion()
   std::vector<VelocityCommand> commands(const std::string& topic) const;
   /// Cameras by their topics.
   /// @throws std::invalid_argument as topics()
