@@ -33,6 +33,7 @@ struct IdentifyCommand {
   std::vector<std::string> columns;
   std::string body, commands;
   std::vector<std::string> flights, held_out, vehicles;
+  std::vector<const CLI::Option*> of_other_motions;  ///< what recordings of a flight do not have
   bool json = false;
 };
 
@@ -121,17 +122,41 @@ std::vector<fs::path> recordings_of(const std::string& text) {
   return files;
 }
 
+/// @throws std::invalid_argument for a recording that two flights, or two vehicles of one, have in common:
+///   what teaches does not judge
+void refuse_in_common(const IdentifyCommand& command) {
+  std::vector<fs::path> before;
+  const auto add = [&](std::string_view key, const std::string& text) {
+    for (const fs::path& file : recordings_of(text)) {
+      std::error_code ignored;  // the reading reports the error of a missing file
+      for (const fs::path& other : before) {
+        if (fs::equivalent(file, other, ignored))
+          throw std::invalid_argument(fmt::format(
+              "{} = {}: {} was given before, expected other recordings for each vehicle and flight", key,
+              text, file.native()));
+      }
+      before.push_back(file);
+    }
+  };
+  add("SCENARIO", command.of.file.native());
+  for (const std::string& text : command.flights) add("--flight", text);
+  for (const std::string& text : command.held_out) add("--held-out", text);
+}
+
 /// The downwash of vehicles above one another, from their recordings.
 int identify_flights(const IdentifyCommand& command) {
   std::optional<FolderLock> lock;
   DownwashIdentification found;
   try {
-    if (!command.of.set.empty() || !command.agent.empty() || !(command.body + command.commands).empty())
-      throw std::invalid_argument(
-          "--set, --agent, --body or --commands of recordings of a flight, expected none");
+    for (const CLI::Option* const option : command.of_other_motions) {
+      if (option->count() > 0)
+        throw std::invalid_argument(
+            fmt::format("{} of recordings of a flight, expected none", option->get_name()));
+    }
     std::vector<Vehicle> vehicles;
     for (const std::string& name : command.vehicles) vehicles.push_back(named_vehicle(name));
     if (vehicles.empty()) throw std::invalid_argument("--vehicle is missing, expected a preset or a file");
+    refuse_in_common(command);
     const auto read = [&](const std::string& text) {
       return downwash_flight(recordings_of(text), vehicles, command.columns);
     };
@@ -258,6 +283,9 @@ Execute describe_identify(CLI::App& app) {
   app.add_option("-o,--output", command->output,
                  "Folder for the results [out/NAME/identify; of a run, its own]");
   app.add_flag("--json", command->json, "JSON instead of a table");
+  for (const char* const name : {"--set", "--agent", "--excitation", "--seconds", "--height", "--radius",
+                                 "--seed", "--body", "--commands"})
+    command->of_other_motions.push_back(app.get_option(name));
   return [command](const Registry& registry, char**) { return identify(*command, registry); };
 }
 

@@ -22,17 +22,19 @@ using testing::HasSubstr;
 
 constexpr double scale = 0.8, thrust_lag = 0.06;
 
-/// Two small vehicles for 30 s. The upper one moves on a Lissajous figure around the place above the
+/// Two small vehicles. The upper one moves on a Lissajous figure around the place above the
 /// other, whose thrust holds its height and which the air pushes by `pushed`.
 /// @param sigma  of the measured acceleration [m/s^2]
-DownwashFlight crossing(Random& random, double sigma, double pushed = scale) {
+/// @param lag    of the thrust [s]
+DownwashFlight crossing(Random& random, double sigma, double pushed = scale, double lag = thrust_lag,
+                        double seconds = 30.0) {
   const Vehicle vehicle = Vehicle::crazyflie();
   RotorRecord upper{.name = "upper", .vehicle = vehicle}, lower{.name = "lower", .vehicle = vehicle};
   std::normal_distribution<double> noise(0.0, sigma);
   constexpr double step = 0.001, c = 30.0;
   const double drag = vehicle.drag.z / vehicle.mass, phase = uniform(random, 0.0, 1.0);
   double z = 0.5, v_z = 0.0, thrust = gravity / c;
-  for (int i = 0; i < 30'000; ++i) {
+  for (int i = 0; step * i < seconds; ++i) {
     const double t = step * i, a = 1.1 * t + phase, b = 1.7 * t + 2 * phase;
     const Vec3<double> p = {0.4 * std::sin(a), 0.2 * std::sin(b), 0.9};
     const Vec3<double> v = {0.44 * std::cos(a), 0.34 * std::cos(b), 0.0};
@@ -53,7 +55,7 @@ DownwashFlight crossing(Random& random, double sigma, double pushed = scale) {
         one->power.push_back(below ? power : gravity / c);
       }
     }
-    thrust += step / thrust_lag * (power - thrust);
+    thrust += step / lag * (power - thrust);
     v_z += step * (a_z - gravity);
     z += step * v_z;
   }
@@ -149,6 +151,26 @@ TEST(DownwashFit, RefusesFlightsThatShowNoDownwash) {
   DownwashFlight aside = crossing(random, 0.1);
   for (Vec3<double>& p : aside[0].p) p.x += 5.0;
   EXPECT_THAT(refusal_of([&] { identify_downwash({aside}); }), HasSubstr("no vehicle is in the downwash"));
+  DownwashFlight once = crossing(random, 0.1);
+  for (std::size_t k = 0; k < once[0].t.size(); ++k) {
+    const bool above = once[0].t[k] > 8 && once[0].t[k] < 10;
+    once[0].p[k] = {above ? 0.0 : 5.0, 0, 0.9}, once[0].v[k] = {0, 0, 0};
+  }
+  EXPECT_THAT(
+      refusal_of([&] { identify_downwash({once}); }),
+      "without fifth 2 of the flight, vehicles were in the downwash for 0 s, expected at least 0.5 s: give "
+      "another flight");
+  EXPECT_THAT(refusal_of([&] {
+                identify_downwash({crossing(random, 0.1), aside});
+              }),
+              HasSubstr("without flight 0, vehicles were in the downwash for 0 s"));
+  EXPECT_THAT(refusal_of([&] { identify_downwash({crossing(random, 0.1)}, {aside}); }),
+              HasSubstr("no vehicle is in the downwash"));
+  EXPECT_THAT(
+      refusal_of([&] {
+        identify_downwash({crossing(random, 0.05, scale, thrust_lag, 90.0), crossing(random, 0.05, -0.1)});
+      }),
+      HasSubstr("without flight 0, the downwash is -0.1"));
   DownwashFlight another_time = crossing(random, 0.1);
   for (double& t : another_time[0].t) t += 100.0;
   EXPECT_THAT(refusal_of([&] { identify_downwash({another_time}); }), HasSubstr("of one clock"));
@@ -156,6 +178,37 @@ TEST(DownwashFit, RefusesFlightsThatShowNoDownwash) {
   for (Vec3<double>& p : never_calm[0].p) p = {0, 0, 0.9};
   EXPECT_THAT(refusal_of([&] { identify_downwash({crossing(random, 0.1)}, {never_calm}); }),
               HasSubstr("lower was outside of the downwash for 0 s, expected at least 2 s"));
+}
+
+/// The flight with one more vehicle. It cuts its motors 0.05 s before it is under the upper one: by a lag of
+/// its thrust above 0.15 s it would still fly there, by a shorter one not.
+DownwashFlight with_one_that_lands(const DownwashFlight& flight) {
+  const RotorRecord& upper = flight[0];
+  RotorRecord lands = upper;
+  lands.name = "lands";
+  std::size_t under = 1000;
+  while (std::hypot(upper.p[under].x - 0.35, upper.p[under].y) > 0.05) ++under;
+  for (std::size_t k = 0; k < lands.t.size(); ++k) {
+    lands.p[k] = {k < under ? 5.0 : 0.35, 0, 0.5};
+    lands.v[k] = {0, 0, 0};
+    if (k + 5 >= under) lands.power[k] = lands.a_z[k] = 0.0;
+  }
+  return {upper, lands, flight[1]};
+}
+
+TEST(DownwashFit, WhoCutsItsMotorsBeforeAPassDoesNotCountAtAnyLag) {
+  Random random(6);
+  const DownwashFlight fast = crossing(random, 0.05, scale, 0.03), slow = crossing(random, 0.05, scale, 0.25);
+  const DownwashIdentification two = identify_downwash({fast, slow}),
+                               three = identify_downwash({with_one_that_lands(fast), slow});
+  EXPECT_DOUBLE_EQ(three.scale, two.scale);
+  ASSERT_EQ(three.errors.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(three.errors[i].robot, "lower");
+    EXPECT_EQ(three.errors[i].flight, static_cast<int>(i));
+    EXPECT_EQ(three.errors[i].all.samples, two.errors[i].all.samples);
+    EXPECT_DOUBLE_EQ(three.errors[i].all.with, two.errors[i].all.with);
+  }
 }
 
 TEST(DownwashFit, TableAndJsonSayTheSameAndTheKeysAreThoseOfAScenario) {

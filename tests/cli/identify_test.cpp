@@ -42,13 +42,15 @@ TEST(IdentifyCommand, FliesAnExcitationAndPrintsATemplate) {
 }
 
 /// Two vehicles, the upper one to and fro above the other, which the air pushes; their tables.
-std::string crossing_tables(const fs::path& folder) {
+/// @param rate  of its way to and fro [rad/s]
+std::string crossing_tables(const fs::path& folder, double rate = 1.0) {
+  fs::create_directories(folder);
   std::ofstream lower(folder / "lower.csv"), upper(folder / "upper.csv");
   constexpr std::string_view names = "t,x,y,z,vx,vy,vz,az,qx,qy,qz,qw,pwm1\n";
   lower << names, upper << names;
   const Vehicle vehicle = Vehicle::crazyflie();
   for (int k = 0; k < 1500; ++k) {
-    const double t = 0.01 * k, x = 0.4 * std::sin(t), v = 0.4 * std::cos(t);
+    const double t = 0.01 * k, x = 0.4 * std::sin(rate * t), v = 0.4 * rate * std::cos(rate * t);
     const Jet jet{.p = {x, 0, 0.9},
                   .thrust = vehicle.weight(),
                   .radius2 = 4 * square(vehicle.rotor_radius),
@@ -62,7 +64,8 @@ std::string crossing_tables(const fs::path& folder) {
 
 TEST(IdentifyCommand, FitsTheDownwashOfVehiclesAboveOneAnother) {
   const fs::path folder = fresh_folder();
-  const std::string flight = crossing_tables(folder);
+  const std::string flight = crossing_tables(folder), second = crossing_tables(folder / "second", 0.9),
+                    third = crossing_tables(folder / "third", 1.2);
   std::ofstream(folder / "small.toml") << "preset = \"crazyflie\"\n";
   const std::string vehicles = " --vehicle crazyflie," + (folder / "small.toml").string(),
                     out = " -o " + (folder / "out").string();
@@ -72,13 +75,23 @@ TEST(IdentifyCommand, FitsTheDownwashOfVehiclesAboveOneAnother) {
   const json alone = json::parse(read_file(folder / "out/identify.json"));
   EXPECT_NEAR(alone.at("downwash").get<double>(), 0.9, 0.01);
   const auto judged = sightline(
-      "identify " + flight + vehicles + out + " --json --flight " + flight + " --held-out " + flight, folder);
+      "identify " + flight + vehicles + out + " --json --flight " + second + " --held-out " + third, folder);
   EXPECT_EQ(judged.code, 0) << judged.err;
   EXPECT_EQ(json::parse(judged.out).at("judged_on"), "held-out flights");
 
   EXPECT_THAT(test::refused("identify " + flight, folder), HasSubstr("--vehicle is missing"));
-  EXPECT_THAT(test::refused("identify " + flight + vehicles + " --agent uav0", folder),
-              HasSubstr("--agent, --body or --commands of recordings of a flight, expected none"));
+  for (const std::string option : {"--agent uav0", "--set duration=3", "--excitation steps", "--seconds 20",
+                                   "--height 2", "--radius 3", "--seed 1", "--body cf1", "--commands /cmd"})
+    EXPECT_THAT(test::refused("identify " + flight + vehicles + " " + option, folder),
+                HasSubstr(option.substr(0, option.find(' ')) + " of recordings of a flight, expected none"));
+  const std::string same = (folder / "second/../lower.csv").string() + "," + (folder / "upper.csv").string();
+  for (const std::string option : {"--flight ", "--held-out "})
+    EXPECT_THAT(
+        test::refused("identify " + flight + vehicles + " " + option + same, folder),
+        AllOf(HasSubstr(option + "= " + same), HasSubstr("second/../lower.csv was given before, expected")));
+  EXPECT_THAT(test::refused("identify " + flight + vehicles + " --flight " + second + " --held-out " + second,
+                            folder),
+              HasSubstr("--held-out = "));
   EXPECT_THAT(test::refused("identify " + scenario(folder).string() + vehicles, folder),
               HasSubstr("expected the recordings FILE,FILE of a flight"));
   std::ofstream(folder / "small.toml") << "mas = 1.0\n";

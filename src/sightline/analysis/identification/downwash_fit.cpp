@@ -16,8 +16,10 @@ namespace {
 constexpr double gap_most = 0.2;                    // between samples of a vehicle that are interpolated [s]
 constexpr double flies_from = 0.7;                  // of its weight, the thrust from which a vehicle flies
 constexpr double calm_least = 2.0;                  // outside of the downwash, for c [s]
+constexpr double inside_least = 0.5;                // in the downwash, for a scale that predicts others [s]
 constexpr double cluster_time = 1.0;                // over which residuals correlate [s]
 constexpr double lag_step = 0.005, lag_most = 0.3;  // [s]
+constexpr double lag_usual = 0.1;                   // that decides who flies, and who is in the downwash [s]
 constexpr int fifths = 5;
 constexpr double quantile_95 = 1.96;  // 97.5 % quantile of the normal distribution
 
@@ -41,23 +43,41 @@ double usual_c(const RotorRecord& record, const std::vector<double>& thrust) {
   return ratios.empty() ? 0.0 : quantile(ratios, 0.5);
 }
 
+/// Thrust of each vehicle of a flight, were there no downwash: c times that per c.
+struct FlightThrust {
+  std::vector<std::vector<double>> per_c{};
+  std::vector<double> c{};
+
+  FlightThrust(const DownwashFlight& flight, double lag) {
+    for (const RotorRecord& one : flight) {
+      per_c.push_back(lagged(one, lag));
+      c.push_back(usual_c(one, per_c.back()));
+    }
+  }
+};
+
 /// What one vehicle contributes: y = c S - scale D + e, row by row.
 struct BelowOthers {
   std::string robot{};
   int flight = 0;
   std::vector<double> t{}, y{}, S{}, D{};
+  std::vector<bool> calm{};  ///< whether it is outside of the downwash
 
   std::size_t size() const { return t.size(); }
+
+  /// Of the rows for which `counts(k)` holds [s].
+  template <class Counts>
+  double seconds(Counts&& counts) const {
+    double sum = 0.0;
+    for (std::size_t k = 1; k < size(); ++k) sum += counts(k) ? std::min(t[k] - t[k - 1], gap_most) : 0.0;
+    return sum;
+  }
 };
 
-/// The rows of the vehicles that were below another one, at this lag.
+/// The rows of the vehicles that were below another one. Which they are is decided by the usual lag, so
+/// that fits at different lags are of the same rows.
 std::vector<BelowOthers> rows_of(const DownwashFlight& flight, int number, double lag) {
-  std::vector<std::vector<double>> thrust;
-  std::vector<double> c;
-  for (const RotorRecord& one : flight) {
-    thrust.push_back(lagged(one, lag));
-    c.push_back(usual_c(one, thrust.back()));
-  }
+  const FlightThrust at_lag(flight, lag), usual(flight, lag_usual);
   std::vector<BelowOthers> all;
   for (std::size_t i = 0; i < flight.size(); ++i) {
     const RotorRecord& below = flight[i];
@@ -66,8 +86,8 @@ std::vector<BelowOthers> rows_of(const DownwashFlight& flight, int number, doubl
     BelowOthers rows{.robot = below.name, .flight = number};
     bool inside = false;
     for (std::size_t k = 0; k < below.t.size(); ++k) {
-      double w = 0.0;
-      bool known = c[i] * thrust[i][k] > flies_from * gravity;
+      double w = 0.0, usual_w = 0.0;
+      bool known = usual.c[i] * usual.per_c[i][k] > flies_from * gravity;
       for (std::size_t j = 0; j < flight.size(); ++j) {
         if (j == i) continue;
         const RotorRecord& above = flight[j];
@@ -78,35 +98,53 @@ std::vector<BelowOthers> rows_of(const DownwashFlight& flight, int number, doubl
         const double share = (below.t[k] - above.t[next - 1]) / (above.t[next] - above.t[next - 1]);
         const auto between = [&](const auto& of) { return of[next - 1] + share * (of[next] - of[next - 1]); };
         const Vehicle& rotors = above.vehicle;
-        const Jet jet{.p = between(above.p),
-                      .down = -1.0 * between(above.up),
-                      .thrust = std::max(0.0, rotors.mass * c[j] * between(thrust[j])),
-                      .radius2 = static_cast<double>(rotors.rotors()) * square(rotors.rotor_radius),
-                      .v = between(above.v)};
-        w -= jet.air(below.p[k]).z;
+        Jet jet{.p = between(above.p),
+                .down = -1.0 * between(above.up),
+                .radius2 = static_cast<double>(rotors.rotors()) * square(rotors.rotor_radius),
+                .v = between(above.v)};
+        const auto down = [&](const FlightThrust& by) {
+          jet.thrust = std::max(0.0, rotors.mass * by.c[j] * between(by.per_c[j]));
+          return -jet.air(below.p[k]).z;
+        };
+        w += down(at_lag), usual_w += down(usual);
       }
       if (!known) continue;
       rows.t.push_back(below.t[k]);
       rows.y.push_back(below.a_z[k] + drag * below.v[k].z);
-      rows.S.push_back(thrust[i][k] * below.up[k].z);
+      rows.S.push_back(at_lag.per_c[i][k] * below.up[k].z);
       rows.D.push_back(drag * w);
-      inside = inside || rows.D.back() > downwash_calm;
+      rows.calm.push_back(!(drag * usual_w > downwash_calm));
+      inside = inside || !rows.calm.back();
     }
     if (inside) all.push_back(std::move(rows));
   }
   return all;
 }
 
+/// @throws std::invalid_argument if no vehicle is in the downwash of another, or one that is has too few
+///   rows outside for its c
 std::vector<BelowOthers> rows_of(const std::vector<DownwashFlight>& flights, double lag) {
   std::vector<BelowOthers> all;
   for (std::size_t f = 0; f < flights.size(); ++f) {
     for (BelowOthers& one : rows_of(flights[f], static_cast<int>(f), lag)) all.push_back(std::move(one));
+  }
+  if (all.empty())
+    throw_invalid(
+        "no vehicle is in the downwash of another, which would accelerate it by more than {} m/s^2: expected "
+        "vehicles above one another, of one clock",
+        downwash_calm);
+  for (const BelowOthers& rows : all) {
+    const double calm = rows.seconds([&](std::size_t k) { return rows.calm[k]; });
+    if (!(calm >= calm_least))
+      throw_invalid("{} was outside of the downwash for {:.3g} s, expected at least {} s", rows.robot, calm,
+                    calm_least);
   }
   return all;
 }
 
 /// Which part of the rows a fold leaves out: a flight, or a fifth of the only one.
 struct Fold {
+  std::string without{};  ///< the beginning of a sentence on the rows that it keeps
   int flight = -1;
   double from = -infinity, to = infinity;  // [s]
 
@@ -184,7 +222,6 @@ double scale_interval(const std::vector<RowsAtLag>& lags, std::size_t best, cons
   const std::size_t next = best + 1 < lags.size() ? best + 1 : best - 1;
   const std::vector<BelowOthers>& here = lags[best].rows;
   const std::vector<BelowOthers>& there = lags[next].rows;
-  if (here.size() != there.size()) return infinity;
   std::vector<double> D, S, slope, e;
   std::vector<int> cluster;
   int clusters = 0;
@@ -192,13 +229,11 @@ double scale_interval(const std::vector<RowsAtLag>& lags, std::size_t best, cons
     const BelowOthers &a = here[i], &b = there[i];
     const std::size_t from = D.size();
     double end = -infinity;
-    for (std::size_t k = 0, other = 0; k < a.size(); ++k) {
-      while (other < b.size() && b.t[other] < a.t[k]) ++other;
-      const bool in_both = other < b.size() && b.t[other] == a.t[k];
+    for (std::size_t k = 0; k < a.size(); ++k) {
       if (!(a.t[k] < end)) ++clusters, end = a.t[k] + cluster_time;
       D.push_back(a.D[k]), S.push_back(a.S[k]), cluster.push_back(clusters - 1);
       e.push_back(a.y[k] - fit.c[i] * a.S[k] + fit.scale * a.D[k]);
-      slope.push_back(in_both ? fit.c[i] * (b.S[other] - a.S[k]) - fit.scale * (b.D[other] - a.D[k]) : 0.0);
+      slope.push_back(fit.c[i] * (b.S[k] - a.S[k]) - fit.scale * (b.D[k] - a.D[k]));
     }
     remove_along(D, S, from, D.size());
     remove_along(slope, S, from, D.size());
@@ -225,15 +260,10 @@ struct Predicted {
 /// Predictions for the rows of the fold by the scale of others. c is that of all samples of the vehicle
 /// that are outside of the downwash.
 std::vector<Predicted> predict(const BelowOthers& rows, double scale, const Fold& fold) {
-  double SS = 0.0, Sy = 0.0, seconds = 0.0;
+  double SS = 0.0, Sy = 0.0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (rows.D[k] > downwash_calm) continue;
-    SS += square(rows.S[k]), Sy += rows.S[k] * rows.y[k];
-    if (k > 0) seconds += std::min(rows.t[k] - rows.t[k - 1], gap_most);
+    if (rows.calm[k]) SS += square(rows.S[k]), Sy += rows.S[k] * rows.y[k];
   }
-  if (!(seconds >= calm_least))
-    throw_invalid("{} was outside of the downwash for {:.3g} s, expected at least {} s", rows.robot, seconds,
-                  calm_least);
   std::vector<Predicted> all;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (!fold.has(rows, k)) continue;
@@ -282,19 +312,31 @@ DownwashErrors means(DownwashErrors sums) {
 }
 
 /// The folds of a cross-validation: each flight, or each fifth of the only one.
+/// @throws std::invalid_argument if the rows that a fold keeps are too few in the downwash for a scale
 std::vector<Fold> folds_of(const std::vector<BelowOthers>& all, std::size_t flights) {
   std::vector<Fold> folds;
   if (flights > 1) {
-    for (std::size_t f = 0; f < flights; ++f) folds.push_back({.flight = static_cast<int>(f)});
-    return folds;
+    for (int f = 0; size(f) < flights; ++f)
+      folds.push_back({.without = fmt::format("without flight {}, ", f), .flight = f});
+  } else {
+    double begin = infinity, end = -infinity;
+    for (const BelowOthers& rows : all)
+      begin = std::min(begin, rows.t.front()), end = std::max(end, rows.t.back());
+    for (int i = 0; i < fifths; ++i)
+      folds.push_back({.without = fmt::format("without fifth {} of the flight, ", i + 1),
+                       .flight = 0,
+                       .from = i == 0 ? -infinity : begin + (end - begin) * i / fifths,
+                       .to = i + 1 == fifths ? infinity : begin + (end - begin) * (i + 1) / fifths});
   }
-  double begin = infinity, end = -infinity;
-  for (const BelowOthers& rows : all)
-    begin = std::min(begin, rows.t.front()), end = std::max(end, rows.t.back());
-  for (int i = 0; i < fifths; ++i)
-    folds.push_back({.flight = 0,
-                     .from = i == 0 ? -infinity : begin + (end - begin) * i / fifths,
-                     .to = i + 1 == fifths ? infinity : begin + (end - begin) * (i + 1) / fifths});
+  for (const Fold& fold : folds) {
+    double inside = 0.0;
+    for (const BelowOthers& rows : all)
+      inside += rows.seconds([&](std::size_t k) { return !rows.calm[k] && !fold.has(rows, k); });
+    if (!(inside >= inside_least))
+      throw_invalid(
+          "{}vehicles were in the downwash for {:.3g} s, expected at least {} s: give another flight",
+          fold.without, inside, inside_least);
+  }
   return folds;
 }
 
@@ -318,15 +360,15 @@ DownwashBound bound_without(const std::vector<FoldPredictions>& folds, std::opti
 
 double seconds_of(const std::vector<BelowOthers>& all) {
   double seconds = 0.0;
-  for (const BelowOthers& rows : all) {
-    for (std::size_t k = 1; k < rows.size(); ++k) seconds += std::min(rows.t[k] - rows.t[k - 1], gap_most);
-  }
+  for (const BelowOthers& rows : all) seconds += rows.seconds([](std::size_t) { return true; });
   return seconds;
 }
 
-constexpr std::string_view not_below =
-    "no vehicle is in the downwash of another, which would accelerate it by more than {} m/s^2: expected "
-    "vehicles above one another, of one clock";
+void refuse_no_downwash(const ScaleFit& fit, const std::string& place) {
+  if (!(fit.scale > 0))
+    throw_invalid("{}the downwash is {:.3g} of that of momentum theory, expected one above 0", place,
+                  fit.scale);
+}
 
 }  // namespace
 
@@ -337,8 +379,9 @@ double DownwashBound::at(double d) const {
 DownwashIdentification identify_downwash(const std::vector<DownwashFlight>& flights,
                                          const std::vector<DownwashFlight>& held_out) {
   const std::vector<RowsAtLag> lags = all_lags(flights);
+  const std::vector<Fold> folds = folds_of(lags.front().rows, flights.size());
   const auto [best, fit] = best_fit(lags);
-  if (fit.c.empty()) throw_invalid(not_below, downwash_calm);
+  refuse_no_downwash(fit, "");
   DownwashIdentification found{.scale = fit.scale, .lag = lags[best].lag};
   const std::vector<BelowOthers>& rows = lags[best].rows;
   found.seconds = seconds_of(rows);
@@ -352,11 +395,10 @@ DownwashIdentification identify_downwash(const std::vector<DownwashFlight>& flig
     throw_invalid("{}; check mass, rotors and drag of the vehicles", error.what());
   }
 
-  const std::vector<Fold> folds = folds_of(rows, flights.size());
   std::vector<FoldPredictions> predictions;
   for (const Fold& fold : folds) {
     const auto [at, others] = best_fit(lags, fold);
-    if (others.c.empty()) throw_invalid(not_below, downwash_calm);
+    refuse_no_downwash(others, fold.without);
     predictions.push_back(predict(lags[at].rows, others.scale, fold));
   }
   found.bound = bound_without(predictions, {});
@@ -368,7 +410,6 @@ DownwashIdentification identify_downwash(const std::vector<DownwashFlight>& flig
         add(sums, sample, found.bound);
       found.errors.push_back(means(sums));
     }
-    if (found.errors.empty()) throw_invalid(not_below, downwash_calm);
     return found;
   }
   found.judged_on =

@@ -60,7 +60,8 @@ struct DownwashIdentification {
 ///
 /// by least squares, with w_j the downward speed of Jet below vehicle j, whose thrust is that of the
 /// same model. c is a number of each vehicle and flight. The model without downwash has scale = 0 and
-/// is otherwise the same; c is that of the samples outside of the downwash.
+/// is otherwise the same; c is that of the samples outside of the downwash. Samples of vehicles with less
+/// than 0.7 of their weight as thrust, at a lag of 0.1 s, are left out.
 ///
 /// The interval of the scale is the wider of two, for independent residuals and for residuals that are
 /// correlated within 1 s; both account for the uncertainty of the lag. The bound is that of
@@ -69,7 +70,8 @@ struct DownwashIdentification {
 /// @param held_out  flights that judge alone; none: each flight, or fifth of the only one, by the
 ///   numbers and the bound of the others
 /// @throws std::invalid_argument for flights without a vehicle in the downwash of another, without 2 s
-///   outside of it, and for a scale that is not above 0
+///   outside of it; if without one of the flights, or of the fifths of the only one, less than 0.5 s in
+///   the downwash is left; and for a scale that is not above 0
 DownwashIdentification identify_downwash(const std::vector<DownwashFlight>& flights,
                                          const std::vector<DownwashFlight>& held_out = {});
 
