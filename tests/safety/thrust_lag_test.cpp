@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <deque>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "sightline/barrier.hpp"
@@ -351,22 +352,26 @@ TEST(ThrustLag, CountedByTheBarrierNoAdversaryComesBelowTheHardDistance) {
   }
 }
 
-// Plans for walls omit yaw and climb, which cost up to the margin.
 TEST(ThrustLag, ABoundOfTheWorldIsKeptAlsoByAVehicleThatSpinsAndClimbs) {
   Random random(5);
   for (int i = 0; i < runs(2000, 50); ++i) {
     const LaggingHoverMultirotor m = any_vehicle(random);
-    const Barrier filter(m, lowest, highest, control_period,
-                         {.floor = 0.5, .world = 6.0, .wall_margin = 0.02});
+    const Barrier filter(m, lowest, highest, control_period, {.floor = 0.5, .world = 6.0});
     LaggedVehicle robot(m);
     robot.psi = uniform(random, -3.2, 3.2);
+    const bool climbs = i % 4 < 2;
     double farthest = 0.0, lowest_height = infinity;
     for (int k = 0; k < 800; ++k) {
       VehicleInput u =
           test::towards({robot.p.x, robot.p.y, robot.p.z, std::cos(robot.psi), std::sin(robot.psi)},
-                        {9.0, 0.0, k / 50 % 2 == 0 ? 9.0 : 0.0});
+                        {9.0, 0.0,
+                         !climbs           ? robot.p.z
+                         : k / 50 % 2 == 0 ? 9.0
+                                           : 0.0});
       if (i % 2 == 0) u[3] = k / 30 % 2 == 0 ? 1 : -1;
-      (void)filter.filter(robot.state(), {}, lowest, highest, u);
+      const BarrierResult result = filter.filter(robot.state(), {}, lowest, highest, u);
+      EXPECT_LE(result.violation, climbs ? 1e-3 : 1e-5) << i << ", " << k;
+      EXPECT_TRUE(climbs || !result.conflict) << i << ", " << k;
       robot.fly(u, {}, [&](const Vec3<double>& p) {
         farthest = std::max(farthest, p.x), lowest_height = std::min(lowest_height, p.z);
       });
@@ -375,6 +380,78 @@ TEST(ThrustLag, ABoundOfTheWorldIsKeptAlsoByAVehicleThatSpinsAndClimbs) {
     EXPECT_GE(farthest, 5.5) << i;
     EXPECT_GE(lowest_height, 0.5 - 1e-4) << i;
   }
+}
+
+TEST(ThrustLag, APushTowardsABoundOfTheWorldDoesNotExceedIt) {
+  const LaggingHoverMultirotor m = LaggingHoverMultirotor::x500();
+  for (const auto& [w, aim] : {std::pair(0.0, 4.0), {0.2, 4.0}, {0.5, 4.0}, {0.2, 9.0}, {0.5, 9.0}}) {
+    const Barrier filter(m, lowest, highest, control_period, {.world = 4.0, .residual_acceleration = w});
+    LaggedVehicle robot(m);
+    double farthest = 0.0;
+    for (int k = 0; k < 1500; ++k) {
+      VehicleInput u = test::towards({robot.p.x, robot.p.y, robot.p.z, 1, 0}, {aim, 0.0, 2.0});
+      const BarrierResult result = filter.filter(robot.state(), {}, lowest, highest, u);
+      EXPECT_LE(result.violation, aim > 4.0 ? 1e-3 : 1e-5) << w << ", " << aim << ", " << k;
+      robot.fly(u, {w, 0}, [&](const Vec3<double>& p) { farthest = std::max(farthest, p.x); });
+    }
+    std::printf("residual %.1f m/s^2: %+.6f m beyond the bound\n", w, farthest - 4.0);
+    EXPECT_LE(farthest, 4.0 + 1e-3) << w << ", " << aim;
+    EXPECT_GE(farthest, 3.9) << w << ", " << aim;
+  }
+}
+
+TEST(ThrustLag, ABodyFarAwayDoesNotHinderAYawThatTurnsBack) {
+  const LaggingHoverMultirotor m = LaggingHoverMultirotor::x500();
+  const Barrier filter(m, lowest, highest, control_period);
+  for (const double distance : {2.0, 50.0}) {
+    const Neighbour other{.p = {distance, 0, 2}, .d_hard = 1.0, .speed_max = 1.0};
+    LaggedVehicle robot(m);
+    for (int k = 0; k < 300; ++k) {
+      const VehicleInput wanted = {0.3, -0.2, 0, k / 30 % 2 == 0 ? 1.0 : -1.0};
+      VehicleInput u = wanted;
+      const BarrierResult result = filter.filter(robot.state(), {&other, 1}, lowest, highest, u);
+      EXPECT_EQ(result.neighbour, 0) << k;
+      if (distance > 2.0) {
+        EXPECT_EQ(u, wanted) << k;
+      }
+      robot.fly(u, {}, [](const Vec3<double>&) {});
+    }
+  }
+}
+
+// A manoeuvre gives up the separate plans, whose rows would turn its thrust.
+TEST(ThrustLag, AnEvasiveManeuverIsFlownWithItsWholeThrust) {
+  const LaggingHoverMultirotor m = LaggingHoverMultirotor::x500();
+  const Barrier filter(m, lowest, highest, control_period, {.floor = 1.7, .ceiling = 2.3});
+  const double b = authority_of(m, lowest, highest).acceleration;
+  Random random(7);
+  int flown = 0;
+  for (int i = 0; i < 20; ++i) {
+    LaggedVehicle robot = any_state(m, random);
+    robot.rate = 0.0;
+    std::vector<Neighbour> ring;
+    for (int n = 0; n < 5; ++n) {
+      const double angle = 2 * std::numbers::pi / 5 * n + uniform(random, 0, 0.5);
+      const Vec2<double> at = {2.5 * std::cos(angle), 2.5 * std::sin(angle)};
+      ring.push_back({.p = {at.x, at.y, uniform(random, 1.7, 2.3)}, .d_hard = 0.6, .speed_max = 1.0});
+    }
+    EvasiveManeuver maneuver;
+    for (int k = 0; k < 200; ++k) {
+      VehicleInput u{};
+      (void)filter.filter(robot.state(), ring, lowest, highest, u, maneuver);
+      const double thrust = norm(m.b_f * u[0], m.b_s * u[1]);
+      if (maneuver.taken && thrust > 1e-3) {
+        EXPECT_NEAR(thrust, b, 1e-3 * b) << i << ", " << k;
+        ++flown;
+      }
+      robot.fly(u, {}, [](const Vec3<double>&) {});
+      for (Neighbour& n : ring) {
+        const Vec3<double> r = robot.p - n.p;
+        n.p = n.p + (control_period * n.speed_max / norm(r)) * r;
+      }
+    }
+  }
+  EXPECT_GE(flown, 100);
 }
 
 }  // namespace

@@ -32,16 +32,18 @@ BarrierPeriod begin(const BarrierLaw& law, std::span<const double> x, std::span<
                     std::span<const Neighbour> neighbours) {
   const Sight<double> seen = law.model.sight(x.data(), u.data()), self = law.settled(seen);
   const Lagging late = law.lagging(x, seen);
+  const double beside = std::abs(seen.p.z - self.p.z);
   return {.x = x,
           .u_min = {},
           .u_max = {},
           .neighbours = neighbours,
           .self = self,
           .part = 1.0,
-          .beside = std::abs(seen.p.z - self.p.z),
+          .beside = beside,
           .lagging = late,
           .p_z = seen.p.z,
           .leading = law.leading(self.p, {self.v.x, self.v.y}, late),
+          .settling = law.settling_of_leading(beside, late.rate),
           .threats = {},
           .rows = {},
           .heights = {},
@@ -145,10 +147,13 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   std::array<double, most_inputs> nominal{};
   std::copy(u.begin(), u.end(), nominal.begin());
   NextState after = law.next(x, u);
-  constexpr double turns = 1e-6;  // [rad/s]
-  now.turn_side =
-      std::copysign(1.0, std::abs(now.lagging.rate) > turns ? now.lagging.rate : after.lagging.rate);
-  add_neighbours(law, Heeded::all, now);
+  const auto side = [](double at, double then) {
+    constexpr double slight = 1e-6;
+    return std::copysign(1.0, std::abs(at) > slight ? at : then);
+  };
+  now.turn_side = side(now.lagging.rate, after.lagging.rate);
+  now.beside_side = side(now.p_z - now.self.p.z, after.beside);
+  add_neighbours(law, now);
   add_walls(law, std::isfinite(joint) ? Approach::at_once : Approach::slowing, now);
   if (law.can.thrust_lag > 0) add_cuts(law, after, now);
 
@@ -169,7 +174,8 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     if (choose_maneuver(law, now, after, contradicted, maneuver)) {
       fly_maneuver(law, now, maneuver, u);
       now.rows.clear();
-      add_neighbours(law, Heeded::members, now);
+      now.heeded = Heeded::members;
+      add_neighbours(law, now);
       add_walls(law, Approach::at_once, now);
       after = law.next(x, u);
       result.violation = 0.0;
@@ -194,10 +200,12 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   result.conflict =
       result.violation > corrected && (!planned || std::any_of(now.rows.begin(), now.rows.end(), is_missed));
   result.active = result.active || !std::equal(u.begin(), u.end(), nominal.begin());
-  const auto looser = [&](const BarrierRow& a, const BarrierRow& b) {
-    return a.missed(after) < b.missed(after);
-  };
-  if (const auto tightest = std::max_element(now.rows.begin(), now.rows.end(), looser); !now.rows.empty()) {
+  const BarrierRow* tightest = nullptr;
+  for (const BarrierRow& row : now.rows) {
+    if (row.threat < 0 && row.wall == Wall::none) continue;  // of the robot's own rate or climb
+    if (tightest == nullptr || tightest->missed(after) < row.missed(after)) tightest = &row;
+  }
+  if (tightest != nullptr) {
     if (tightest->threat >= 0)
       result.neighbour = now.threats[static_cast<std::size_t>(tightest->threat)].neighbour;
     result.wall = tightest->wall;

@@ -58,6 +58,8 @@ struct CommandCheck {
   /// of the plan.
   double left_of_chases(const Flown& flown) const {
     const NextState& after = flown.after;
+    // The flown motion contains what settles.
+    const double settled = law.settling(now.beside, now.lagging.rate);
     double least = infinity;
     Bounded<Tube, most_neighbours> rest;
     Bounded<const Threat*, most_neighbours> of;
@@ -68,8 +70,8 @@ struct CommandCheck {
       for (std::size_t k = 0; k < flown.between.size(); ++k) {
         const double s = law.dt * static_cast<double>(k + 1) / law.parts;
         const Vec3<double> q = tube.r + (flown.between[k] - now.self.p) - s * tube.drift;
-        const double rho =
-            tube.rho0 - now.beside + s * (tube.speed + 0.5 * tube.growth * s) + tube.spread * law.plans.E(s);
+        const double rho = tube.rho0 - now.beside + s * (tube.speed + 0.5 * tube.growth * s) +
+                           (tube.spread - settled) * law.plans.E(s);
         least = std::min(least, norm(q) - rho - wanted);
       }
       rest.push_back(rest_of(law, now, tube, after));
@@ -135,19 +137,22 @@ struct CommandCheck {
   /// within the period. A bound that is already exceeded must not be exceeded further.
   double left_of_walls(const Flown& flown) const {
     constexpr double touched = 1e-6;  // [m]
+    const double astray = law.options.residual_acceleration * law.plans.F(law.options.command_delay + law.dt);
     const BarrierLaw::Point after = law.leading(flown.after.p, flown.after.v, flown.after.lagging);
+    const BarrierLaw::Deviation settling =
+        law.settling_of_leading(flown.after.beside, flown.after.lagging.rate);
     double least = infinity;
     for (const BoundPlane& plane : now.planes) {
-      const double here = law.braked(plane, now.leading.p, now.leading.v, now.part);
+      const double here = law.braked(plane, now.leading, now.settling, now.part);
       const double wanted = here > 0 ? (1.0 - law.options.rate * law.dt) * here : here;
       const double p_off = law.next_predicted.p - law.predicted.p,
                    v_off = law.next_predicted.v - law.predicted.v;
       const Vec3<double> p_after = after.p - p_off * Vec3<double>{plane.n.x, plane.n.y, 0.0};
       const Vec2<double> v_after = {after.v.x - v_off * plane.n.x, after.v.y - v_off * plane.n.y};
-      least = std::min(least, law.braked(plane, p_after, v_after, now.part) - wanted);
+      least = std::min(least, law.braked(plane, {p_after, v_after}, settling, now.part) - wanted);
       for (const Vec3<double>& p : flown.between)
-        least = std::min(least, plane.offset + plane.n.x * p.x + plane.n.y * p.y - law.next_predicted.p -
-                                    std::min(here, 0.0));
+        least =
+            std::min(least, plane.offset + plane.n.x * p.x + plane.n.y * p.y - astray - std::min(here, 0.0));
     }
     return least + touched;
   }
@@ -214,8 +219,8 @@ void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<dou
   if (now.planes.empty()) return;
   const CommandCheck check{law, now};
   const auto nearer = [&](const BoundPlane& one, const BoundPlane& other) {
-    const auto& [p, v] = now.leading;
-    return law.braked(one, p, v, now.part) < law.braked(other, p, v, now.part);
+    return law.braked(one, now.leading, now.settling, now.part) <
+           law.braked(other, now.leading, now.settling, now.part);
   };
   const auto left = [&](std::span<const double> one) { return check.left_of_walls(law.flown(now.x, one)); };
   auto nearest = now.planes;

@@ -62,9 +62,15 @@ BarrierLaw::BarrierLaw(const Model& robot, const Authority& ability, double peri
         can.drives() ? fmt::format("0 with \"{}\", which stands by its model alone", model.name())
                      : fmt::format("< {:.3g}, the acceleration of the plans of \"{}\"", b, model.name())));
   }
-  const double delay = options.command_delay;
-  predicted = {w * plans.F(delay), w * plans.E(delay)};
-  next_predicted = {w * plans.F(delay + dt), w * plans.E(delay + dt)};
+  // p + tau v deviates as both do, and w itself adds tau w to its velocity.
+  const auto deviation = [&, tau = can.thrust_lag](double t) {
+    const double E = plans.E(t);
+    Deviation of{w * plans.F(t), w * E};
+    if (tau > 0) of = {of.p + tau * w * E, (1.0 - can.drag * tau) * w * E + tau * w};
+    return of;
+  };
+  predicted = deviation(options.command_delay);
+  next_predicted = deviation(options.command_delay + dt);
   options.floor += options.wall_margin;
   options.ceiling -= options.wall_margin;
   // A period may begin and end within the bounds, and exceed them in between.
@@ -154,16 +160,19 @@ double BarrierLaw::stopping_time(double away, double part) const noexcept {
   return away >= 0 ? 0.0 : c > 1e-6 ? std::log1p(-away * c / most) / c : -away / most;
 }
 
-double BarrierLaw::braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
+double BarrierLaw::braked(const BoundPlane& plane, const Point& from, const Deviation& settling,
                           double part) const noexcept {
+  const auto& [p, v] = from;
   if (can.drives()) {
     const double speed = norm(v.x, v.y), towards = std::min(dot(plane.n, v), 0.0);
     return plane.offset + plane.n.x * p.x + plane.n.y * p.y +
            (towards < 0 ? stop(speed, part).length * towards / speed : 0.0);
   }
-  const double away = std::min(dot(plane.n, v) - predicted.v, 0.0), stop = stopping_time(away, part);
-  return plane.offset + plane.n.x * p.x + plane.n.y * p.y - predicted.p + plans.E(stop) * away +
-         braking(part) * plans.F(stop);
+  const double counts = settling_part(dot(plane.n, v) - predicted.v, part);
+  const double away = std::min(dot(plane.n, v) - predicted.v - counts * settling.v, 0.0),
+               stop = stopping_time(away, part);
+  return plane.offset + plane.n.x * p.x + plane.n.y * p.y - predicted.p - counts * settling.p +
+         plans.E(stop) * away + braking(part) * plans.F(stop);
 }
 
 void BarrierLaw::reach_for(std::span<const double> x, const Outcome& wanted, std::span<const double> u_min,

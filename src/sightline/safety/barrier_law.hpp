@@ -73,6 +73,10 @@ struct BarrierLaw {
     Vec2<double> v;
   };
   Point leading(const Vec3<double>& p, const Vec2<double>& v, const Lagging& late) const noexcept;
+  /// Bound on the deviation from a predicted leading() point.
+  struct Deviation {
+    double p = 0.0, v = 0.0;  // [m], [m/s]
+  };
   using Outcome = std::array<double, 3>;
   /// The horizontal velocity, or the acceleration if that lags, and the height after a period with
   /// one commanded acceleration and a climb `rise` [m].
@@ -82,14 +86,26 @@ struct BarrierLaw {
   double settling(double beside, double rate) const noexcept {
     return per_beside * std::abs(beside) + per_rate * std::abs(rate);
   }
+  /// What they add to the leading() point of a plan: the climb moves it at once by tau times the
+  /// velocity that it adds.
+  Deviation settling_of_leading(double beside, double rate) const noexcept {
+    return {can.thrust_lag * per_beside * std::abs(beside), settling(beside, rate)};
+  }
   /// Deceleration that plans have left against the residual acceleration [m/s^2].
   double braking(double part) const noexcept;
   /// Time until a velocity towards a bound is zero [s].
   double stopping_time(double away, double part) const noexcept;
   /// Distance to a plane when the velocity towards it is zero, after braking straight away from it
   /// with a part of the acceleration, or along the heading [m]; at most the distance now.
-  double braked(const BoundPlane& plane, const Vec3<double>& p, const Vec2<double>& v,
+  double braked(const BoundPlane& plane, const Point& from, const Deviation& settling,
                 double part) const noexcept;
+  /// Part of settling_of_leading() that counts for a plan of this velocity away from a wall: what
+  /// settles until the robot has braked. Thus a robot at a wall may climb.
+  double settling_part(double away, double part) const noexcept {
+    return can.thrust_lag > 0 && can.climb_lag > 0
+               ? 1.0 - std::exp(-stopping_time(away, part) / can.climb_lag)
+               : 0.0;
+  }
   /// Makes the smallest change of u that leads to the wanted outcome, within the limits.
   void reach_for(std::span<const double> x, const Outcome& wanted, std::span<const double> u_min,
                  std::span<const double> u_max, std::span<double> u) const noexcept;
@@ -101,11 +117,8 @@ struct BarrierLaw {
   int parts;                           // integration steps of a period
   Authority can;
   double b;  // acceleration that plans use [m/s^2]
-  /// Deviation from the predicted state by the residual acceleration.
-  struct Deviation {
-    double p, v;  // [m], [m/s]
-  };
-  Deviation predicted, next_predicted;  // where the present command and the next one take effect
+  /// By the residual acceleration, where the present command and the next one take effect.
+  Deviation predicted, next_predicted;
   EscapePlans plans;
   double per_beside = 0.0, per_rate = 0.0;  // settling() of 1 m and 1 rad/s
   double ample;                             // upper bound on the loss of a plan's reserve in a period [m]

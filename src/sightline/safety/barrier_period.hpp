@@ -11,6 +11,8 @@
 
 namespace sightline {
 
+enum class Heeded { all, members };
+
 /// A neighbour and the plan to evade it.
 struct Threat {
   Tube tube{};
@@ -68,15 +70,22 @@ struct BarrierPeriod {
     return most;
   }
 
+  bool heeds(const Threat& threat) const {
+    return heeded == Heeded::all || threat.behavior == Behavior::cooperative;
+  }
+
   std::span<const double> x, u_min, u_max;
   std::span<const Neighbour> neighbours;
   Sight<double> self;  // as BarrierLaw::settled()
   double part;         // of the acceleration, within the limits
   double beside;       // |height less the height at which the robot comes to rest| [m]
   Lagging lagging;
-  double p_z;                   // height [m]
-  BarrierLaw::Point leading{};  // of `self`
-  double turn_side = 1.0;       // sign of the yaw rate at the next sample
+  double p_z;                        // height [m]
+  BarrierLaw::Point leading{};       // of `self`
+  BarrierLaw::Deviation settling{};  // of `leading`
+  double beside_side = 1.0;          // sign of NextState::beside
+  double turn_side = 1.0;            // sign of the yaw rate at the next sample
+  Heeded heeded = Heeded::all;       // neighbours with rows; an evasive manoeuvre avoids the others
   Bounded<Threat, most_neighbours> threats;
   Bounded<BarrierRow, most_half_spaces> rows;
   Bounded<BoundHeight, 2 + most_pieces> heights;

@@ -64,6 +64,7 @@ void add_later_rows(const BarrierLaw& law, const NextState& there, BarrierPeriod
   constexpr double slight = 1e-5;  // [m]
   for (std::size_t k = 0; k < now.threats.size(); ++k) {
     const Threat& threat = now.threats[k];
+    if (!now.heeds(threat)) continue;
     const Escape rest = law.plans.with(rest_of(law, now, threat.tube, there), threat.plan.a);
     const double wanted = threat.margin + (1.0 - law.options.rate * law.dt) * threat.reserve - slight;
     for (std::size_t j = 0; j < rest.count && now.rows.size() + 2 <= most_half_spaces; ++j) {
@@ -99,7 +100,7 @@ void bound_by_piece(const BarrierLaw& law, const ForbiddenPiece& piece, BarrierP
   bool by_plane = false;
   for (const Face& face : piece.faces) {
     const BoundPlane plane = {face.n, -face.offset, Wall::zone};
-    const double reserve = law.braked(plane, now.leading.p, now.leading.v, now.part);
+    const double reserve = law.braked(plane, now.leading, now.settling, now.part);
     if (reserve > most) most = reserve, best = plane, by_plane = true;
   }
   if (by_plane)
@@ -110,8 +111,9 @@ void bound_by_piece(const BarrierLaw& law, const ForbiddenPiece& piece, BarrierP
 
 }  // namespace
 
-void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) noexcept {
-  if (law.per_rate > 0 && !now.threats.empty()) {
+void add_neighbours(const BarrierLaw& law, BarrierPeriod& now) noexcept {
+  const auto is_near = [&](const Threat& threat) { return now.heeds(threat) && threat.reserve < law.ample; };
+  if (law.per_rate > 0 && std::any_of(now.threats.begin(), now.threats.end(), is_near)) {
     // |r| of the next sample is turn_side * r: a rate changes sign at a sample alone.
     BarrierRow row = row_of_wall({}, 0.0, std::min(0.0, now.turn_side * now.lagging.rate), Wall::none);
     row.turn = -now.turn_side;
@@ -119,7 +121,7 @@ void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) no
   }
   for (std::size_t k = 0; k < now.threats.size(); ++k) {
     const Threat& threat = now.threats[k];
-    if (heeded == Heeded::members && threat.behavior != Behavior::cooperative) continue;
+    if (!now.heeds(threat)) continue;
     for (std::size_t j = 0; j < threat.plan.count; ++j) {
       add_row(law, keep_away(law, now, static_cast<int>(k), threat.plan.touches[j]), now);
     }
@@ -163,22 +165,28 @@ void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noe
     now.rows.push_back(row_of_wall({0, 0, bound.side}, 0.0, least, bound.wall));
   }
   if (now.planes.empty()) return;
-  const EscapeShape step = law.plans.shape(law.dt), end = law.plans.shape(0.0);
+  const EscapeShape step = law.plans.shape_at_once(law.dt), end = law.plans.shape_at_once(0.0);
   for (const BoundPlane& plane : now.planes) {
     // The plan brakes straight away from the wall, until the velocity towards it is zero.
     const Vec3<double> n = {plane.n.x, plane.n.y, 0.0};
-    const double away = n.x * now.leading.v.x + n.y * now.leading.v.y - law.predicted.v,
-                 here = plane.offset + dot(n, now.leading.p) - law.predicted.p;
+    const double at_rest = n.x * now.leading.v.x + n.y * now.leading.v.y - law.predicted.v,
+                 counts = law.settling_part(at_rest, now.part);
+    const double away = at_rest - counts * now.settling.v,
+                 here = plane.offset + dot(n, now.leading.p) - law.predicted.p - counts * now.settling.p;
     const double t = law.stopping_time(away, now.part);
-    const EscapeShape whole = t > law.dt ? law.plans.shape(t) : step,
-                      left = t > law.dt ? law.plans.shape(t - law.dt) : end;
+    const EscapeShape whole = t > law.dt ? law.plans.shape_at_once(t) : step,
+                      left = t > law.dt ? law.plans.shape_at_once(t - law.dt) : end;
     const double later = here + whole.E * away + b * whole.F;
     const double wanted = kept_part * std::min(here, later);
     const double least =
         wanted - plane.offset - b * left.F + law.next_predicted.p + left.E * law.next_predicted.v;
     const double tau = law.can.thrust_lag;
     BarrierRow row = row_of_wall(n, left.E, least, plane.wall);
-    if (tau > 0) row.E = tau + left.E * (1.0 - law.can.drag * tau), row.L = left.E * tau;
+    if (tau > 0) {
+      row.E = tau + left.E * (1.0 - law.can.drag * tau), row.L = left.E * tau;
+      row.side = now.beside_side, row.spread = counts * law.per_beside * (tau + left.E);
+      row.turn = counts * now.turn_side * law.per_rate * left.E;
+    }
     now.rows.push_back(row);
   }
 }

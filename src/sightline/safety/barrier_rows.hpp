@@ -5,7 +5,6 @@
 
 namespace sightline {
 
-enum class Heeded { all, members };
 enum class Approach { slowing, at_once };  // of bounds of the height
 
 inline BarrierRow row_of_wall(const Vec3<double>& n, double E, double least, Wall wall) {
@@ -18,7 +17,7 @@ inline BarrierRow row_of_wall(const Vec3<double>& n, double E, double least, Wal
 /// an upper or lower face. Of a piece, the face of the greatest reserve counts. Its plan keeps that
 /// reserve, so the greatest of the next period is no less: no hysteresis is needed.
 void find_bounds(const BarrierLaw& law, BarrierPeriod& now) noexcept;
-void add_neighbours(const BarrierLaw& law, Heeded heeded, BarrierPeriod& now) noexcept;
+void add_neighbours(const BarrierLaw& law, BarrierPeriod& now) noexcept;
 void add_walls(const BarrierLaw& law, Approach approach, BarrierPeriod& now) noexcept;
 /// Adds the rows of later or earlier times at which the command that leads to `there` has its least
 /// gaps.

@@ -113,7 +113,7 @@ int EscapePlans::parts(double dt) noexcept {
 }
 
 template <class S>
-EscapeShapeOf<S> EscapePlans::shape_at_once(S t) const noexcept {
+EscapeShapeOf<S> EscapePlans::without_lag(S t) const noexcept {
   const S ct = c_ * t, e = exp(-ct), E = (S(1.0) - e) * S(per_c_), F = (t - E) * S(per_c_);
   const S small = ct - S(1e-3);  // < 0: use the series
   const S drifted = where_negative(small, t * (S(1.0) - S(0.5) * ct), E);
@@ -123,7 +123,7 @@ EscapeShapeOf<S> EscapePlans::shape_at_once(S t) const noexcept {
 // With k = 1 / tau and E_x = (1 - e^(-x t)) / x, L = (E_c - E_k) / (k - c) and L' = (e^(-c t) - e^(-k t)) / (k - c).
 template <class S>
 EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
-  EscapeShapeOf<S> at = shape_at_once(t);
+  EscapeShapeOf<S> at = without_lag(t);
   if (!lags()) return at;
   const double k = 1.0 / lag_, apart = k - c_;
   constexpr double alike = 1e-3;
@@ -144,9 +144,10 @@ EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
   return at;
 }
 
-double EscapePlans::E(double t) const noexcept { return shape_at_once(t).E; }
-double EscapePlans::F(double t) const noexcept { return shape_at_once(t).F; }
+double EscapePlans::E(double t) const noexcept { return without_lag(t).E; }
+double EscapePlans::F(double t) const noexcept { return without_lag(t).F; }
 EscapeShape EscapePlans::shape(double t) const noexcept { return shape_at(t); }
+EscapeShape EscapePlans::shape_at_once(double t) const noexcept { return without_lag(t); }
 
 EscapeShape EscapePlans::left(const Touch& touch) const noexcept {
   const double t = touch.time - dt_;

@@ -122,6 +122,7 @@ class EscapePlans {
   double longest_time() const noexcept { return t_[times - 1]; }  ///< end of all plans [s]
   double E_longest() const noexcept { return E_[times - 1]; }     ///< at the end of all plans [s]
   EscapeShape shape(double t) const noexcept;
+  EscapeShape shape_at_once(double t) const noexcept;  ///< without the lag
   /// Shape of the rest of the plan after the next sample, at touch.time - dt.
   EscapeShape left(const Touch& touch) const noexcept;
 
@@ -133,7 +134,7 @@ class EscapePlans {
 
   bool lags() const noexcept { return lag_ > 0; }
   template <class S>
-  EscapeShapeOf<S> shape_at_once(S t) const noexcept;
+  EscapeShapeOf<S> without_lag(S t) const noexcept;
   template <class S>
   EscapeShapeOf<S> shape_at(S t) const noexcept;
   /// Calls visit(search, first, count) for packs of tubes, until it returns false.
