@@ -11,7 +11,7 @@ namespace sightline {
 namespace {
 
 constexpr double nearly = 1e-6;   // [m], [s], [m/s] by which a bound may be missed
-constexpr double settling = 0.5;  // after the robot moved otherwise than the bounds allow [s]
+constexpr double settling_time = 0.5;  // after the robot moved otherwise than the bounds allow [s]
 
 /// Greatest way from an estimate to a measurement, if the target keeps its bounds.
 ViewBounds::Known followed_within(ViewBounds bounds, double dt) {
@@ -180,7 +180,7 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
     of.own.begin(own);
     of.left_at = t;
   }
-  if (t - of.left_at < settling) return;
+  if (t - of.left_at < settling_time) return;
   of.missed = ViewReserve::error;
   if (3 * norm(now.sigmas[at(robot)], now.sigmas[at(target)]) > bounds.error) return;
   // A target that is faster than it may be without requests gains more than `request_gain`.
