@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-constexpr double nearly = 1e-6;   // [m], [s], [m/s] by which a bound may be missed
+constexpr double nearly = 1e-6;        // [m], [s], [m/s] by which a bound may be missed
 constexpr double settling_time = 0.5;  // after the robot moved otherwise than the bounds allow [s]
 
 /// Greatest way from an estimate to a measurement, if the target keeps its bounds.
