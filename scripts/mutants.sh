@@ -36,6 +36,7 @@ barrier() {
     'sign of the velocity flipped|barrier_period.hpp|n.x \* (E \* next.v.x + push.x)|n.x * (push.x - E * next.v.x)'
     'sign of the thrust flipped|escape.cpp|const S side = where_negative(g.x \* x\[k\] + g.y \* y\[k\], S(-1.0), S(1.0));|const S side = where_negative(g.x * x[k] + g.y * y[k], S(1.0), S(-1.0));'
     'drag dropped|barrier_law.cpp|plans(can.drag, dt, can.thrust_lag)|plans(0.0, dt, can.thrust_lag)'
+    'lag of the tilt dropped|barrier_law.cpp|plans(can.drag, dt, can.thrust_lag)|plans(can.drag, dt, 0.0)'
     'deceleration doubled|authority.cpp|const double reach = part|const double reach = 2 * part'
     'deceleration of members doubled|barrier_threats.cpp|tube.beta = both \* 2 \* law.b;|tube.beta = both * 4 * law.b;'
     'margin zero|barrier_threats.cpp|n.d_hard + law.options.margin + 3 \* n.sigma|n.d_hard'
