@@ -213,8 +213,10 @@ TEST(ViewCertificate, RefusesARegionThatIsNotOneOfThePlaceAlone) {
   };
   EXPECT_EQ(refusal({SensorCone{}}),
             "the region reaches beyond 30 m, expected a limit of the distance such as d_max");
-  EXPECT_EQ(refusal(view_limits(SensorCone{}, 3.0, 2.0)),
-            "no place within 30 m is in the region, expected some");
+  EXPECT_EQ(
+      refusal(view_limits(SensorCone{}, 3.0, 2.0)),
+      "no place ahead within 30 m is in the region, expected some: the certificate keeps the target ahead "
+      "of the nose, so the sensor must look ahead");
   EXPECT_EQ(refusal(view_limits(Region(all_of({"x > 0 m", "target.v_x < 0.1 m/s"})))),
             "the limit \"region\" depends on more than the relative position, expected one of the "
             "position alone");
