@@ -76,7 +76,7 @@ TEST(OwnCommandLine, ASolverOfItsOwnFliesReplaysAndIsCompared) {
   EXPECT_THAT(replay.out, HasSubstr("1200 commands, 0 differ"));
   const auto other_rate = own("replay " + out.string() + " --set solver.rate=0.3", folder);
   EXPECT_EQ(other_rate.code, 0) << other_rate.err;
-  EXPECT_THAT(other_rate.out, AllOf(HasSubstr("1200 commands, 600 differ"), HasSubstr("u[0] of blimp")));
+  EXPECT_THAT(other_rate.out, AllOf(HasSubstr("1200 commands, 600 differ"), HasSubstr("u_0 of blimp")));
   // A program without it cannot read the log's scenario, and says which solvers it has.
   const auto without = test::sightline("replay " + out.string(), folder);
   EXPECT_EQ(without.code, 2);

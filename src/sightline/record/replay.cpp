@@ -181,12 +181,10 @@ std::optional<FirstDifference> CommandComparison::first() const {
   const RecordedPeriod& period = flight_.periods()[first_->update];
   const Robot& robot = robots_[first_->robot];
   const Team& team = flight_.team();
-  const auto inputs = team.model(robot.body).inputs();  // empty: a robot that does not name them
   return FirstDifference{.update = flight_.number(period.time),
                          .time = period.time,
                          .robot = std::string(team.name(robot.body)),
-                         .input = first_->input < inputs.size() ? std::string(inputs[first_->input])
-                                                                : fmt::format("u[{}]", first_->input),
+                         .input = std::string(team.model(robot.body).inputs()[first_->input]),
                          .recorded = period.u[robot.u + first_->input],
                          .replayed = first_->replayed};
 }
