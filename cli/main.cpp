@@ -7,13 +7,8 @@
 
 #include <cstdio>
 #include <string>
-#else
-#ifdef SIGHTLINE_DDS
-#include "sightline/dds.hpp"
-#endif
-#ifdef SIGHTLINE_MUJOCO
+#elif defined(SIGHTLINE_MUJOCO)
 #include "sightline/mujoco.hpp"
-#endif
 #endif
 
 namespace {

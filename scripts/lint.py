@@ -22,7 +22,7 @@ public = {name: rooms.split() for rooms, names in (
     ("base", "base config"), ("formula", "formula"), ("model", "model robots"), ("potential", "potential potentials"),
     ("ocp", "team events"), ("solver", "solver solvers kernels"), ("safety", "barrier supervisor"), ("estimate", "estimator"),
     ("world", "vehicle sensors world worlds"), ("run", "loop"), ("readers", "mcap"), ("scenario", "scenario registry"), ("judge", "judge"),
-    ("record", "log"), ("report", "report"), ("campaign analysis", "analysis"), ("", "sightline command_line mujoco dds"))
+    ("record", "log"), ("report", "report"), ("campaign analysis", "analysis"), ("", "sightline command_line mujoco"))
     for name in names.split()}
 
 
@@ -87,7 +87,7 @@ def layer(source):
 def component(source):
     """Components know the library, and only programs and their own tests know a component."""
     owners = (("DDS", dds_header, ("bridges", "tests/dds")),
-              ("the bridge", re.compile(r"sightline/dds\.hpp|bridges/(?!dds/fleet/)"), ("bridges", "tests/dds", "cli/main.cpp")),
+              ("the bridge", re.compile(r"bridges/(?!dds/fleet/)"), ("bridges", "tests/dds", "cli/main.cpp")),
               ("fleets", re.compile(r"bridges/dds/fleet/"), ("bridges", "tests", "cli")),
               ("pybind11", re.compile(r"pybind11/|python/"), ("python",)),
               ("MuJoCo", re.compile(r"mujoco/"), ("worlds/mujoco",)),
@@ -177,7 +177,7 @@ def self_test():
                   ("src/sightline/safety/a.hpp", '#include "projection.hpp"'),
                   ("src/sightline/solver/a.hpp", '#include "newton/workspace.hpp"'),
                   ("src/sightline/world/a.hpp", '#include "tests/support/tree.hpp"')],
-        "component": [("src/sightline/run/a.cpp", "#include <dds/dds.h>"), ("cli/run.cpp", "#include <sightline/dds.hpp>"),
+        "component": [("src/sightline/run/a.cpp", "#include <dds/dds.h>"), ("cli/run.cpp", "#include <sightline/mujoco.hpp>"),
                       ("tests/run/a.cpp", '#include "python/module.hpp"'), ("cli/a.cpp", "#include <mujoco/mujoco.h>")],
         "bits": [("src/sightline/run/a.cpp", "a = std::hypot(x, y);"), ("src/sightline/run/a.cpp", "b = ::tanh (x);"),
                  ("src/sightline/run/a.cpp", 'say("a://b", std::hypot(x, y));')],
@@ -189,7 +189,7 @@ def self_test():
         "one-class": [("cli/a.hpp", "namespace sightline {\nstruct A {\n};\n}  // namespace sightline")],
     }
     good = [("src/sightline/solver/a.hpp", '#include "sightline/team.hpp"\n#include <vector>\n#include "sightline/solver/b.hpp"'),
-            ("bridges/dds/a.cpp", "#include <dds/dds.h>"), ("cli/main.cpp", "#include <sightline/dds.hpp>"),
+            ("bridges/dds/a.cpp", "#include <dds/dds.h>"), ("cli/main.cpp", "#include <sightline/mujoco.hpp>"),
             ("src/sightline/run/a.cpp", "x = std::sin(x) + sightline::norm(x, y) + std::sqrt(x);  // std::hypot(x)"),
             ("cli/a.cpp", 'std::thread::hardware_concurrency(); std::this_thread::yield(); say("a");  // std::thread'),
             ("cli/a.cpp", "mju_user_error = c_callback<on_error>; ::signal(SIGPIPE, SIG_IGN);"),

@@ -1,10 +1,9 @@
-#include "sightline/dds.hpp"
-
 #include <stdexcept>
 
 #include "bridges/dds/doctor.hpp"
 #include "bridges/dds/first_flyer.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
+#include "sightline/command_line.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/run/realtime.hpp"
 

@@ -17,4 +17,8 @@ namespace sightline {
 /// was lost, 2 bad input. Prints results on stdout and messages on stderr. Throws nothing.
 int command_line(int argc, char** argv, const Registry& registry = built_in_registry());
 
+/// Registers DDS as the bridge for fleets, for the commands fly, vehicles and doctor. Link `sightline::dds`.
+/// @throws std::invalid_argument if a bridge is registered already
+void add_dds(Registry& registry);
+
 }  // namespace sightline

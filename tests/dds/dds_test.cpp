@@ -1,8 +1,7 @@
-#include "sightline/dds.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/command_line.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {

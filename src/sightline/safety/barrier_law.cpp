@@ -135,9 +135,10 @@ Lagging BarrierLaw::lagging(std::span<const double> x, const Sight<double>& seen
 
 BarrierLaw::Point BarrierLaw::leading(const Vec3<double>& p, const Vec2<double>& v,
                                       const Lagging& late) const noexcept {
-  const double tau = can.thrust_lag, kept = 1.0 - can.drag * tau;
+  const double tau = can.thrust_lag, share = 1.0 - can.drag * tau;
   if (tau == 0) return {p, v};
-  return {p + tau * Vec3<double>{v.x, v.y, 0.0}, {kept * v.x + tau * late.a.x, kept * v.y + tau * late.a.y}};
+  return {p + tau * Vec3<double>{v.x, v.y, 0.0},
+          {share * v.x + tau * late.a.x, share * v.y + tau * late.a.y}};
 }
 
 BarrierLaw::Outcome BarrierLaw::outcome_of(const Sight<double>& self, const Lagging& late,
