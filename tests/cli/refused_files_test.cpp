@@ -54,7 +54,7 @@ TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
        "the calibration of a camera (YAML)", true},
       {write("path.csv", "t,x,y,z\n0,0,0,1\n"), "a table of values (CSV)", false, true}};
   for (const auto& [file, what, import, identify] : kinds) {
-    const auto refused = [&](const std::string& command) {
+    const auto refused = [&, &file = file](const std::string& command) {
       return test::refused(command + " " + file, folder);
     };
     const std::string named = file + ":1: this is " + what + ", expected ";

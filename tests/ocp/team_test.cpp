@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "sightline/potentials.hpp"
 #include "sightline/robots.hpp"
 #include "tests/support/random.hpp"
@@ -107,8 +109,7 @@ Agent sound() {
 }
 
 /// What the team says to an agent that `spoil` has changed.
-template <class Spoil>
-std::string refusal_after(Spoil spoil) {
+std::string refusal_after(const std::function<void(Agent&)>& spoil) {
   return refusal_of([&] {
     Team team;
     Agent agent = sound();

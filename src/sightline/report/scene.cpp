@@ -33,11 +33,11 @@ std::vector<Vec3<double>> cone(const Observation& view, const Sight<double>& obs
   const Rotation B =
       rotation(mount.frame == MountFrame::body ? leaning(observer.d, observer.lean) : upright(observer.d));
   const Vec3<double> apex = observer.p + B.to_G(mount.offset);
-  const auto [axis, side, up] = compose(B, rotation_from(mount.attitude()));
+  const Rotation S = compose(B, rotation_from(mount.attitude()));
   const double ahead = length * std::cos(view.alpha), aside = length * std::sin(view.alpha);
   const auto rim = [&](int k) {
     const double angle = 2 * std::numbers::pi * k / cone_sides;
-    return apex + ahead * axis + aside * (std::cos(angle) * side + std::sin(angle) * up);
+    return apex + ahead * S.x + aside * (std::cos(angle) * S.y + std::sin(angle) * S.z);
   };
   std::vector<Vec3<double>> triangles;
   for (int k = 0; k < cone_sides; ++k) {
