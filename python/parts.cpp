@@ -117,8 +117,7 @@ void bind_potential(py::module_& module) {
            py::arg("sigmas") = 0.0, py::arg("yaw") = 0.0, py::arg("roll") = 0.0,
            "pitch [rad], > 0 looks down; offset: lever arm (ahead, left, up) [m], or a number ahead; frame: "
            "\"level\" or \"body\"; sigmas: standard deviations of what is seen by which regions of view "
-           "shrink, "
-           ">= 0; yaw [rad], > 0 looks to the left; roll [rad], about the axis, > 0: left side up")
+           "shrink, >= 0; yaw [rad], > 0 looks to the left; roll [rad], about the axis, > 0: left side up")
       .def_readonly("pitch", &SensorMount::pitch)
       .def_property_readonly("offset",
                              [](const SensorMount& mount) {

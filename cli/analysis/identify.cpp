@@ -13,6 +13,7 @@
 #include "sightline/analysis/identification/identification_text.hpp"
 #include "sightline/analysis/identification/recorded_flight_motion.hpp"
 #include "sightline/base.hpp"
+#include "sightline/base/character.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/log.hpp"
@@ -114,11 +115,7 @@ std::vector<fs::path> recordings_of(const std::string& text) {
   std::error_code ignored;
   std::vector<fs::path> files;
   if (fs::exists(text, ignored)) return {text};
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t end = std::min(text.find(',', from), text.size());
-    files.emplace_back(text.substr(from, end - from));
-    from = end + 1;
-  }
+  for (const std::string_view file : split(text, ',')) files.emplace_back(file);
   return files;
 }
 
@@ -251,8 +248,7 @@ Execute describe_identify(CLI::App& app) {
   const auto command = std::make_shared<IdentifyCommand>();
   app.description(
       "Fit the model of a multirotor to a flight that excites it, to a run, or to a recording; fit downwash "
-      "to "
-      "recordings of vehicles above one another");
+      "to recordings of vehicles above one another");
   add_scenario(app, command->of, "SCENARIO",
                "Scenario file (TOML), the folder of a run, a log of PX4 (ULog), a bag of ROS 2 (MCAP) or a "
                "table (CSV); FILE,FILE: tables of vehicles that fly above one another");

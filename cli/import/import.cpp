@@ -33,10 +33,10 @@ Execute describe_import(CLI::App& app) {
   const auto command = std::make_shared<ImportCommand>();
   ImportOptions& options = command->options;
   app.description("Make a fleet, or tables of a scenario, of the files of other programs");
-  app.add_option("FILE", command->files,
-                 "crazyflies.yaml and server.yaml of Crazyswarm2, a camera's calibration by ROS (also in a "
-                 "bag) or kalibr, "
-                 "tags of apriltag_ros or TagSLAM (YAML), or the SDF, URDF or MJCF of a multirotor")
+  app.add_option(
+         "FILE", command->files,
+         "crazyflies.yaml and server.yaml of Crazyswarm2, a camera's calibration by ROS (also in a "
+         "bag) or kalibr, tags of apriltag_ros or TagSLAM (YAML), or the SDF, URDF or MJCF of a multirotor")
       ->required();
   app.add_option("-o,--output", command->output, "File for the result [standard output]");
   app.add_option(

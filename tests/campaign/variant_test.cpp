@@ -204,7 +204,7 @@ height = { uniform = [0.0, 1.0] }
 key = "agent.seen.start.p[0]"
 uniform = [1.0, 2.0]
 )";
-  // In one piece, in two, and where no header tells its end.
+  // In one piece, in two, and inline, without a header.
   for (const std::string& whole :
        {text + campaign + drawn, campaign + text + drawn,
         "campaign = { draw = [{ key = \"agent.seen.start.p[0]\", uniform = [1.0, 2.0] }] }\n" + text}) {

@@ -21,7 +21,7 @@ TEST(RefusedFiles, AFileThatIsNoScenarioIsRefusedWithWhatItIs) {
   };
   struct Kind {
     std::string file, what;
-    // The reader of the kind says what it lacks.
+    // The refusal by the reader of the kind names what is missing.
     bool import = false, identify = false;
   };
   const std::vector<Kind> kinds = {

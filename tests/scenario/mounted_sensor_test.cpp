@@ -272,7 +272,7 @@ weight = 2.0
 double share_in_view(const std::string& text, const SensorMount& mount) {
   const Scenario scenario = test::scenario_of(text);
   const auto& observed = observations(scenario.team.couplings());
-  EXPECT_EQ(observed.at(0).mount, mount) << "what the file says";
+  EXPECT_EQ(observed.at(0).mount, mount) << "as in the file";
   double in_view = 0, all = 0;
   for (const Sample& sample : test::samples_of(scenario)) {
     if (sample.time < 4.0) continue;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace sightline {
 
@@ -14,5 +16,11 @@ struct Character {
 
 /// The character at the begin of a text, which must not be empty.
 Character first_character(std::string_view text);
+
+/// The pieces of a text between separators, in order; without a separator one, the text.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
+/// The text with a to z in place of A to Z.
+std::string lower_case(std::string text);
 
 }  // namespace sightline

@@ -13,8 +13,7 @@ namespace {
 
 constexpr std::string_view known_kinds =
     "a crazyflies.yaml of Crazyswarm2, the calibration of a camera by ROS (or a bag with it) or kalibr, the "
-    "tags of "
-    "apriltag_ros or TagSLAM, or the SDF, URDF or MJCF of a multirotor";
+    "tags of apriltag_ros or TagSLAM, or the SDF, URDF or MJCF of a multirotor";
 
 bool is_camchain(const YamlValue& document) {
   const auto all = document.entries("a mapping");
@@ -63,9 +62,9 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
       return YamlValue(first.text, first.name);
     } catch (const ScenarioError&) {
       // To YAML a table is a word.
-      if (kind.what.find("YAML") == std::string_view::npos &&
-          kind.what.find("yaml") == std::string_view::npos)
-        if (!kind.what.empty()) throw no_kind();
+      const bool is_yaml =
+          kind.what.find("YAML") != kind.what.npos || kind.what.find("yaml") != kind.what.npos;
+      if (!is_yaml && !kind.what.empty()) throw no_kind();
       throw;
     }
   }();
@@ -96,13 +95,12 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
 Imported import_files(std::span<const std::filesystem::path> files, const ImportOptions& options) {
   if (!files.empty()) {
     const FileKind kind = kind_at(files[0]);
-    const bool bag = kind.recording == RecordingKind::bag || kind.recording == RecordingKind::run;
-    if (bag && kind.packed_by.empty()) {
+    if (kind.is_bag()) {
       if (files.size() > 1) throw ScenarioError(files[1].native(), 0, "expected one bag");
       check_agent(options, files[0].native());
       return import_bag(files[0], options);
     }
-    // A text is read, and says where it is no such file.
+    // The reader of a text reports the line at which it is no such file.
     if (!kind.what.empty() && (!kind.is_text || !kind.packed_by.empty()))
       throw ScenarioError(files[0].native(), 1,
                           fmt::format("this is {}, expected {}", kind.shown(), known_kinds));

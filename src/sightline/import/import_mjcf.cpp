@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/base/character.hpp"
 #include "sightline/import/vehicle_description.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/vehicle.hpp"
@@ -47,32 +48,38 @@ class MjcfSettings {
     return nullptr;
   }
 
+  /// `least` to `most` numbers of an attribute, its own or by class; empty without it.
+  std::vector<double> numbers(const MjcfElement& at, const char* attribute, const char* kind,
+                              const std::string& of_body, std::size_t least, std::size_t most,
+                              const Range& range) const {
+    const MjcfElement* const from = with(at, attribute, kind, of_body);
+    return from == nullptr ? std::vector<double>{} : file_.attribute(*from, attribute, least, most, range);
+  }
+
   /// The pose by pos, and by quat, euler, axisangle, xyaxes or zaxis.
   PartPose pose(const MjcfElement& at, const char* kind, const std::string& of_body) const {
-    const auto numbers = [&](const char* name, std::size_t count, const Range& range) {
-      const MjcfElement* const from = with(at, name, kind, of_body);
-      return from == nullptr ? std::vector<double>{} : file_.attribute(*from, name, count, count, range);
+    const auto of = [&](const char* name, std::size_t count, const Range& range) {
+      return numbers(at, name, kind, of_body, count, count, range);
     };
     PartPose place;
-    if (const auto p = numbers("pos", 3, of_place); !p.empty()) place.p = mjcf_vector(p);
-    if (const auto q = numbers("quat", 4, of_axis); !q.empty()) {
+    if (const auto p = of("pos", 3, of_place); !p.empty()) place.p = mjcf_vector(p);
+    if (const auto q = of("quat", 4, of_axis); !q.empty()) {
       const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
       if (!(length > least_axis)) file_.refuse(at, "quat of 0", "a rotation");
       const Mat<3, 3> K = cross_matrix((1 / length) * Vec3<double>{q[1], q[2], q[3]});
       place.R = identity<3>() + (2 * q[0] / length) * K + 2.0 * (K * K);
-    } else if (const auto e = numbers("euler", 3, of_axis); !e.empty()) {
+    } else if (const auto e = of("euler", 3, of_axis); !e.empty()) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const char axis = sequence_[i];
+        const char axis = axes_[i];
         const double a = angle_ * e[i];
-        const char lower = axis < 'a' ? static_cast<char>(axis - 'A' + 'a') : axis;
-        const Mat<3, 3> R = lower == 'x' ? turn_x(a) : lower == 'y' ? turn_y(a) : turn_z(a);
-        place.R = axis == lower ? place.R * R : R * place.R;
+        const Mat<3, 3> R = axis == 'x' ? turn_x(a) : axis == 'y' ? turn_y(a) : turn_z(a);
+        place.R = axis == sequence_[i] ? place.R * R : R * place.R;
       }
-    } else if (const auto a = numbers("axisangle", 4, of_axis); !a.empty()) {
+    } else if (const auto a = of("axisangle", 4, of_axis); !a.empty()) {
       place.R = turn(angle_ * a[3] * direction(at, mjcf_vector(a)));
-    } else if (const auto z = numbers("zaxis", 3, of_axis); !z.empty()) {
+    } else if (const auto z = of("zaxis", 3, of_axis); !z.empty()) {
       place.R = to_axis(direction(at, mjcf_vector(z)));
-    } else if (const auto axes = numbers("xyaxes", 6, of_axis); !axes.empty()) {
+    } else if (const auto axes = of("xyaxes", 6, of_axis); !axes.empty()) {
       const Vec3<double> x = direction(at, mjcf_vector(axes)), free = {axes[3], axes[4], axes[5]};
       const Vec3<double> y = direction(at, free - dot(x, free) * x), up = cross_matrix(x) * y;
       place.R = {{{{x.x, y.x, up.x}, {x.y, y.y, up.y}, {x.z, y.z, up.z}}}};
@@ -138,13 +145,14 @@ class MjcfSettings {
       sequence_ = text;
       const bool sound = sequence_.size() == 3 && sequence_.find_first_not_of("xyzXYZ") == std::string::npos;
       if (!sound) file_.refuse(at, sequence_, "three of x, y, z, X, Y, Z");
+      axes_ = lower_case(sequence_);
     }
   }
 
   const XmlFile& file_;
   std::map<std::string, Class> classes_;
-  double angle_ = std::numbers::pi / 180;  // of the unit of angles [rad]
-  std::string sequence_ = "xyz";
+  double angle_ = std::numbers::pi / 180;            // of the unit of angles [rad]
+  std::string sequence_ = "xyz", axes_ = sequence_;  // in capitals: about axes that stay; without capitals
 };
 
 /// The body that flies, as one rigid body.
@@ -241,8 +249,7 @@ class MjcfVehicle {
   /// A geom by its mass or density, of its shape.
   void add_geom(const MjcfElement& at, const PartPose& body, const std::string& of_body) {
     const auto numbers = [&](const char* name, std::size_t least, std::size_t most, const Range& range) {
-      const MjcfElement* const from = settings_.with(at, name, "geom", of_body);
-      return from == nullptr ? std::vector<double>{} : file_.attribute(*from, name, least, most, range);
+      return settings_.numbers(at, name, "geom", of_body, least, most, range);
     };
     const auto mass = numbers("mass", 1, 1, not_negative(">= 0 kg"));
     const auto density = numbers("density", 1, 1, not_negative(">= 0 kg/m^3"));
@@ -315,8 +322,7 @@ class MjcfVehicle {
       return;
     }
     const auto numbers = [&](const char* key, std::size_t least, std::size_t most, const Range& range) {
-      const MjcfElement* const from = settings_.with(at, key, kind.data(), "main");
-      return from == nullptr ? std::vector<double>{} : file_.attribute(*from, key, least, most, range);
+      return settings_.numbers(at, key, kind.data(), "main", least, most, range);
     };
     const auto word = [&](const char* key) {
       const MjcfElement* const from = settings_.with(at, key, kind.data(), "main");

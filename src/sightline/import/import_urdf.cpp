@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/base/character.hpp"
 #include "sightline/import/vehicle_description.hpp"
 #include "sightline/model.hpp"
 #include "sightline/scenario.hpp"
@@ -30,11 +31,10 @@ PartPose urdf_origin(const XmlFile& file, const UrdfElement& parent) {
   return {{p[0], p[1], p[2]}, turn_z(turns[2]) * turn_y(turns[1]) * turn_x(turns[0])};
 }
 
-/// Tells whether a link is that of a propeller: "prop0_link" or "rotor_0", but not "quadrotor" or
+/// Whether a link is that of a propeller: "prop0_link" or "rotor_0", but not "quadrotor" or
 /// "prop_guard".
-bool is_propeller(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+bool is_propeller(const std::string& link) {
+  const std::string name = lower_case(link);
   if (name.find("guard") != std::string::npos) return false;
   for (const std::string_view word : {"prop", "rotor"})
     for (std::size_t at = name.find(word); at != std::string::npos; at = name.find(word, at + 1))

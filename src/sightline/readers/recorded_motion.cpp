@@ -5,6 +5,12 @@
 
 namespace sightline {
 
+std::optional<Rotation> recorded_attitude(const Quaternion& q) {
+  const double length = std::sqrt(q.w * q.w + dot(Vec3<double>{q.x, q.y, q.z}, {q.x, q.y, q.z}));
+  if (!(length > 0) || !std::isfinite(length)) return {};
+  return rotation({q.w / length, q.x / length, q.y / length, q.z / length});
+}
+
 void append_sample(RecordedMotion& motion, RecordedSample sample) {
   if (!std::isfinite(sample.t + sample.p.x + sample.p.y + sample.p.z)) return;
   if (!motion.empty()) {

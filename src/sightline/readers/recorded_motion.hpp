@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sightline/base.hpp"
+#include "sightline/world.hpp"
 
 namespace sightline {
 
@@ -24,6 +25,10 @@ struct VelocityCommand {
   Vec3<double> v{};       ///< [m/s]
   double yaw_rate = 0.0;  ///< [rad/s], counter-clockwise seen from above
 };
+
+/// The attitude by a quaternion of any length; empty if that is not finite or is 0, as of a body of which
+/// only the position is measured.
+std::optional<Rotation> recorded_attitude(const Quaternion& q);
 
 /// Appends a sample; one that is not after the last, or has no finite position, is left out. The
 /// heading is unwrapped.

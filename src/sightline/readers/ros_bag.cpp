@@ -52,13 +52,9 @@ class MessageDecoder {
     const auto x = from_.number<double>(), y = from_.number<double>();
     return {x, y, from_.number<double>()};
   }
-  /// Empty for a quaternion of length 0: of a body of which only the position is measured.
   std::optional<Rotation> attitude() {
     const Vec3<double> axis = vector();
-    const auto w = from_.number<double>();
-    const double length = std::sqrt(w * w + dot(axis, axis));
-    if (!(length > 0) || !std::isfinite(length)) return {};
-    return rotation({w / length, axis.x / length, axis.y / length, axis.z / length});
+    return recorded_attitude({from_.number<double>(), axis.x, axis.y, axis.z});
   }
   RecordedSample pose(double t) {
     RecordedSample sample{.t = t, .p = vector()};
@@ -76,13 +72,13 @@ class MessageDecoder {
   CdrDecoder from_;
 };
 
-/// The samples of a body, or the commands of a topic, as they were recorded. `told` is what they tell:
-/// one in which it is not finite is left out.
-template <auto told, class Sample>
+/// The samples of a body, or the commands of a topic, as they were recorded. One whose `value` is not
+/// finite is left out.
+template <auto value, class Sample>
 class Timed {
  public:
   void add(const Sample& sample, const McapMessage& message) {
-    const Vec3<double>& v = sample.*told;
+    const Vec3<double>& v = sample.*value;
     if (!std::isfinite(v.x + v.y + v.z)) return;
     all_.push_back(sample);
     recorded_.push_back(nanosecond * static_cast<double>(message.log_time));
@@ -100,7 +96,7 @@ class Timed {
       if (last == nullptr || all_[i].t > last->t) {
         last = &all_[i];
         take(*last);
-      } else if (all_[i].t < last->t || norm(all_[i].*told - last->*told) > 0) {
+      } else if (all_[i].t < last->t || norm(all_[i].*value - last->*value) > 0) {
         ++late;  // and is no repetition
       }
     }

@@ -187,7 +187,7 @@ struct EscapePlans::Search {
       const S z = tube.r.z + risen(tube, t) - t * tube.drift.z;
       x[k] = tube.r.x + E * tube.w.x - t * tube.drift.x;
       y[k] = tube.r.y + E * tube.w.y - t * tube.drift.y;
-      if (plans.lags()) x[k] += S(plans.L_[k]) * tube.s.x, y[k] += S(plans.L_[k]) * tube.s.y;
+      add_late(S(plans.L_[k]), x[k], y[k]);
       height_squared[k] = z * z;
       reach[k] = t * (tube.speed + half * t) + tube.spread * E;
     }
@@ -297,6 +297,11 @@ struct EscapePlans::Search {
     return where_negative(-absolute(at_i - t), at_i, vertex);
   }
 
+  /// Adds L s, by which the present acceleration moves the robot.
+  void add_late(S L, S& p_x, S& p_y) const {
+    if (plans.lags()) p_x += L * tube.s.x, p_y += L * tube.s.y;
+  }
+
   /// The minimum of f near grid points, by thirds of the interval: the curvature of f may change its
   /// sign in it.
   Point nearest_by_thirds(const Vec2<S>& a, const Curve& f, const Places& i) const {
@@ -346,7 +351,7 @@ struct EscapePlans::Search {
       Vec3<S> q = {tube.r.x + E * tube.w.x + F * a.x - t * tube.drift.x,
                    tube.r.y + E * tube.w.y + F * a.y - t * tube.drift.y,
                    tube.r.z + risen(tube, t) - t * tube.drift.z};
-      if (plans.lags()) q.x += S(plans.L_between_[k]) * tube.s.x, q.y += S(plans.L_between_[k]) * tube.s.y;
+      add_late(S(plans.L_between_[k]), q.x, q.y);
       least = minimum(least, norm(q) - t * (tube.speed + S(0.5) * tube.growth * t) - tube.spread * E);
     }
     return least - tube.rho0;
@@ -434,7 +439,7 @@ struct EscapePlans::Search {
   Vec2<S> best_at(S t, const EscapeShapeOf<S>& at) const {
     Vec2<S> coast = {tube.r.x + at.E * tube.w.x - t * tube.drift.x,
                      tube.r.y + at.E * tube.w.y - t * tube.drift.y};
-    if (plans.lags()) coast.x += at.L * tube.s.x, coast.y += at.L * tube.s.y;
+    add_late(at.L, coast.x, coast.y);
     return farthest(tube, direction(coast, away()));
   }
 
@@ -581,7 +586,7 @@ Escape EscapePlans::best_of_all(const Search<double>& search, const Escape& plan
   const auto best_direction = [&](double t) {
     const EscapeShape at = shape(t);
     Vec2<double> coast = {tube.r.x + at.E * tube.w.x, tube.r.y + at.E * tube.w.y};
-    if (lags()) coast.x += at.L * tube.s.x, coast.y += at.L * tube.s.y;
+    search.add_late(at.L, coast.x, coast.y);
     return direction<double>(coast, away);
   };
   const std::size_t starts = dips ? 3 : 2;

@@ -365,8 +365,7 @@ ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * b
   if (last == 0.0)
     throw_invalid(
         "no place ahead within {} m is in the region, expected some: the certificate keeps the target ahead "
-        "of "
-        "the nose, so the sensor must look ahead",
+        "of the nose, so the sensor must look ahead",
         farthest);
   if (last > farthest)
     throw_invalid(

@@ -47,11 +47,6 @@ void check_column_names(const std::vector<std::string>& names, std::string_view 
 
 constexpr std::string_view a_table = "a file of times and positions (CSV), relative to this one";
 
-bool has_bodies(const FileKind& kind) {
-  return kind.packed_by.empty() &&
-         (kind.recording == RecordingKind::bag || kind.recording == RecordingKind::run);
-}
-
 /// The kind of the file that the key `file` names, unknown for a scenario that is not a file.
 FileKind kind_of_file(const TomlTable& at, const std::string& name) {
   return at.from_disk() ? kind_at(std::filesystem::path(at.file()).parent_path() / name) : FileKind{};
@@ -63,7 +58,7 @@ std::string table_text(const TomlTable& at, const std::string& name) {
   if (kind.recording == RecordingKind::ulog)
     at.throw_invalid(
         "file", fmt::format("the key body beside {}: one of {}", kind.shown(), fmt::join(px4_motions, ", ")));
-  if (has_bodies(kind))
+  if (kind.is_bag())
     at.throw_invalid("file", fmt::format("the key body beside {}: a topic or a name in it", kind.shown()));
   if (!kind.what.empty() && kind.recording != RecordingKind::table)
     at.throw_invalid("file", fmt::format("{}; this is {}", a_table, kind.shown()));
@@ -98,7 +93,7 @@ std::string recording_text(const TomlTable& at, const std::string& name) {
     at.throw_invalid("body", fmt::format("one of {}", fmt::join(px4_motions, ", ")));
   const auto read = [&](const std::filesystem::path& path) {
     const FileKind kind = kind_at(path);
-    const bool bodies = has_bodies(kind);
+    const bool bodies = kind.is_bag();
     if (!kind.what.empty() && !bodies && kind.recording != RecordingKind::ulog)
       throw_invalid("this is {}", kind.shown());
     const RecordedMotion motion = bodies ? RosBag(path).motion(body) : px4_motion(read_ulog(path), body);

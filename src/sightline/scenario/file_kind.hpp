@@ -25,6 +25,10 @@ struct FileKind {
   RecordingKind recording = RecordingKind::none;
   std::string_view packed_by{};
 
+  /// Whether RosBag reads it.
+  bool is_bag() const {
+    return packed_by.empty() && (recording == RecordingKind::bag || recording == RecordingKind::run);
+  }
   /// "a PX4 ULog, packed by zstd"
   std::string shown() const;
 };

@@ -5,15 +5,12 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http.hpp>
 
+#include "sightline/base/character.hpp"
+
 namespace sightline {
 namespace {
 
 namespace http = boost::beast::http;
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 /// Splits off the text before a mark and removes the mark; without a mark, all of the text.
 std::string_view cut(std::string_view& text, std::string_view mark) {

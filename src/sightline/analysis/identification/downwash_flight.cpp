@@ -8,6 +8,7 @@
 
 #include "sightline/base/text_file.hpp"
 #include "sightline/readers/packed_file.hpp"
+#include "sightline/readers/recorded_motion.hpp"
 #include "sightline/scenario/read_part.hpp"
 
 namespace sightline {
@@ -58,13 +59,11 @@ RotorRecord rotor_record(const CsvColumns& table, const std::string& name, const
                     record.t[k - 1]);
     record.p.push_back({(*place[0])[k], (*place[1])[k], (*place[2])[k]});
     record.v.push_back({(*velocity[0])[k], (*velocity[1])[k], (*velocity[2])[k]});
-    double size = 0.0, squares = 0.0;
-    for (const std::vector<double>* one : q) size += square((*one)[k]);
-    if (!(size > 0))
+    const auto attitude = recorded_attitude({(*q[3])[k], (*q[0])[k], (*q[1])[k], (*q[2])[k]});
+    if (!attitude)
       throw_invalid("the attitude in row {} of numbers is 0, 0, 0, 0, expected a quaternion", k + 1);
-    const double x = (*q[0])[k], y = (*q[1])[k], z = (*q[2])[k], w = (*q[3])[k];
-    record.up.push_back(
-        {2 * (x * z + w * y) / size, 2 * (y * z - w * x) / size, 1 - 2 * (square(x) + square(y)) / size});
+    record.up.push_back(attitude->z);
+    double squares = 0.0;
     for (const std::vector<double>* one : duty) squares += square((*one)[k]);
     record.power.push_back(squares / static_cast<double>(duty.size()) *
                            (battery != nullptr ? square((*battery)[k]) : 1.0));

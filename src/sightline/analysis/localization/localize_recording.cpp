@@ -11,6 +11,7 @@
 
 #include "sightline/analysis/localization/estimate_log.hpp"
 #include "sightline/analysis/localization/localization_text.hpp"
+#include "sightline/base/character.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/scenario/read_part.hpp"
 
@@ -38,12 +39,8 @@ std::vector<bool> robots_named(const TeamRecording& recording, std::string_view 
                                std::string_view list) {
   std::vector<bool> chosen(recording.robots.size(), list == "all");
   if (list == "all" || list == "none") return chosen;
-  for (std::size_t at = 0; at <= list.size();) {
-    const std::size_t end = std::min(list.find(',', at), list.size());
-    chosen[static_cast<std::size_t>(
-        robot_named(recording, option, list.substr(at, end - at), "all, none or some of "))] = true;
-    at = end + 1;
-  }
+  for (const std::string_view name : split(list, ','))
+    chosen[static_cast<std::size_t>(robot_named(recording, option, name, "all, none or some of "))] = true;
   return chosen;
 }
 

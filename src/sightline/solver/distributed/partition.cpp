@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "sightline/base.hpp"
+#include "sightline/base/character.hpp"
 #include "sightline/base/nearest.hpp"
 #include "sightline/solvers.hpp"
 
@@ -29,16 +30,6 @@ double seconds_since(Clock::time_point begin) {
 std::string_view trimmed(std::string_view s) {
   const auto first = s.find_first_not_of(" \t\n");
   return first == s.npos ? std::string_view() : s.substr(first, s.find_last_not_of(" \t\n") - first + 1);
-}
-
-std::vector<std::string_view> split(std::string_view s, char separator) {
-  std::vector<std::string_view> pieces;
-  for (std::size_t end = s.find(separator); end != s.npos; end = s.find(separator)) {
-    pieces.push_back(trimmed(s.substr(0, end)));
-    s.remove_prefix(end + 1);
-  }
-  pieces.push_back(trimmed(s));
-  return pieces;
 }
 
 /// Checks that every robot is in exactly one subteam.
@@ -81,6 +72,7 @@ ExchangeOrder exchange_order(std::string_view word) {
 std::vector<PartSpec> parse_parts(std::string_view text) {
   std::vector<PartSpec> parts;
   for (std::string_view words : split(text, '|')) {
+    words = trimmed(words);
     PartSpec part;
     if (const auto colon = words.find(':'); colon != words.npos) {
       const std::string_view name = trimmed(words.substr(0, colon));
@@ -90,7 +82,7 @@ std::vector<PartSpec> parse_parts(std::string_view text) {
       words = trimmed(words.substr(colon + 1));
     }
     if (!words.empty())
-      for (const std::string_view word : split(words, ',')) part.robots.emplace_back(word);
+      for (const std::string_view word : split(words, ',')) part.robots.emplace_back(trimmed(word));
     parts.push_back(std::move(part));
   }
   return parts;
