@@ -105,7 +105,7 @@ Vehicle named_vehicle(const std::string& name) {
                   fmt::join(presets, ", "));
   const TomlDocument document = parse_toml(read_text(name), name);
   const TomlTable at(document);
-  const Vehicle vehicle = read_part<Vehicle>(TableSource(at));
+  Vehicle vehicle = read_part<Vehicle>(TableSource(at));
   at.checked([&] { vehicle.check(); });
   return vehicle;
 }
