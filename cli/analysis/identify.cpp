@@ -2,7 +2,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
+#include <utility>
 
 #include "bridges/dds/fleet/bridge.hpp"
 #include "bridges/dds/fleet/link.hpp"
@@ -24,6 +26,11 @@
 namespace sightline::cli {
 namespace {
 
+/// What a motion comes from.
+enum class MotionSource : std::uint8_t { scenario, run, recording, flights };
+constexpr std::array motion_sources = {"a scenario", "a run", "a recording",
+                                       "recordings of a flight (FILE,FILE)"};
+
 struct IdentifyCommand {
   NamedScenario of;
   std::filesystem::path output;
@@ -34,7 +41,7 @@ struct IdentifyCommand {
   std::vector<std::string> columns;
   std::string body, commands;
   std::vector<std::string> flights, held_out, vehicles;
-  std::vector<const CLI::Option*> of_other_motions;  ///< what recordings of a flight do not have
+  std::vector<std::pair<const CLI::Option*, std::vector<MotionSource>>> used_by;  ///< other sources refuse it
   bool json = false;
 };
 
@@ -57,6 +64,18 @@ auto in(const fs::path& place, Make&& make) {
   } catch (const std::invalid_argument& error) {
     if (std::string_view(error.what()).starts_with(place.native())) throw;
     throw std::invalid_argument(fmt::format("{}: {}", place.native(), error.what()));
+  }
+}
+
+/// @throws std::invalid_argument for a given option that motions of this source do not use
+void refuse_unused(const IdentifyCommand& command, MotionSource source) {
+  const auto shown = [](MotionSource one) { return motion_sources[static_cast<std::size_t>(one)]; };
+  for (const auto& [option, sources] : command.used_by) {
+    if (option->count() == 0 || std::find(sources.begin(), sources.end(), source) != sources.end()) continue;
+    std::vector<std::string_view> expected;
+    for (const MotionSource one : sources) expected.emplace_back(shown(one));
+    throw std::invalid_argument(fmt::format("{} of {}, expected only for {}", option->get_name(),
+                                            shown(source), fmt::join(expected, ", ")));
   }
 }
 
@@ -145,11 +164,7 @@ int identify_flights(const IdentifyCommand& command) {
   std::optional<FolderLock> lock;
   DownwashIdentification found;
   try {
-    for (const CLI::Option* const option : command.of_other_motions) {
-      if (option->count() > 0)
-        throw std::invalid_argument(
-            fmt::format("{} of recordings of a flight, expected none", option->get_name()));
-    }
+    refuse_unused(command, MotionSource::flights);
     std::vector<Vehicle> vehicles;
     for (const std::string& name : command.vehicles) vehicles.push_back(named_vehicle(name));
     if (vehicles.empty()) throw std::invalid_argument("--vehicle is missing, expected a preset or a file");
@@ -188,12 +203,8 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
                  std::initializer_list<std::string_view>{"identify.json", "identify.html"});
   };
   try {
-    if (!(command.flights.empty() && command.held_out.empty() && command.vehicles.empty()))
-      throw std::invalid_argument(
-          "--flight, --held-out or --vehicle of one recording, expected the recordings FILE,FILE of a "
-          "flight");
     if (recording != RecordingKind::none && recording != RecordingKind::run) {
-      if (!command.of.set.empty()) throw std::invalid_argument("--set of a recording, expected a scenario");
+      refuse_unused(command, MotionSource::recording);
       found = in(command.of.file, [&] {
         motion = recorded_motion(command.of.file, recording,
                                  {command.agent, command.columns, command.body, command.commands});
@@ -201,10 +212,12 @@ int identify(const IdentifyCommand& command, const Registry& registry) {
       });
       lock_in(fs::path("out") / motion.robot / "identify");
     } else if (of_log) {
+      refuse_unused(command, MotionSource::run);
       motion = flown(command, registry);
       lock_in(command.of.file);
       found = in(command.of.file, [&] { return sightline::identify(motion); });
     } else {
+      refuse_unused(command, MotionSource::scenario);
       const Scenario scenario = command.of.read(registry);
       const AgentId robot =
           in(command.of.file, [&] { return identified_robot(scenario.team, command.agent); });
@@ -279,9 +292,16 @@ Execute describe_identify(CLI::App& app) {
   app.add_option("-o,--output", command->output,
                  "Folder for the results [out/NAME/identify; of a run, its own]");
   app.add_flag("--json", command->json, "JSON instead of a table");
-  for (const char* const name : {"--set", "--agent", "--excitation", "--seconds", "--height", "--radius",
-                                 "--seed", "--body", "--commands"})
-    command->of_other_motions.push_back(app.get_option(name));
+  using enum MotionSource;
+  const auto used_by = [&](std::vector<MotionSource> sources, std::initializer_list<const char*> names) {
+    for (const char* const name : names) command->used_by.emplace_back(app.get_option(name), sources);
+  };
+  used_by({scenario, run}, {"--set"});
+  used_by({scenario, run, recording}, {"--agent"});
+  used_by({scenario}, {"--excitation", "--seconds", "--height", "--radius", "--seed"});
+  used_by({recording, flights}, {"--columns"});
+  used_by({recording}, {"--body", "--commands"});
+  used_by({flights}, {"--vehicle", "--flight", "--held-out"});
   return [command](const Registry& registry, char**) { return identify(*command, registry); };
 }
 

@@ -253,6 +253,8 @@ struct Vehicle {
   static std::array<Preset<Vehicle>, 3> presets();
 
   std::size_t rotors() const { return rotor_x.size(); }
+  /// R^2 of one disc with the area of all rotors [m^2].
+  double disc_radius2() const { return static_cast<double>(rotors()) * square(rotor_radius); }
   double weight() const;       ///< [N]
   double thrust_max() const;   ///< of all rotors [N]
   double hover_speed() const;  ///< of a rotor [rad/s]

@@ -83,7 +83,8 @@ TEST(IdentifyCommand, FitsTheDownwashOfVehiclesAboveOneAnother) {
   for (const std::string option : {"--agent uav0", "--set duration=3", "--excitation steps", "--seconds 20",
                                    "--height 2", "--radius 3", "--seed 1", "--body cf1", "--commands /cmd"})
     EXPECT_THAT(test::refused("identify " + flight + vehicles + " " + option, folder),
-                HasSubstr(option.substr(0, option.find(' ')) + " of recordings of a flight, expected none"));
+                HasSubstr(option.substr(0, option.find(' ')) +
+                          " of recordings of a flight (FILE,FILE), expected only for"));
   const std::string same = (folder / "second/../lower.csv").string() + "," + (folder / "upper.csv").string();
   for (const std::string option : {"--flight ", "--held-out "})
     EXPECT_THAT(
@@ -93,7 +94,9 @@ TEST(IdentifyCommand, FitsTheDownwashOfVehiclesAboveOneAnother) {
                             folder),
               HasSubstr("--held-out = "));
   EXPECT_THAT(test::refused("identify " + scenario(folder).string() + vehicles, folder),
-              HasSubstr("expected the recordings FILE,FILE of a flight"));
+              HasSubstr("--vehicle of a scenario, expected only for recordings of a flight (FILE,FILE)"));
+  EXPECT_THAT(test::refused("identify " + scenario(folder).string() + " --body cf1", folder),
+              HasSubstr("--body of a scenario, expected only for a recording"));
   std::ofstream(folder / "small.toml") << "mas = 1.0\n";
   EXPECT_THAT(test::refused("identify " + flight + vehicles, folder),
               HasSubstr("small.toml:1: mas = 1, expected a known key, the nearest is \"mass\""));
@@ -109,6 +112,8 @@ TEST(IdentifyCommand, ReadsTheLogOfARun) {
   EXPECT_NEAR(reported.at("seconds").get<double>(), 12.0, 0.02);
   EXPECT_FALSE(reported.at("missing").empty()) << "a task is no excitation";
   EXPECT_EQ(read_file(out / "identify.json"), done.out);
+  EXPECT_THAT(test::refused("identify " + out.string() + " --agent uav0 --seconds 9", folder),
+              HasSubstr("--seconds of a run, expected only for a scenario"));
 }
 
 TEST(IdentifyCommand, ReadsALogOfPx4ABagAndATable) {
@@ -137,7 +142,9 @@ TEST(IdentifyCommand, ReadsALogOfPx4ABagAndATable) {
   EXPECT_THAT(test::refused("identify " + log.string() + " --columns t", folder),
               HasSubstr("lagging.ulg: --columns of a recording that has names itself, expected none"));
   EXPECT_THAT(test::refused("identify " + log.string() + " --set duration=3", folder),
-              HasSubstr("--set of a recording, expected a scenario"));
+              HasSubstr("--set of a recording, expected only for a scenario, a run"));
+  EXPECT_THAT(test::refused("identify " + log.string() + " --seed 3", folder),
+              HasSubstr("--seed of a recording, expected only for a scenario"));
   fs::resize_file(log, 4000);
   std::ofstream(log, std::ios::binary | std::ios::app) << std::string(40, '\0');
   EXPECT_THAT(test::refused("identify " + log.string(), folder), HasSubstr("lagging.ulg: byte "));

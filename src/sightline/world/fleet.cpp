@@ -100,7 +100,7 @@ void Fleet::blow() noexcept {
     jets_[i] = {.p = one.body().p,
                 .down = -1.0 * one.attitude().z,
                 .thrust = crafts_[i].steered ? one.lift() : 0.0,
-                .radius2 = static_cast<double>(v.rotors()) * square(v.rotor_radius),
+                .radius2 = v.disc_radius2(),
                 .v = one.body().v};
   }
   pool_->share(static_cast<int>(crafts_.size()), [&](int i, int) noexcept {

@@ -100,7 +100,7 @@ std::vector<BelowOthers> rows_of(const DownwashFlight& flight, int number, doubl
         const Vehicle& rotors = above.vehicle;
         Jet jet{.p = between(above.p),
                 .down = -1.0 * between(above.up),
-                .radius2 = static_cast<double>(rotors.rotors()) * square(rotors.rotor_radius),
+                .radius2 = rotors.disc_radius2(),
                 .v = between(above.v)};
         const auto down = [&](const FlightThrust& by) {
           jet.thrust = std::max(0.0, rotors.mass * by.c[j] * between(by.per_c[j]));
