@@ -27,9 +27,9 @@ barrier() {
   folder=safety
   sources=(safety/{authority,escape,projection,barrier,barrier_law,barrier_threats,joint_plan,barrier_rows,row_projection,surrounded}
     safety/{barrier_check,driving_barrier,evasive_maneuver})
-  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,driving_barrier,residual_acceleration,evasive_maneuver,zone})
-  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:DrivingBarrier.*:ResidualAcceleration.*:EvasiveManeuvers.*:Zone.*'
-  objects=(cli/allocations)
+  tests=(safety/{authority,escape,projection,barrier,barrier_threats,barrier_several,barrier_check,driving_barrier,residual_acceleration,evasive_maneuver,zone,thrust_lag})
+  filter='Authority.*:Escape.*:Projection.NeverTrades*:Barrier*:DrivingBarrier.*:ResidualAcceleration.*:EvasiveManeuvers.*:Zone.*:ThrustLag.*Plan*'
+  objects=(cli/allocations tests/support/counting_new)
   libraries=("$build/lib/libsightline_core.a")
   mutants=(
     'sign of the normal flipped|barrier_period.hpp|return least - value(next);|return least + value(next);'
@@ -80,6 +80,10 @@ barrier() {
     'residual acceleration during a delay left out|barrier_threats.cpp|tube.spread += w \* law.plans.E(delay);|;'
     'residual acceleration of a period left out of walls|barrier_rows.cpp|left.E \* law.next_predicted.v|0.0 * law.next_predicted.v'
     'residual acceleration not braked against|barrier_law.cpp|part \* b - options.residual_acceleration,|part * b,'
+    'bend of a plan bounded from the wrong side|escape.cpp|std::min(at.A \* from.e, at.A \* to.e)|std::max(at.A * from.e, at.A * to.e)'
+    'plan of the period before forgotten|barrier.cpp|now.plan_before = maneuver.plan;|;'
+    'command of a proven plan not trusted|barrier_check.cpp|leaves = std::max(leaves, known);|;'
+    'command of a proven plan turned with the heading|barrier_law.cpp|const Vec2<double> turned = rotate(coasting.d, rotate<double>({self.d.x, -self.d.y}, a)),|const Vec2<double> turned = a,'
     'margin of a zone zero|barrier_law.cpp|face.offset += margin;|;'
   )
 }

@@ -138,6 +138,9 @@ struct EvasiveManeuver {
   double left = -std::numeric_limits<double>::infinity();  ///< least distance less the hard one [m]
   double within = 0.0;                                     ///< time below the hard distance [s]
   bool taken = false;  ///< flown in the previous period, and a candidate again
+  /// Direction of the plan that certainly kept the distance to one neighbour after the previous
+  /// period, and a candidate again; zero: none. For a tilt with a lag.
+  Vec2<double> plan{};
 };
 
 struct BarrierResult {
@@ -206,6 +209,9 @@ class Barrier {
 
   /// B of one neighbour at a state [m].
   double reserve(std::span<const double> x, const Neighbour& neighbour) const noexcept;
+  /// Whether a plan keeps the distance to one neighbour: B >= 0, and for a tilt with a lag B >= 0 by a
+  /// bound that holds between all times at which plans are evaluated.
+  bool keeps(std::span<const double> x, const Neighbour& neighbour) const noexcept;
 
   /// Part of the acceleration that remains under these limits, relative to those of the
   /// construction; in [0.05, 1].

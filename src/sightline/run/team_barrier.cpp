@@ -236,8 +236,10 @@ void TeamBarrier::keep_distance(const TeamSituation& now, std::size_t robot, std
   // autopilot lands, nor considers a body without a position.
   const bool descends = now.presence[at(of.body)] == Presence::land;
   if (level == FallbackLevel::grounded || !now.is_there(of.body) || !std::isfinite(now.ages[at(of.body)]) ||
-      (descends && !now.absent.empty()))
+      (descends && !now.absent.empty())) {
+    of.maneuver.plan = {};
     return;
+  }
   const std::span<double> applied = u.subspan(of.u, of.nu);
   std::copy(applied.begin(), applied.end(), of.reported.begin());
   const bool lands = level == FallbackLevel::land || descends;

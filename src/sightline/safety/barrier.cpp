@@ -108,6 +108,13 @@ double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) c
   return now.threats.empty() ? infinity : now.threats[0].reserve;
 }
 
+bool Barrier::keeps(std::span<const double> x, const Neighbour& neighbour) const noexcept {
+  if (law_->can.thrust_lag == 0) return reserve(x, neighbour) >= 0;
+  const std::array<double, most_inputs> at_rest{};
+  BarrierPeriod now = begin(*law_, x, at_rest, {&neighbour, 1});
+  return find_threats(*law_, now) && (now.threats.empty() || now.proven);
+}
+
 BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                               std::span<const double> u_min, std::span<const double> u_max,
                               std::span<double> u, EvasiveManeuver& maneuver) const noexcept {
@@ -125,6 +132,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
   if (!all_finite(x)) {
     result.conflict = true;
     result.violation = infinity;
+    maneuver.plan = {};
     return result;
   }
   BarrierPeriod now = begin(law, x, u, neighbours);
@@ -137,6 +145,7 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     result.active = result.active || limited;
     return result;
   }
+  now.plan_before = maneuver.plan;
   const bool all_known = find_threats(law, now);
   for (const Threat& threat : now.threats) result.reserve = std::min(result.reserve, threat.reserve);
   find_bounds(law, now);
@@ -186,10 +195,16 @@ BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbo
     maneuver = {};
   }
   // For a long period, or with a lag, linear rows are not accurate enough.
+  bool is_ensured = false;
   if (law.parts > 1 || law.can.thrust_lag > 0) {
     ensure_walls(law, now, u, after);
-    if (!lost && joint > -infinity && ensure_distances(law, now, u, after))
-      result.violation = now.missed_of_heights(after);
+    is_ensured = !lost && joint > -infinity && ensure_distances(law, now, u, after);
+    if (is_ensured) result.violation = now.missed_of_heights(after);
+  }
+  maneuver.plan = {};
+  if (now.proven && (is_ensured || now.threats[0].reserve >= law.ample)) {
+    const Threat& threat = now.threats[0];
+    maneuver.plan = {threat.plan.a.x / threat.tube.beta, threat.plan.a.y / threat.tube.beta};
   }
   // A row of the joint plan counts as missed only beyond its margin to the hard distance.
   const auto is_missed = [&](const BarrierRow& row) {

@@ -36,6 +36,8 @@ double least_over(double dt, const F& f) {
   return least;
 }
 
+constexpr double unproven = 1e-9;  // [m] missed by a command after which no distance is proven
+
 struct CommandCheck {
   /// Required reserve of a plan after the period [m]. A tolerance lets the reserve fall by half of
   /// the margin.
@@ -97,7 +99,24 @@ struct CommandCheck {
         least = std::min(least, plans[k - first].reserve() - required(*of[k]));
       first = end;
     }
+    if (now.proven && !of.empty() && least >= 0) {
+      const double sampled = std::min(norm(of[0]->tube.r) - of[0]->tube.rho0, plans[0].now);
+      if (sampled + law.options.margin < dip() ||
+          !law.plans.keeps(rest[0], of[0]->plan.a, law.proven_least()))
+        least = -unproven;
+    }
     return least;
+  }
+
+  /// Bound of the amount by which the distance from a point falls, between two samples, below its
+  /// least at both [m].
+  double dip() const {
+    const double lifted = law.can.climb_lag > 0 ? 2 * law.can.climb / law.can.climb_lag : 0.0,
+                 pushed = law.can.thrust_most * (1.0 + law.can.lift * lifted) + lifted +
+                          law.can.drag * norm(now.self.v) + law.options.residual_acceleration;
+    const double fast = norm(now.self.v) + law.can.rise + law.dt * pushed,
+                 near = norm(now.threats[0].tube.r) - now.beside - law.dt * fast;
+    return near > 0 ? 0.125 * square(law.dt / law.parts) * (fast * fast / near + pushed) : infinity;
   }
 
   /// The same against a cooperative neighbour: at any time this robot may use its share of the
@@ -160,18 +179,24 @@ struct CommandCheck {
   /// If u leaves less than 0, replaces u by the nearest command on the line to the plan's own
   /// command that leaves at least 0.
   /// @param a, rise  the plan's acceleration [m/s^2], and its climb within the period [m]
+  /// @param known  what the plan's own command leaves by proof, unless it misses a wall [m], or -infinity
   /// @param left  reserve of a command beyond the requirement [m]
   /// @return the remaining reserve [m]; if less than 0, no command suffices, and u is the better of
   ///         the two
   template <class Left>
-  double towards_plan(const Vec2<double>& a, double rise, std::span<double> u, const Left& left) const {
+  double towards_plan(const Vec2<double>& a, double rise, double known, std::span<double> u,
+                      const Left& left) const {
     const double leaves_now = left(u);
     if (leaves_now >= 0) return leaves_now;
     std::array<double, most_inputs> command{}, tried{};
     const auto planned = std::span(command).first(u.size());
     for (std::size_t k = 0; k < u.size(); ++k) planned[k] = std::clamp(0.0, now.u_min[k], now.u_max[k]);
-    law.reach_for(now.x, law.outcome_of(now.self, now.lagging, a, rise), now.u_min, now.u_max, planned);
+    const bool is_known = known > -infinity;
+    const BarrierLaw::Outcome wanted = is_known ? law.outcome_of_held(now.self, law.next(now.x, planned), a)
+                                                : law.outcome_of(now.self, now.lagging, a, rise);
+    law.reach_for(now.x, wanted, now.u_min, now.u_max, planned);
     double leaves = left(planned);
+    if (is_known && leaves > -infinity) leaves = std::max(leaves, known);
     if (leaves <= leaves_now) return leaves_now;
     const auto between = [&](double part, std::size_t k) {
       return std::clamp(planned[k] + part * (u[k] - planned[k]), now.u_min[k], now.u_max[k]);
@@ -228,11 +253,11 @@ void ensure_walls(const BarrierLaw& law, const BarrierPeriod& now, std::span<dou
   std::partial_sort(nearest.begin(), nearest.begin() + (alone ? 1 : 2), nearest.end(), nearer);
   const double b = now.part * law.b;
   const Vec2<double>& n = nearest[0].n;
-  if (check.towards_plan({b * n.x, b * n.y}, 0.0, u, left) < 0 && !alone) {
+  if (check.towards_plan({b * n.x, b * n.y}, 0.0, -infinity, u, left) < 0 && !alone) {
     const Vec2<double>& m = nearest[1].n;
     const Vec2<double> sum = {n.x + m.x, n.y + m.y};
     const double of_both = b * (dot(n, m) > 0 ? 1.0 / norm(sum.x, sum.y) : std::sqrt(0.5));
-    check.towards_plan({of_both * sum.x, of_both * sum.y}, 0.0, u, left);
+    check.towards_plan({of_both * sum.x, of_both * sum.y}, 0.0, -infinity, u, left);
   }
   after = law.next(now.x, u);
 }
@@ -259,7 +284,8 @@ bool ensure_distances(const BarrierLaw& law, const BarrierPeriod& now, std::span
   const double part = is_member(*tightest) ? 0.5 : 1.0;
   const Tube& tube = tightest->tube;
   const double leaves = check.towards_plan({part * tightest->plan.a.x, part * tightest->plan.a.y},
-                                           std::clamp(law.dt * tube.climb, -tube.room, tube.room), u, left);
+                                           std::clamp(law.dt * tube.climb, -tube.room, tube.room),
+                                           now.proven ? 0.0 : -infinity, u, left);
   after = law.next(now.x, u);
   return leaves >= 0;
 }

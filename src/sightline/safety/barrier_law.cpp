@@ -151,6 +151,14 @@ BarrierLaw::Outcome BarrierLaw::outcome_of(const Sight<double>& self, const Lagg
   return {step.e * self.v.x + step.E * a.x, step.e * self.v.y + step.E * a.y, self.p.z + rise};
 }
 
+BarrierLaw::Outcome BarrierLaw::outcome_of_held(const Sight<double>& self, const NextState& coasting,
+                                                const Vec2<double>& a) const noexcept {
+  const double share = 1.0 - std::exp(-dt / can.thrust_lag);
+  const Vec2<double> turned = rotate(coasting.d, rotate<double>({self.d.x, -self.d.y}, a)),
+                     &left = coasting.lagging.a;
+  return {left.x + share * turned.x, left.y + share * turned.y, self.p.z};
+}
+
 double BarrierLaw::braking(double part) const noexcept {
   constexpr double least = 0.05;  // of narrower limits
   return std::max(part * b - options.residual_acceleration, least * part * b);

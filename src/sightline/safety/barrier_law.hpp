@@ -82,6 +82,13 @@ struct BarrierLaw {
   /// one commanded acceleration and a climb `rise` [m].
   Outcome outcome_of(const Sight<double>& self, const Lagging& late, const Vec2<double>& a,
                      double rise) const noexcept;
+  /// The same for a tilt with a lag, if the command keeps its direction in V while the heading turns.
+  /// @param coasting  the next state without commands
+  Outcome outcome_of_held(const Sight<double>& self, const NextState& coasting,
+                          const Vec2<double>& a) const noexcept;
+  /// Reserve that a plan must certainly leave [m]: the check of commands and the bound use up to one
+  /// half of the margin, the motion between samples the other.
+  double proven_least() const noexcept { return -0.5 * options.margin; }
   /// Speed that bounds all later effects of a height and a yaw rate that settle [m/s].
   double settling(double beside, double rate) const noexcept {
     return per_beside * std::abs(beside) + per_rate * std::abs(rate);

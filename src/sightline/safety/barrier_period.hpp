@@ -86,6 +86,8 @@ struct BarrierPeriod {
   double beside_side = 1.0;          // sign of NextState::beside
   double turn_side = 1.0;            // sign of the yaw rate at the next sample
   Heeded heeded = Heeded::all;       // neighbours with rows; an evasive manoeuvre avoids the others
+  Vec2<double> plan_before{};        // EvasiveManeuver::plan
+  bool proven = false;               // the one neighbour's plan certainly keeps the distance
   Bounded<Threat, most_neighbours> threats;
   Bounded<BarrierRow, most_half_spaces> rows;
   Bounded<BoundHeight, 2 + most_pieces> heights;

@@ -137,6 +137,29 @@ void add_threats(const BarrierLaw& law, std::span<const int> chosen, BarrierPeri
   for (Threat& threat : now.threats) threat.reserve = threat.plan.reserve();
 }
 
+/// Proves that the one neighbour's plan keeps the distance, or takes the plan of the previous period:
+/// its rest still keeps what was proven then.
+void prove_plan(const BarrierLaw& law, BarrierPeriod& now) {
+  Threat& threat = now.threats[0];
+  const auto keeps = [&](double wanted) { return law.plans.keeps(threat.tube, threat.plan.a, wanted); };
+  const bool is_far = threat.reserve >= law.ample;
+  if (is_far && keeps(law.ample)) {
+    now.proven = true;
+    return;
+  }
+  now.proven = keeps(law.proven_least());
+  if (now.proven && is_far) threat.reserve = std::nextafter(law.ample, 0.0);  // its commands are checked
+  const Vec2<double>& along = now.plan_before;
+  if (now.proven || dot(along, along) == 0 || threat.tube.growth != 0) return;
+  constexpr double rounding = 1e-5;  // [m]
+  const Escape kept = law.plans.with(threat.tube, {threat.tube.beta * along.x, threat.tube.beta * along.y});
+  if (kept.reserve() < law.proven_least() - rounding)
+    return;  // a body or the robot moved otherwise than assumed
+  threat.plan = kept;
+  threat.reserve = kept.reserve();
+  now.proven = true;
+}
+
 }  // namespace
 
 bool is_finite(const Neighbour& n) noexcept {
@@ -196,6 +219,7 @@ bool find_threats(const BarrierLaw& law, BarrierPeriod& now) noexcept {
     if (all || !within[k].quiet || within[k].least <= most_of_least + found_to) chosen[kept++] = chosen[k];
   }
   add_threats(law, {chosen.begin(), kept}, now);
+  if (law.can.thrust_lag > 0 && now.threats.size() == 1) prove_plan(law, now);
   return all_known;
 }
 

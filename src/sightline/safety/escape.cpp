@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 #include <type_traits>
+#include <utility>
 
 #include "sightline/base.hpp"
 
@@ -98,7 +99,11 @@ EscapePlans::EscapePlans(double drag, double dt, double lag)
     t_[i] = dt + (longest - dt) * part * std::sqrt(part);
     const EscapeShape at = shape(t_[i]);
     E_[i] = at.E, F_[i] = at.F, L_[i] = at.L;
+    e_[i] = at.e, F_rate_[i] = at.F_rate, L_rate_[i] = at.L_rate;
   }
+  ends_[0] = decay(0.0);
+  for (std::size_t i = 1; i < times; ++i) ends_[i] = decay(0.5 * (t_[i - 1] + t_[i]));
+  ends_[times] = decay(longest);
   between_ = static_cast<std::size_t>(parts(dt)) - 1;
   for (std::size_t i = 0; i < between_; ++i) {
     t_between_[i] = dt * static_cast<double>(i + 1) / static_cast<double>(between_ + 1);
@@ -142,6 +147,10 @@ EscapeShapeOf<S> EscapePlans::shape_at(S t) const noexcept {
   at.F = at.F - at.L;
   at.F_rate = at.E - at.L_rate;
   return at;
+}
+
+EscapePlans::Decay EscapePlans::decay(double t) const noexcept {
+  return {t, std::exp(-c_ * t), lags() ? std::exp(-t / lag_) : 0.0};
 }
 
 double EscapePlans::E(double t) const noexcept { return without_lag(t).E; }
@@ -302,29 +311,38 @@ struct EscapePlans::Search {
     if (plans.lags()) p_x += L * tube.s.x, p_y += L * tube.s.y;
   }
 
-  /// The minimum of f near grid points, by thirds of the interval: the curvature of f may change its
-  /// sign in it.
-  Point nearest_by_thirds(const Vec2<S>& a, const Curve& f, const Places& i) const {
-    constexpr int rounds = 12;
+  /// The minimum of f near grid points, by golden sections of the interval: the curvature of f may
+  /// change its sign in it.
+  Point nearest_by_sections(const Vec2<S>& a, const Curve& f, const Places& i) const {
+    constexpr int rounds = 11;
     Places before = i, after = i;
     for (std::size_t l = 0; l < i.size(); ++l) {
       before[l] = i[l] > 0 ? i[l] - 1 : i[l];
       after[l] = std::min(i[l] + 1, times - 1);
     }
     S low = time(before), high = time(after);
+    const S golden(std::numbers::phi - 1.0);
+    S left = high - golden * (high - low), right = low + golden * (high - low);
+    S at_left = at(a, left).f, at_right = at(a, right).f;
     for (int round = 0; round < rounds; ++round) {
-      const S third = (high - low) * S(1.0 / 3.0), left = low + third, right = high - third;
-      const S rises = at(a, left).f - at(a, right).f;
+      const S rises = at_left - at_right;  // < 0: the minimum is before `right`
       low = where_negative(rises, low, left);
       high = where_negative(rises, right, high);
+      const S step = golden * (high - low), kept = where_negative(rises, left, right),
+              tried = where_negative(rises, high - step, low + step), at_tried = at(a, tried).f,
+              at_kept = where_negative(rises, at_left, at_right);
+      left = where_negative(rises, tried, kept), right = where_negative(rises, kept, tried);
+      at_left = where_negative(rises, at_tried, at_kept), at_right = where_negative(rises, at_kept, at_tried);
     }
-    const S t = S(0.5) * (low + high), astray = value(f, i) - tube.rho0 - at(a, t).f;
-    return at(a, where_negative(astray, time(i), t));
+    const S t = S(0.5) * (low + high);
+    const Point p = at(a, t);
+    const S astray = value(f, i) - tube.rho0 - p.f;
+    return any_negative(astray) ? at(a, where_negative(astray, time(i), t)) : p;
   }
 
   /// The minimum of f near grid points, by Newton steps.
   Point nearest(const Vec2<S>& a, const Curve& f, const Places& i) const {
-    if (plans.lags()) return nearest_by_thirds(a, f, i);
+    if (plans.lags()) return nearest_by_sections(a, f, i);
     S t = least_of(f, i);
     Point p = at(a, t);
     constexpr double near = 1e-4;  // [s]
@@ -492,6 +510,65 @@ Escape EscapePlans::with(const Tube& tube, const Vec2<double>& a) const noexcept
   Escape plan;
   with({&one, 1}, {a, tube.climb, tube.room}, -infinity, {&plan, 1});
   return plan;
+}
+
+bool EscapePlans::keeps(const Tube& tube, const Vec2<double>& a, double wanted) const noexcept {
+  if (tube.climb != 0 || tube.growth != 0) return false;
+  // q_a'' = A e^(-c t) + B e^(-t / tau).
+  const double share = lags() ? 1.0 / (1.0 - c_ * lag_) : 0.0;
+  const Vec2<double> B = {share * (tube.s.x - a.x), share * (tube.s.y - a.y)},
+                     A = {a.x - c_ * (tube.w.x + lag_ * B.x), a.y - c_ * (tube.w.y + lag_ * B.y)};
+  struct Tangent {
+    double t, f, slope;
+    double A, B;  // of the second derivative, along n
+  };
+  const auto tangent = [&](double t, double f, double slope, double n_x, double n_y) {
+    return Tangent{t, f, slope, n_x * A.x + n_y * A.y + c_ * tube.spread, n_x * B.x + n_y * B.y};
+  };
+  const auto is_kept = [&](const Tangent& at, const Decay& from, const Decay& to) {
+    const double bend = std::min(at.A * from.e, at.A * to.e) + std::min(at.B * from.late, at.B * to.late);
+    const double before = from.t - at.t, after = to.t - at.t, spare = at.f - wanted,
+                 straight = spare + std::min(before * at.slope, after * at.slope);
+    if (bend <= 0) return straight + 0.5 * bend * square(std::max(-before, after)) >= 0;
+    // A parabola is not below its tangent, nor below its vertex.
+    return straight >= 0 || 2 * bend * spare >= square(at.slope);
+  };
+  const Search<double> search(*this, tube);
+  constexpr int most_halvings = 64;
+  constexpr std::size_t deepest = 16;
+  std::array<std::pair<Decay, Decay>, deepest + 1> open;
+  int halvings = 0;
+  for (std::size_t k = 0; k < times; ++k) {
+    const Vec2<double> q = {search.x[k] + F_[k] * a.x, search.y[k] + F_[k] * a.y};
+    const double length = std::sqrt(dot(q, q) + search.height_squared[k]), inverse = 1.0 / length,
+                 z = tube.r.z - t_[k] * tube.drift.z, f = length - search.reach[k] - tube.rho0;
+    if (!(f >= wanted)) return false;
+    const double along = q.x * (e_[k] * tube.w.x + F_rate_[k] * a.x + L_rate_[k] * tube.s.x - tube.drift.x) +
+                         q.y * (e_[k] * tube.w.y + F_rate_[k] * a.y + L_rate_[k] * tube.s.y - tube.drift.y) -
+                         z * tube.drift.z;
+    const Tangent at =
+        tangent(t_[k], f, along * inverse - tube.speed - e_[k] * tube.spread, q.x * inverse, q.y * inverse);
+    if (k + 1 == times) {
+      // After the last time the slope falls by less than these.
+      const Decay& end = ends_[times];
+      const double lost = (at.A < 0 ? -at.A * end.e / c_ : 0.0) + (at.B < 0 ? -at.B * end.late * lag_ : 0.0);
+      if (!(at.slope >= lost)) return false;
+    }
+    if (is_kept(at, ends_[k], ends_[k + 1])) continue;
+    std::size_t count = 0;
+    open[count++] = {ends_[k], ends_[k + 1]};
+    while (count > 0) {
+      if (count == open.size() || ++halvings > most_halvings) return false;
+      const auto [from, to] = open[--count];
+      const Decay middle = decay(0.5 * (from.t + to.t));
+      const auto p = search.at(a, middle.t);
+      if (!(p.f >= wanted)) return false;
+      if (is_kept(tangent(middle.t, p.f, p.slope, p.n.x, p.n.y), from, to)) continue;
+      open[count++] = {from, middle};
+      open[count++] = {middle, to};
+    }
+  }
+  return true;
 }
 
 Escape EscapePlans::best(const Tube& tube) const noexcept {

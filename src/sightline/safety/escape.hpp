@@ -116,6 +116,13 @@ class EscapePlans {
   /// by less than 0.1 m
   bool with(Tubes tubes, const EscapeFlight& flight, double wanted, std::span<Escape> plans) const noexcept;
   Touch touch(const Tube& tube, const Vec2<double>& a, double t) const noexcept;
+  /// Whether a plan at constant height certainly leaves `wanted` [m] at all t >= 0, also between the
+  /// times of the grid and after the last. With n the direction from the centre at any one time,
+  ///
+  ///   f_a(t) >= n . q_a(t) - rho(t),   q_a''(t) = A e^(-c t) + B e^(-t / tau)
+  ///
+  /// so a tangent bounds f_a from below. Parts of time that it does not show to be safe are halved.
+  bool keeps(const Tube& tube, const Vec2<double>& a, double wanted) const noexcept;
 
   double E(double t) const noexcept;
   double F(double t) const noexcept;                              ///< without the lag
@@ -131,7 +138,12 @@ class EscapePlans {
   static constexpr double longest = 8.0;  // [s]
   template <class S>
   struct Search;
+  /// e^(-c t) and e^(-t / tau) at a time t.
+  struct Decay {
+    double t, e, late;
+  };
 
+  Decay decay(double t) const noexcept;
   bool lags() const noexcept { return lag_ > 0; }
   template <class S>
   EscapeShapeOf<S> without_lag(S t) const noexcept;
@@ -146,7 +158,8 @@ class EscapePlans {
   Escape best_around(const Search<double>& search, const Escape& found) const noexcept;
 
   double c_ = 0.0, per_c_ = 0.0, dt_ = 0.0, e_back_ = 1.0, lag_ = 0.0;
-  std::array<double, times> t_{}, E_{}, F_{}, L_{};
+  std::array<double, times> t_{}, E_{}, F_{}, L_{}, e_{}, F_rate_{}, L_rate_{};
+  std::array<Decay, times + 1> ends_{};  // of the parts of [0, longest] around the times of the grid
   // At the times within the period.
   std::size_t between_ = 0;
   std::array<double, most_parts - 1> t_between_{}, E_between_{}, F_between_{}, L_between_{};

@@ -101,8 +101,8 @@ class Guarantees {
       if (!together && assumed(other) > 0)
         return "a robot that drives along its heading stands and cannot flee";
     } else {
-      if (can.thrust_lag > 0)
-        return "the plans of a robot that tilts late are found by a search that may err";
+      if (can.thrust_lag > 0 && can.misfit > 0)
+        return "the drag of a robot that tilts late depends on the direction";
       // The fastest body that every plan outruns: docs/safety.md, 3.
       constexpr double fastest = 2.5, usual_period = 0.01;  // [m/s], [s]
       if (!together && assumed(other) > fastest)
@@ -120,17 +120,17 @@ class Guarantees {
         return "plans are exact for periods of up to 0.01 s only";
     }
     const Sight<double>& seen = seen_[static_cast<std::size_t>(other.index)];
-    const double reserve =
-        barrier(robot).reserve(std::span(scenario_.x0)
-                                   .subspan(static_cast<std::size_t>(team_.state_offset(robot)),
-                                            static_cast<std::size_t>(team_.model(robot).nx())),
-                               {.p = seen.p,
-                                .v = seen.v,
-                                .d_hard = hard_distance(scenario_, robot, other).value_or(0.0),
-                                .speed_max = assumed(other),
-                                .tie = robot.index < other.index ? 1.0 : -1.0,
-                                .behavior = together ? Behavior::cooperative : Behavior::uncooperative});
-    if (reserve < 0) return "the start leaves no plan";
+    const bool keeps =
+        barrier(robot).keeps(std::span(scenario_.x0)
+                                 .subspan(static_cast<std::size_t>(team_.state_offset(robot)),
+                                          static_cast<std::size_t>(team_.model(robot).nx())),
+                             {.p = seen.p,
+                              .v = seen.v,
+                              .d_hard = hard_distance(scenario_, robot, other).value_or(0.0),
+                              .speed_max = assumed(other),
+                              .tie = robot.index < other.index ? 1.0 : -1.0,
+                              .behavior = together ? Behavior::cooperative : Behavior::uncooperative});
+    if (!keeps) return "the start leaves no plan";
     return "";
   }
 
