@@ -231,8 +231,10 @@ struct CameraOptions {
   std::vector<std::vector<std::string>>
       tag_frames{};  ///< frame names in /tf, for each of `tags`, one for each face
 
-  /// Camera of this robot, or tags of this body; nullptr if it has none.
+  /// The camera of this robot, or tags of this body; nullptr if it has none.
   const RobotCamera* camera_of(BodyId observer) const noexcept;
+  /// The camera of this robot with this mount; null mount: any. nullptr if it has none.
+  const RobotCamera* camera_of(BodyId observer, const SensorMount* mount) const noexcept;
   const BodyTags* tags_of(BodyId body) const noexcept;
 };
 

@@ -1,4 +1,5 @@
-// A sensor that sits and looks anywhere: its view by quaternions of the test's own, two set-ups that are one, and flights.
+// Sensors that sit and look anywhere, also several on a robot: views by quaternions of the test's own, two set-ups that
+// are one, and flights.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,12 +13,16 @@
 
 #include "sightline/analysis/field.hpp"
 #include "sightline/estimator.hpp"
+#include "sightline/events.hpp"
 #include "sightline/judge/present_team.hpp"
+#include "sightline/judge/summary.hpp"
+#include "sightline/log.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/potentials.hpp"
 #include "sightline/sensors.hpp"
 #include "sightline/world/sighting.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/replayed_flight.hpp"
 #include "tests/support/sampled_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/two_robots.hpp"
@@ -327,6 +332,163 @@ TEST(MountedSensor, OfACertifiedViewLooksAheadOrIsRefused) {
   const std::string text = view(askew);
   ASSERT_EQ(test::scenario_refusal(text), "");
   EXPECT_EQ(share_in_view(text, mount), 1.0);
+}
+
+/// A robot between a ball on its left and a post on its right, which looks both ways.
+std::string two_way_watcher(std::string_view rest = "") {
+  return fmt::format(R"(
+[simulation]
+duration = 8.0
+settle = 4.0
+[agent.uav0]
+robot = "multirotor"
+start = {{ p = [0.1, 0.0, 1.4], heading = 0.5 }}
+sensor = {{ pitch = 0.5, offset = 0.17 }}
+Q = [1.0, 1.0, 1.0, 0.1, 0.1, 0.0, 0.0]
+reference = {{ constant = {{ p = [0.0, 0.0, 1.4] }} }}
+[agent.uav0.sensors.left]
+yaw = 1.5
+pitch = 0.2
+roll = 0.3
+offset = [0.02, 0.1, -0.03]
+[agent.uav0.sensors.right]
+yaw = -1.6
+pitch = 0.1
+offset = [0.0, -0.1, 0.0]
+[target.ball]
+motion = {{ circle = {{ centre = [0.0, 1.5, 1.0], radius = 0.2, rate = 0.5 }} }}
+[target.post]
+p = [0.0, -1.5, 1.1]
+[[couple]]
+name = "to the left"
+potential = {{ bearing = {{ alpha = 0.5 }} }}
+between = ["uav0", "ball"]
+sensor = "left"
+[[couple]]
+name = "to the right"
+potential = {{ sensor_cone = {{ alpha = 0.5 }} }}
+between = ["uav0", "post"]
+sensor = "right"
+{})",
+                     rest);
+}
+constexpr SensorMount left_mount{.pitch = 0.2, .offset = {0.02, 0.1, -0.03}, .yaw = 1.5, .roll = 0.3},
+    right_mount{.pitch = 0.1, .offset = {0.0, -0.1, 0.0}, .yaw = -1.6};
+
+TEST(SeveralSensors, KeepATargetEachAndTheSummaryHasTheirAngles) {
+  const Scenario scenario = test::scenario_of(two_way_watcher());
+  const std::vector<Observation> views = observations(scenario.team.couplings());
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[0].mount, left_mount);
+  EXPECT_EQ(views[1].mount, right_mount);
+  const std::array<SensorMount, 2> mounts = {left_mount, right_mount};
+  std::array<double, 2> most{};
+  Summary summary(scenario, 1);
+  for (const Sample& sample : test::samples_of(scenario)) {
+    summary.add(sample);
+    if (sample.time < 4.0 - 1e-9) continue;
+    const Sight<double> robot = true_sight(scenario.team, BodyId{0}, sample);
+    for (std::size_t k = 0; k < 2; ++k)
+      most[k] =
+          std::max(most[k], angle_to(mounts[k], robot, true_sight(scenario.team, views[k].target, sample).p));
+  }
+  const SummaryValues values = summary.values();
+  ASSERT_EQ(values.pairs.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_LT(most[k], std::atan(std::sin(0.5))) << k;
+    EXPECT_NEAR(values.pairs[k].view_angle_max, most[k], 1e-9) << k;
+    EXPECT_EQ(values.pairs[k].in_view_fraction, 1.0) << k;
+  }
+  EXPECT_FALSE(summary.target_lost_at_end());
+}
+
+TEST(SeveralSensors, OfALogGiveEachCommandAgainAndTheLogHasTheirMounts) {
+  SimulatedClock clock;
+  const test::ReplayedFlight flown(test::scenario_of(two_way_watcher()), 1.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = test::replayed(flown.scenario, flight);
+  EXPECT_GT(compared.updates(), 50);
+  EXPECT_EQ(compared.differing(), 0);
+  const Recording run = read_recording(flown.folder.path());
+  ASSERT_EQ(run.pairs.size(), 2U);
+  EXPECT_EQ(run.pairs[0].mount, left_mount);
+  EXPECT_EQ(run.pairs[1].mount, right_mount);
+}
+
+/// The views in force after the only event of a scenario.
+std::vector<Observation> views_after(std::string_view event) {
+  const Scenario scenario = test::scenario_of(two_way_watcher(event));
+  ActiveTeam active(scenario.team, scenario.presence);
+  for (const Action& action : scenario.script.events.at(0).actions)
+    EXPECT_EQ(active.apply(action, 1.0, 0.0), "");
+  std::vector<Coupling> lasting = active.couplings();
+  std::erase_if(lasting, [](const Coupling& c) { return !c.ramp.lasts(); });
+  return observations(lasting);
+}
+
+TEST(SeveralSensors, ByEventsChangeOneAtATime) {
+  const BodyId ball{1}, post{2};
+  // The coupling that is removed takes its own view along, the other stays.
+  std::vector<Observation> views = views_after("[[event]]\nat = 1.0\nremove = { couple = \"to the left\" }");
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views[0].mount, right_mount);
+  // Another potential of a coupling looks through the coupling's sensor.
+  views = views_after(
+      "[[event]]\nat = 1.0\nretune = { couple = \"to the right\", potential = { bearing = { alpha = 0.3 } } "
+      "}");
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[1].potential.name(), "bearing");
+  EXPECT_EQ(views[1].mount, right_mount);
+  // The sensor that is named turns; the other stays on its target.
+  const std::string turn = "[target.other]\np = [1.5, 0.0, 1.0]\n[[event]]\nat = 1.0\n";
+  views = views_after(turn + "observe = { observer = \"uav0\", target = \"other\", sensor = \"right\" }");
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[0].target, ball);
+  EXPECT_EQ(views[0].mount, left_mount);
+  EXPECT_EQ(views[1].target, BodyId{3});
+  EXPECT_EQ(views[1].mount, right_mount);
+  // Two of one pair are two views.
+  views = views_after(
+      "[[event]]\nat = 1.0\nadd = { couple = { potential = { bearing = { alpha = 2.0 } }, "
+      "between = [\"uav0\", \"post\"] } }");
+  ASSERT_EQ(views.size(), 3U);
+  EXPECT_EQ(views[1].target, post);
+  EXPECT_EQ(views[2].target, post);
+  EXPECT_EQ(views[2].mount, (SensorMount{.pitch = 0.5, .offset = 0.17}));
+}
+
+TEST(SeveralSensors, AShapeLooksThroughTheSensorsOfItsName) {
+  const auto shape = [](std::string_view potentials) {
+    return two_way_watcher(
+        fmt::format("[[shape]]\nstar = {{ centre = \"ball\", observers = [\"uav0\"] }}\n"
+                    "sensor = \"right\"\npotentials = [{}]\n",
+                    potentials));
+  };
+  const Scenario scenario =
+      test::scenario_of(shape("{ keep_out = { d_min = 0.5 } }, { bearing = { alpha = 0.3 } }"));
+  const std::vector<Coupling>& couplings = scenario.team.couplings();
+  ASSERT_EQ(couplings.size(), 4U);
+  EXPECT_EQ(couplings[2].term.potential.mount(), nullptr);
+  EXPECT_EQ(*couplings[3].term.potential.mount(), right_mount);
+  EXPECT_NE(test::scenario_refusal(shape("{ keep_out = { d_min = 0.5 } }"))
+                .find("shape[0].sensor = \"right\", expected no such key: no potential of the shape looks"),
+            std::string::npos);
+}
+
+TEST(SeveralSensors, ConditionsMeasureThroughTheCouplingsSensorOrTheNamedOne) {
+  const auto mount_of = [](const std::string& trigger) {
+    const Scenario scenario = test::scenario_of(two_way_watcher("[[event]]\nenter = \"next\"\n" + trigger));
+    const auto& condition = std::get<Condition>(scenario.script.events.at(0).trigger);
+    if (const auto* angle = std::get_if<ViewAngleOf>(&condition.measure)) return angle->mount;
+    return *std::get<ExcessOf>(condition.measure).potential.mount();
+  };
+  EXPECT_EQ(mount_of("lost = { observer = \"uav0\", target = \"ball\" }"), left_mount);
+  EXPECT_EQ(mount_of("seen = { observer = \"uav0\", target = \"post\", alpha = 0.2 }"), right_mount);
+  EXPECT_EQ(mount_of("seen = { observer = \"uav0\", target = \"post\", alpha = 0.2, sensor = \"left\" }"),
+            left_mount);
+  EXPECT_EQ(mount_of("when = { angle = [\"uav0\", \"ball\"], above = 1.0 }"), left_mount);
+  EXPECT_EQ(mount_of("when = { formula = \"bearing\", between = [\"uav0\", \"post\"], above = 1.0 }"),
+            right_mount);
 }
 
 }  // namespace

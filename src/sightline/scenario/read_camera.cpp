@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/scenario/read_part.hpp"
 #include "sightline/sensors.hpp"
 
 namespace sightline {
@@ -75,12 +74,8 @@ std::string lens_words(const Camera& camera) {
                      camera.widest());
 }
 
-}  // namespace
-
-std::optional<SensorMount> read_mount(const TomlTable& agent) {
-  if (!agent.has("sensor")) return std::nullopt;
+SensorMount read_mounting(const TomlTable& at) {
   constexpr std::string_view key = "offset";
-  const TomlTable at = agent.table("sensor");
   auto mount = read_part<SensorMount>(TableSource(at));
   if (!at.has(key)) return mount;
   const std::string of_one = mount_offsets.expected("m"), expected = of_one + ", ahead or [ahead, left, up]";
@@ -91,6 +86,24 @@ std::optional<SensorMount> read_mount(const TomlTable& agent) {
     mount.offset = at.number(key, {mount_offsets.low, mount_offsets.high, expected});
   }
   return mount;
+}
+
+}  // namespace
+
+std::optional<SensorMount> read_mount(const TomlTable& agent) {
+  return agent.has("sensor") ? std::optional(read_mounting(agent.table("sensor"))) : std::nullopt;
+}
+
+std::vector<NamedSensor> read_sensors(const TomlTable& agent) {
+  constexpr std::string_view key = "sigmas";
+  std::vector<NamedSensor> sensors;
+  for (const auto& [name, at] : agent.named_tables("sensors")) {
+    sensors.push_back({name, read_mounting(at)});
+    // A robot knows the uncertainty of one view, that of its camera.
+    if (sensors.back().mount.sigmas > 0)
+      at.throw_invalid(key, fmt::format("0 of a further sensor, [{}.sensor] may have it", agent.path()));
+  }
+  return sensors;
 }
 
 void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
@@ -145,7 +158,7 @@ std::vector<TagReading> tag_readings(const ScenarioSpec& scenario) {
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
     const BodyId observer = coupling.between.first, target = coupling.between.second;
-    const RobotCamera* const camera = scenario.vision.camera_of(observer);
+    const RobotCamera* const camera = scenario.vision.camera_of(observer, coupling.term.potential.mount());
     const BodyTags* const tags = scenario.vision.tags_of(target);
     if (camera == nullptr || tags == nullptr) continue;
     const double between_faces = tags->tags.faces >= 3 ? std::numbers::pi / tags->tags.faces : 0.0;

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 2> localization_kinds = {"global", "visio
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
 constexpr std::string_view correlation_key = "correlation_time";
 
-/// The bodies with tags that a robot's sensor observes at some time of a run.
+/// The bodies with tags that a robot observes with its camera at some time of a run.
 std::vector<BodyId> observed_by(BodyId robot, const ScenarioSpec& scenario) {
   std::vector<BodyId> all;
   const auto add = [&](BodyId body) {
@@ -29,7 +29,9 @@ std::vector<BodyId> observed_by(BodyId robot, const ScenarioSpec& scenario) {
       all.push_back(body);
   };
   const auto add_coupling = [&](const Coupling& c) {
-    if (c.between.first == robot && observes(c.term.potential)) add(c.between.second);
+    if (c.between.first == robot && observes(c.term.potential) &&
+        scenario.vision.camera_of(robot, c.term.potential.mount()) != nullptr)
+      add(c.between.second);
   };
   for (const Coupling& c : scenario.team.couplings()) add_coupling(c);
   for (const TeamEvent& event : scenario.script.events) {

@@ -103,6 +103,20 @@ std::string read_label(const TomlTable& at, std::string_view key) {
   return label;
 }
 
+Observer read_looking(const TomlTable& at, Observer observer) {
+  constexpr std::string_view key = "sensor";
+  if (!at.has(key)) return observer;
+  std::vector<std::string_view> known;
+  for (const NamedSensor& one : observer.sensors) known.push_back(one.name);
+  const std::string_view chosen =
+      at.word(key, known, fmt::format("a sensor of [agent.{}.sensors]", observer.name));
+  observer.mount =
+      std::find_if(observer.sensors.begin(), observer.sensors.end(), [&](const NamedSensor& one) {
+        return one.name == chosen;
+      })->mount;
+  return observer;
+}
+
 Weighted read_potential(const TomlTable& at, const Observer& observer) {
   const TomlTable choice = at.table("potential");
   const std::string_view name = choice.choice(potential_names(at.registry()));

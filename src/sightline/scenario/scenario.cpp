@@ -36,12 +36,12 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, 26> agent_keys = {
+constexpr std::array<std::string_view, 27> agent_keys = {
     "robot",        "parameters", "start",   "Q",      "R",        "command_delay",
     "u_ref",        "u_min",      "u_max",   "limits", "rate_max", "reference",
     "sensor",       "present",    "vehicle", "link",   "Q_f",      "disturbance_time",
     "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localization",
-    "observes",     "estimate"};
+    "observes",     "estimate",   "sensors"};
 
 /// Fills a ScenarioSpec from a document, section by section; sections that others refer to come first.
 class Reader {
@@ -189,7 +189,7 @@ class Reader {
       if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
 
-      observers_.push_back({name, read_mount(at)});
+      observers_.push_back({name, read_mount(at), read_sensors(at)});
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").throw_invalid(place_key(at), "a place at or above the ground, whose height is 0 m");
