@@ -21,6 +21,8 @@
 #include "sightline/potentials.hpp"
 #include "sightline/sensors.hpp"
 #include "sightline/world/sighting.hpp"
+#include "sightline/worlds.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/replayed_flight.hpp"
 #include "tests/support/sampled_flight.hpp"
@@ -489,6 +491,121 @@ TEST(SeveralSensors, ConditionsMeasureThroughTheCouplingsSensorOrTheNamedOne) {
   EXPECT_EQ(mount_of("when = { angle = [\"uav0\", \"ball\"], above = 1.0 }"), left_mount);
   EXPECT_EQ(mount_of("when = { formula = \"bearing\", between = [\"uav0\", \"post\"], above = 1.0 }"),
             right_mount);
+}
+
+/// Attitude of the sensor in G on an upright robot, by quaternions.
+Quaternion attitude_of(const SensorMount& mount, double heading) {
+  return times(times(times(about(z_axis, heading), about(z_axis, mount.yaw)), about(y_axis, mount.pitch)),
+               about(x_axis, mount.roll));
+}
+
+TEST(SeveralCameras, GiveTheirSightingsInTheFrameOfTheFirstWithTheirCovariance) {
+  const SensorMount front{.pitch = 0.5, .offset = 0.17};
+  const double heading = 0.4;
+  Sight<double> robot;
+  robot.p = {0.2, -0.1, 1.2}, robot.d = {std::cos(heading), std::sin(heading)};
+  Random random(5);
+  for (int k = 0; k < 6; ++k) {
+    SensorMount left = random_mount(random);
+    left.yaw = uniform(random, 1.2, 1.9), left.pitch = uniform(random, -0.2, 0.2);
+    // Tags that the further camera alone sees, each of its faces turned off its axis.
+    const Vec3<double> on_axis = robot.p + turned(attitude_of(left, heading), {2.0, 0.0, 0.0}) +
+                                 turned(about(z_axis, heading), left.offset);
+    const double psi = uniform(random, -3.1, 3.1);
+    CameraOptions options{.seed = 7};
+    for (const SensorMount& mount : {front, left})
+      options.cameras.push_back(
+          {.observer = BodyId{0}, .mount = mount, .camera = {.outliers = 0.0, .flips = 0.0}});
+    options.tags.push_back({BodyId{1}, {}});
+    const Team team = test::two_robots();
+    const std::vector<double> x = {robot.p.x, robot.p.y, robot.p.z, robot.d.x,     robot.d.y,     0, 0,
+                                   on_axis.x, on_axis.y, on_axis.z, std::cos(psi), std::sin(psi), 0, 0};
+    CameraWorld world(std::make_unique<ModelWorld>(team, x), options,
+                      std::make_unique<SyntheticDetections>(team, options));
+    const Vec3<double> p = in_sensor(front, robot, on_axis);
+    const Quaternion in_G = attitude_of(front, heading);
+    const Quaternion q = times({in_G.w, -in_G.x, -in_G.y, -in_G.z}, about(z_axis, psi));
+    const std::vector<double> u(8, 0.0);
+    double squares = 0.0;
+    int count = 0;
+    for (int period = 0; period < 1500; ++period) {
+      const Measured now = world.measure(0.01 * period);
+      for (const Detection& one : now.detections) {
+        const Quaternion d = times(q, {one.q.w, -one.q.x, -one.q.y, -one.q.z});
+        const double sign = d.w < 0 ? -2.0 : 2.0;
+        const std::array<double, 6> errors = {p.x - one.p.x, p.y - one.p.y, p.z - one.p.z,
+                                              sign * d.x,    sign * d.y,    sign * d.z};
+        if (std::hypot(errors[3], errors[4], errors[5]) > 0.5) continue;  // the mirrored pose of a tag
+        Column<6> e;
+        for (int i = 0; i < 6; ++i) e(i, 0) = errors[static_cast<std::size_t>(i)];
+        const Column<6> y = Cholesky<6>(one.covariance_matrix()).forward(e);
+        for (int i = 0; i < 6; ++i) squares += y(i, 0) * y(i, 0);
+        ++count;
+      }
+      ASSERT_TRUE(test::apply(world, 0.01 * period, now.measured, u, 0.01, 1));
+    }
+    ASSERT_GT(count, 300) << k;
+    EXPECT_NEAR(squares / count, 6.0, 0.8) << k;
+  }
+}
+
+TEST(SeveralCameras, LocalizeARobotByTheTagsThatEachSees) {
+  std::string text = two_way_watcher(
+      "[target.ball.tags]\n[target.post.tags]\n[agent.uav0.sensors.left.camera]\nrate = 20.0\n"
+      "[agent.uav0.sensors.right.camera]\nrate = 25.0\n");
+  text.insert(text.find("Q = [1.0"), "localization = \"vision\"\n");
+  const Scenario scenario = test::scenario_of(text);
+  const LocalizedRobot& localized = scenario.localization.robots.at(0);
+  EXPECT_EQ(localized.mount, left_mount) << "of the first camera";
+  EXPECT_EQ(localized.observes, (std::vector{BodyId{1}, BodyId{2}}));
+  EXPECT_EQ(localized.camera_rate, 45.0);
+  SimulatedClock clock;
+  const test::ReplayedFlight flown(scenario, 8.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = test::replayed(flown.scenario, flight);
+  EXPECT_EQ(compared.differing(), 0);
+  EXPECT_GT(compared.estimates(), 700);
+  EXPECT_EQ(compared.differing_estimates(), 0);
+  Summary summary(scenario, 1);
+  for (const Sample& sample : test::samples_of(scenario)) summary.add(sample);
+  const RobotLocalization of = summary.localization().robots().at(0);
+  EXPECT_GT(of.detections, 8 * 25 + 100) << "more than one camera has pictures";
+  EXPECT_LT(of.rejected, 0.05 * static_cast<double>(of.detections));
+  EXPECT_LT(of.rmse, 0.03);
+  EXPECT_LT(of.anees, 8.0);
+}
+
+TEST(SeveralCameras, ThatCannotBeToldAsOneAreRefused) {
+  const auto refusal = [](std::string_view first, std::string_view camera, std::string_view rest = "") {
+    std::string text = two_way_watcher(rest);
+    text.insert(text.find("[agent.uav0.sensors.right]"), "[agent.uav0.sensors.left.camera]\n");
+    text.insert(text.find("Q = [1.0"), first);
+    const std::size_t right = text.find("[target.ball]");
+    text.insert(right, camera);
+    return test::scenario_refusal(text);
+  };
+  EXPECT_NE(refusal("", "frame = \"body\"\ncamera = {}\n")
+                .find("agent.uav0.sensors.right.frame = \"body\", expected that of the sensor of the robot's "
+                      "first camera"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal("", "camera = { correlation_time = 1.0 }\n")
+          .find("agent.uav0.sensors.right.camera.correlation_time = 1, expected 0 s of each of several"),
+      std::string::npos);
+  EXPECT_NE(
+      refusal("localization = \"vision\"\nestimate = { filter = \"attitude\", camera_turn = 0.01 }\n",
+              "camera = {}\n", "[target.ball.tags]\n")
+          .find("agent.uav0.localization = \"vision\", expected \"global\", or a robot with one camera"),
+      std::string::npos);
+  EXPECT_NE(refusal("", "camera = {}\n", "[fleet]\n")
+                .find("fleet = {}, expected robots with one camera each, uav0 has several"),
+            std::string::npos);
+  // A choice compares views of cameras, and its potential looks through [agent.uav0.sensor].
+  EXPECT_NE(refusal("", "",
+                    "[target.ball.tags]\n[[shape]]\nbest = { target = [\"ball\"], observers = [\"uav0\"] }\n"
+                    "potential = { bearing = {} }\n")
+                .find("shape[0].best.observers = [\"uav0\"], expected robots with a camera at their sensor"),
+            std::string::npos);
 }
 
 }  // namespace

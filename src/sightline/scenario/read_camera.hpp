@@ -17,10 +17,9 @@ std::optional<SensorMount> read_mount(const TomlTable& agent);
 /// Its further sensors, in the order of the file.
 std::vector<NamedSensor> read_sensors(const TomlTable& agent);
 
-/// Reads the camera of a robot, and the tags and the hull of any body, into scenario.vision.
-/// @param mount  of the body's sensor, if it has one
-void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
-                ScenarioSpec& scenario);
+/// Reads the cameras of a robot, and the tags and the hull of any body, into scenario.vision.
+/// @param sensors  of the body, if it has any
+void read_sight(const TomlTable& at, BodyId body, const Observer& sensors, ScenarioSpec& scenario);
 
 /// Cameras, tags and hulls, including the hulls of vehicles.
 CameraOptions camera_options(const ScenarioSpec& scenario);

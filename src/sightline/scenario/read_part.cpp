@@ -39,7 +39,7 @@ Potential read_choice(const TomlTable& choice, std::string_view name, const Obse
   const TomlTable at = choice.table(name);
   const PartList<Potential>& list = choice.registry().potentials;
   if (list.find(name) == nullptr) return read_text_potential(at, observer);
-  const Potential potential = read_named(list, name, at);
+  Potential potential = read_named(list, name, at);
   if (potential.mount() == nullptr) return potential;
   const SensorMount mount = mount_of(at, observer);
   return at.checked([&] { return potential.seen_from(mount); });

@@ -196,6 +196,16 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, ScenarioSpec& sc
     at.throw_invalid(observers_key,
                      fmt::format("at most {} pairs of observer and target", shape_couplings_max));
 
+  for (const AgentId observer : choice.observers) {
+    const SensorMount& of_camera = scenario.vision.camera_of(observer)->mount;
+    const BodyId other =
+        choice.targets[BodyId(observer) == choice.targets[0] ? choice.targets.size() - 1 : 0];
+    for (const Weighted& term : terms_of({observer, other}))
+      if (term.potential.mount() != nullptr && *term.potential.mount() != of_camera)
+        at.throw_invalid(observers_key,
+                         fmt::format("robots with a camera at their sensor, {} has [agent.{}.sensors]",
+                                     team.name(observer), team.name(observer)));
+  }
   choice.variances = variances_of(choice, scenario.vision);
   const std::vector<double> u = resting_inputs(team);
   choice.first = ViewChooser::first(

@@ -74,7 +74,13 @@ class Reader {
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
     check_starts(root_, scenario_);
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
-    if (root_.has("fleet")) scenario_.links = link_reader(root_).read_links(root_, scenario_);
+    if (root_.has("fleet")) {
+      for (const RobotCamera& one : scenario_.vision.cameras)
+        if (scenario_.vision.camera_of(one.observer) != &one)
+          root_.throw_invalid("fleet", fmt::format("robots with one camera each, {} has several",
+                                                   scenario_.team.name(one.observer)));
+      scenario_.links = link_reader(root_).read_links(root_, scenario_);
+    }
     scenario_.script = read_events(root_, scenario_, observers_);
     // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
@@ -200,7 +206,7 @@ class Reader {
         vehicle->robot = bodies_.at(name);
         scenario_.vehicles.push_back(std::move(*vehicle));
       }
-      read_sight(at, bodies_.at(name), observers_.back().mount, scenario_);
+      read_sight(at, bodies_.at(name), observers_.back(), scenario_);
       read_compensation(at, bodies_.at(name));
       if (goal_speed) {
         const BodyId robot = bodies_.at(name);
