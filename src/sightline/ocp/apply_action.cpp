@@ -240,8 +240,9 @@ std::string apply(const Observe& observe, const TeamChange& change) {
            is_through(c.term.potential);
   });
   if (looks == couplings.end()) {
-    return fmt::format("\"{}\" has no sensor on anything{}, expected a robot that observes",
-                       change.name(observer), observe.through ? " through the one that is to turn" : "");
+    return fmt::format(
+        "\"{}\" {}, expected a robot that observes", change.name(observer),
+        observe.through ? "observes nothing by the sensor that is to turn" : "has no sensor on anything");
   }
   const BodyId before = looks->between.second;
   if (before == target) {
