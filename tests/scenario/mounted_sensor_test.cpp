@@ -550,15 +550,12 @@ TEST(SeveralCameras, GiveTheirSightingsInTheFrameOfTheFirstWithTheirCovariance) 
 }
 
 TEST(SeveralCameras, LocalizeARobotByTheTagsThatEachSees) {
-  std::string text = two_way_watcher(
-      "[target.ball.tags]\n[target.post.tags]\n[agent.uav0.sensors.left.camera]\nrate = 20.0\n"
-      "[agent.uav0.sensors.right.camera]\nrate = 25.0\n");
-  text.insert(text.find("Q = [1.0"), "localization = \"vision\"\n");
-  const Scenario scenario = test::scenario_of(text);
+  const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/two_cameras.toml",
+                                          built_in_registry(), {"simulation.duration=8.0"});
   const LocalizedRobot& localized = scenario.localization.robots.at(0);
-  EXPECT_EQ(localized.mount, left_mount) << "of the first camera";
+  EXPECT_EQ(localized.mount.yaw, 1.57) << "of the first camera";
   EXPECT_EQ(localized.observes, (std::vector{BodyId{1}, BodyId{2}}));
-  EXPECT_EQ(localized.camera_rate, 45.0);
+  EXPECT_EQ(localized.camera_rate, 60.0);
   SimulatedClock clock;
   const test::ReplayedFlight flown(scenario, 8.0, clock);
   RecordedFlight flight = flown.flight();
@@ -569,7 +566,7 @@ TEST(SeveralCameras, LocalizeARobotByTheTagsThatEachSees) {
   Summary summary(scenario, 1);
   for (const Sample& sample : test::samples_of(scenario)) summary.add(sample);
   const RobotLocalization of = summary.localization().robots().at(0);
-  EXPECT_GT(of.detections, 8 * 25 + 100) << "more than one camera has pictures";
+  EXPECT_GT(of.detections, 8 * 30 + 100) << "more than one camera has pictures";
   EXPECT_LT(of.rejected, 0.05 * static_cast<double>(of.detections));
   EXPECT_LT(of.rmse, 0.03);
   EXPECT_LT(of.anees, 8.0);
