@@ -74,9 +74,9 @@ std::string reference() {
          section("Solvers", {keys("[solver] newton_riccati", NewtonRiccatiOptions{}),
                              keys("[solver] cmscgmres, cgmres", ContinuationOptions{})}) +
          section("Compensation", {keys("[agent.NAME]", RobotCompensation{})}) +
-         section("Sensors",
-                 {keys("[agent.NAME.sensor]", SensorMount{}), keys("[agent.NAME.camera]", Camera{}),
-                  keys("[agent.NAME.tags]", Tags{}), keys("[obstacle.NAME.hull]", Hull{})}) +
+         section("Sensors", {keys("[agent.NAME.sensor], [agent.NAME.sensors.SENSOR]", SensorMount{}),
+                             keys("[agent.NAME.camera], [agent.NAME.sensors.SENSOR.camera]", Camera{}),
+                             keys("[agent.NAME.tags]", Tags{}), keys("[obstacle.NAME.hull]", Hull{})}) +
          section("Vehicles", {keys("[agent.NAME.vehicle]", Vehicle{}),
                               keys("[agent.NAME.vehicle] imu", Imu{}), keys("[world]", DownwashOptions{})}) +
          section("Targets and obstacles", {keys("[target.NAME], [obstacle.NAME]", UncooperativeBody{})}) +

@@ -302,6 +302,8 @@ struct RetuneTerm {
 struct Observe {
   AgentId observer;
   BodyId target;
+  std::optional<SensorMount>
+      through{};  ///< of several sensors, the one that turns; none: the first that observes
 };
 
 struct SetReference {

@@ -231,8 +231,10 @@ struct CameraOptions {
   std::vector<std::vector<std::string>>
       tag_frames{};  ///< frame names in /tf, for each of `tags`, one for each face
 
-  /// Camera of this robot, or tags of this body; nullptr if it has none.
+  /// The first camera of this robot, or tags of this body; nullptr if it has none.
   const RobotCamera* camera_of(BodyId observer) const noexcept;
+  /// The camera of this robot with this mount; null mount: any. nullptr if it has none.
+  const RobotCamera* camera_of(BodyId observer, const SensorMount* mount) const noexcept;
   const BodyTags* tags_of(BodyId body) const noexcept;
 };
 
@@ -397,6 +399,8 @@ RigidPose camera_pose(const RobotCamera& camera, const Rotation& turned, const R
 
 /// Rotation of each camera against its nominal mounting (Camera::misalignment), drawn once.
 std::vector<Rotation> drawn_misalignments(const CameraOptions& options);
+/// Index of the random streams of a camera: the robot's, of each further camera of it another.
+int stream_of(const CameraOptions& options, std::size_t camera);
 
 /// Motion of a body in the picture during the exposure [px]; 0 if the body was not in front of the
 /// camera.

@@ -259,8 +259,9 @@ struct RigidBody {
 /// up), with covariance.
 ///
 /// With the errors dp and dtheta of that covariance, the body's origin is at p + dp in S. Its axes
-/// are turned by exp(dtheta) after q, with dtheta in S. The key [agent.NAME.sensor] defines S; a
-/// mounting error enters p and q, but not the covariance.
+/// are turned by exp(dtheta) after q, with dtheta in S. The key [agent.NAME.sensor] defines S, of
+/// detections by the robot's further cameras too; a mounting error enters p and q, but not the
+/// covariance.
 struct Detection {
   BodyId observer{}, target{};
   double stamp = 0.0;          ///< time of validity: the middle of the exposure [s]

@@ -1,4 +1,5 @@
-// A sensor that sits and looks anywhere: its view by quaternions of the test's own, two set-ups that are one, and flights.
+// Sensors that sit and look anywhere, also several on a robot: views by quaternions of the test's own, two set-ups that
+// are one, and flights.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,12 +13,18 @@
 
 #include "sightline/analysis/field.hpp"
 #include "sightline/estimator.hpp"
+#include "sightline/events.hpp"
 #include "sightline/judge/present_team.hpp"
+#include "sightline/judge/summary.hpp"
+#include "sightline/log.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/potentials.hpp"
 #include "sightline/sensors.hpp"
 #include "sightline/world/sighting.hpp"
+#include "sightline/worlds.hpp"
+#include "tests/support/applied.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/replayed_flight.hpp"
 #include "tests/support/sampled_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 #include "tests/support/two_robots.hpp"
@@ -327,6 +334,275 @@ TEST(MountedSensor, OfACertifiedViewLooksAheadOrIsRefused) {
   const std::string text = view(askew);
   ASSERT_EQ(test::scenario_refusal(text), "");
   EXPECT_EQ(share_in_view(text, mount), 1.0);
+}
+
+/// A robot between a ball on its left and a post on its right, which looks both ways.
+std::string two_way_watcher(std::string_view rest = "") {
+  return fmt::format(R"(
+[simulation]
+duration = 8.0
+settle = 4.0
+[agent.uav0]
+robot = "multirotor"
+start = {{ p = [0.1, 0.0, 1.4], heading = 0.5 }}
+sensor = {{ pitch = 0.5, offset = 0.17 }}
+Q = [1.0, 1.0, 1.0, 0.1, 0.1, 0.0, 0.0]
+reference = {{ constant = {{ p = [0.0, 0.0, 1.4] }} }}
+[agent.uav0.sensors.left]
+yaw = 1.5
+pitch = 0.2
+roll = 0.3
+offset = [0.02, 0.1, -0.03]
+[agent.uav0.sensors.right]
+yaw = -1.6
+pitch = 0.1
+offset = [0.0, -0.1, 0.0]
+[target.ball]
+motion = {{ circle = {{ centre = [0.0, 1.5, 1.0], radius = 0.2, rate = 0.5 }} }}
+[target.post]
+p = [0.0, -1.5, 1.1]
+[[couple]]
+name = "to the left"
+potential = {{ bearing = {{ alpha = 0.5 }} }}
+between = ["uav0", "ball"]
+sensor = "left"
+[[couple]]
+name = "to the right"
+potential = {{ sensor_cone = {{ alpha = 0.5 }} }}
+between = ["uav0", "post"]
+sensor = "right"
+{})",
+                     rest);
+}
+constexpr SensorMount left_mount{.pitch = 0.2, .offset = {0.02, 0.1, -0.03}, .yaw = 1.5, .roll = 0.3},
+    right_mount{.pitch = 0.1, .offset = {0.0, -0.1, 0.0}, .yaw = -1.6};
+
+TEST(SeveralSensors, KeepATargetEachAndTheSummaryHasTheirAngles) {
+  const Scenario scenario = test::scenario_of(two_way_watcher());
+  const std::vector<Observation> views = observations(scenario.team.couplings());
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[0].mount, left_mount);
+  EXPECT_EQ(views[1].mount, right_mount);
+  const std::array<SensorMount, 2> mounts = {left_mount, right_mount};
+  std::array<double, 2> most{};
+  Summary summary(scenario, 1);
+  for (const Sample& sample : test::samples_of(scenario)) {
+    summary.add(sample);
+    if (sample.time < 4.0 - 1e-9) continue;
+    const Sight<double> robot = true_sight(scenario.team, BodyId{0}, sample);
+    for (std::size_t k = 0; k < 2; ++k)
+      most[k] =
+          std::max(most[k], angle_to(mounts[k], robot, true_sight(scenario.team, views[k].target, sample).p));
+  }
+  const SummaryValues values = summary.values();
+  ASSERT_EQ(values.pairs.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_LT(most[k], std::atan(std::sin(0.5))) << k;
+    EXPECT_NEAR(values.pairs[k].view_angle_max, most[k], 1e-9) << k;
+    EXPECT_EQ(values.pairs[k].in_view_fraction, 1.0) << k;
+  }
+  EXPECT_FALSE(summary.target_lost_at_end());
+}
+
+TEST(SeveralSensors, OfALogGiveEachCommandAgainAndTheLogHasTheirMounts) {
+  SimulatedClock clock;
+  const test::ReplayedFlight flown(test::scenario_of(two_way_watcher()), 1.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = test::replayed(flown.scenario, flight);
+  EXPECT_GT(compared.updates(), 50);
+  EXPECT_EQ(compared.differing(), 0);
+  const Recording run = read_recording(flown.folder.path());
+  ASSERT_EQ(run.pairs.size(), 2U);
+  EXPECT_EQ(run.pairs[0].mount, left_mount);
+  EXPECT_EQ(run.pairs[1].mount, right_mount);
+}
+
+/// The views in force after the only event of a scenario.
+std::vector<Observation> views_after(std::string_view event) {
+  const Scenario scenario = test::scenario_of(two_way_watcher(event));
+  ActiveTeam active(scenario.team, scenario.presence);
+  for (const Action& action : scenario.script.events.at(0).actions)
+    EXPECT_EQ(active.apply(action, 1.0, 0.0), "");
+  std::vector<Coupling> lasting = active.couplings();
+  std::erase_if(lasting, [](const Coupling& c) { return !c.ramp.lasts(); });
+  return observations(lasting);
+}
+
+TEST(SeveralSensors, ByEventsChangeOneAtATime) {
+  const BodyId ball{1}, post{2};
+  // The coupling that is removed takes its own view along, the other stays.
+  std::vector<Observation> views = views_after("[[event]]\nat = 1.0\nremove = { couple = \"to the left\" }");
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views[0].mount, right_mount);
+  // Another potential of a coupling looks through the coupling's sensor.
+  views = views_after(
+      "[[event]]\nat = 1.0\nretune = { couple = \"to the right\", potential = { bearing = { alpha = 0.3 } } "
+      "}");
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[1].potential.name(), "bearing");
+  EXPECT_EQ(views[1].mount, right_mount);
+  // The sensor that is named turns; the other stays on its target.
+  const std::string turn = "[target.other]\np = [1.5, 0.0, 1.0]\n[[event]]\nat = 1.0\n";
+  views = views_after(turn + "observe = { observer = \"uav0\", target = \"other\", sensor = \"right\" }");
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[0].target, ball);
+  EXPECT_EQ(views[0].mount, left_mount);
+  EXPECT_EQ(views[1].target, BodyId{3});
+  EXPECT_EQ(views[1].mount, right_mount);
+  // Two of one pair are two views.
+  views = views_after(
+      "[[event]]\nat = 1.0\nadd = { couple = { potential = { bearing = { alpha = 2.0 } }, "
+      "between = [\"uav0\", \"post\"] } }");
+  ASSERT_EQ(views.size(), 3U);
+  EXPECT_EQ(views[1].target, post);
+  EXPECT_EQ(views[2].target, post);
+  EXPECT_EQ(views[2].mount, (SensorMount{.pitch = 0.5, .offset = 0.17}));
+}
+
+TEST(SeveralSensors, AShapeLooksThroughTheSensorsOfItsName) {
+  const auto shape = [](std::string_view potentials) {
+    return two_way_watcher(
+        fmt::format("[[shape]]\nstar = {{ centre = \"ball\", observers = [\"uav0\"] }}\n"
+                    "sensor = \"right\"\npotentials = [{}]\n",
+                    potentials));
+  };
+  const Scenario scenario =
+      test::scenario_of(shape("{ keep_out = { d_min = 0.5 } }, { bearing = { alpha = 0.3 } }"));
+  const std::vector<Coupling>& couplings = scenario.team.couplings();
+  ASSERT_EQ(couplings.size(), 4U);
+  EXPECT_EQ(couplings[2].term.potential.mount(), nullptr);
+  EXPECT_EQ(*couplings[3].term.potential.mount(), right_mount);
+  EXPECT_NE(test::scenario_refusal(shape("{ keep_out = { d_min = 0.5 } }"))
+                .find("shape[0].sensor = \"right\", expected no such key: no potential of the shape looks"),
+            std::string::npos);
+}
+
+TEST(SeveralSensors, ConditionsMeasureThroughTheCouplingsSensorOrTheNamedOne) {
+  const auto mount_of = [](const std::string& trigger) {
+    const Scenario scenario = test::scenario_of(two_way_watcher("[[event]]\nenter = \"next\"\n" + trigger));
+    const auto& condition = std::get<Condition>(scenario.script.events.at(0).trigger);
+    if (const auto* angle = std::get_if<ViewAngleOf>(&condition.measure)) return angle->mount;
+    return *std::get<ExcessOf>(condition.measure).potential.mount();
+  };
+  EXPECT_EQ(mount_of("lost = { observer = \"uav0\", target = \"ball\" }"), left_mount);
+  EXPECT_EQ(mount_of("seen = { observer = \"uav0\", target = \"post\", alpha = 0.2 }"), right_mount);
+  EXPECT_EQ(mount_of("seen = { observer = \"uav0\", target = \"post\", alpha = 0.2, sensor = \"left\" }"),
+            left_mount);
+  EXPECT_EQ(mount_of("when = { angle = [\"uav0\", \"ball\"], above = 1.0 }"), left_mount);
+  EXPECT_EQ(mount_of("when = { formula = \"bearing\", between = [\"uav0\", \"post\"], above = 1.0 }"),
+            right_mount);
+}
+
+/// Attitude of the sensor in G on an upright robot, by quaternions.
+Quaternion attitude_of(const SensorMount& mount, double heading) {
+  return times(times(times(about(z_axis, heading), about(z_axis, mount.yaw)), about(y_axis, mount.pitch)),
+               about(x_axis, mount.roll));
+}
+
+TEST(SeveralCameras, GiveTheirSightingsInTheFrameOfTheFirstWithTheirCovariance) {
+  const SensorMount front{.pitch = 0.5, .offset = 0.17};
+  const double heading = 0.4;
+  Sight<double> robot;
+  robot.p = {0.2, -0.1, 1.2}, robot.d = {std::cos(heading), std::sin(heading)};
+  Random random(5);
+  for (int k = 0; k < 6; ++k) {
+    SensorMount left = random_mount(random);
+    left.yaw = uniform(random, 1.2, 1.9), left.pitch = uniform(random, -0.2, 0.2);
+    // Tags that the further camera alone sees, each of its faces turned off its axis.
+    const Vec3<double> on_axis = robot.p + turned(attitude_of(left, heading), {2.0, 0.0, 0.0}) +
+                                 turned(about(z_axis, heading), left.offset);
+    const double psi = uniform(random, -3.1, 3.1);
+    CameraOptions options{.seed = 7};
+    for (const SensorMount& mount : {front, left})
+      options.cameras.push_back(
+          {.observer = BodyId{0}, .mount = mount, .camera = {.outliers = 0.0, .flips = 0.0}});
+    options.tags.push_back({BodyId{1}, {}});
+    const Team team = test::two_robots();
+    const std::vector<double> x = {robot.p.x, robot.p.y, robot.p.z, robot.d.x,     robot.d.y,     0, 0,
+                                   on_axis.x, on_axis.y, on_axis.z, std::cos(psi), std::sin(psi), 0, 0};
+    CameraWorld world(std::make_unique<ModelWorld>(team, x), options,
+                      std::make_unique<SyntheticDetections>(team, options));
+    const Vec3<double> p = in_sensor(front, robot, on_axis);
+    const Quaternion in_G = attitude_of(front, heading);
+    const Quaternion q = times({in_G.w, -in_G.x, -in_G.y, -in_G.z}, about(z_axis, psi));
+    const std::vector<double> u(8, 0.0);
+    double squares = 0.0;
+    int count = 0;
+    for (int period = 0; period < 1500; ++period) {
+      const Measured now = world.measure(0.01 * period);
+      for (const Detection& one : now.detections) {
+        const Quaternion d = times(q, {one.q.w, -one.q.x, -one.q.y, -one.q.z});
+        const double sign = d.w < 0 ? -2.0 : 2.0;
+        const std::array<double, 6> errors = {p.x - one.p.x, p.y - one.p.y, p.z - one.p.z,
+                                              sign * d.x,    sign * d.y,    sign * d.z};
+        if (std::hypot(errors[3], errors[4], errors[5]) > 0.5) continue;  // the mirrored pose of a tag
+        Column<6> e;
+        for (int i = 0; i < 6; ++i) e(i, 0) = errors[static_cast<std::size_t>(i)];
+        const Column<6> y = Cholesky<6>(one.covariance_matrix()).forward(e);
+        for (int i = 0; i < 6; ++i) squares += y(i, 0) * y(i, 0);
+        ++count;
+      }
+      ASSERT_TRUE(test::apply(world, 0.01 * period, now.measured, u, 0.01, 1));
+    }
+    ASSERT_GT(count, 300) << k;
+    EXPECT_NEAR(squares / count, 6.0, 0.8) << k;
+  }
+}
+
+TEST(SeveralCameras, LocalizeARobotByTheTagsThatEachSees) {
+  const Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/two_cameras.toml",
+                                          built_in_registry(), {"simulation.duration=8.0"});
+  const LocalizedRobot& localized = scenario.localization.robots.at(0);
+  EXPECT_EQ(localized.mount.yaw, 1.57) << "of the first camera";
+  EXPECT_EQ(localized.observes, (std::vector{BodyId{1}, BodyId{2}}));
+  EXPECT_EQ(localized.camera_rate, 60.0);
+  SimulatedClock clock;
+  const test::ReplayedFlight flown(scenario, 8.0, clock);
+  RecordedFlight flight = flown.flight();
+  const CommandComparison compared = test::replayed(flown.scenario, flight);
+  EXPECT_EQ(compared.differing(), 0);
+  EXPECT_GT(compared.estimates(), 700);
+  EXPECT_EQ(compared.differing_estimates(), 0);
+  Summary summary(scenario, 1);
+  for (const Sample& sample : test::samples_of(scenario)) summary.add(sample);
+  const RobotLocalization of = summary.localization().robots().at(0);
+  EXPECT_GT(of.detections, 8 * 30 + 100) << "more than one camera has pictures";
+  EXPECT_LT(of.rejected, 0.05 * static_cast<double>(of.detections));
+  EXPECT_LT(of.rmse, 0.03);
+  EXPECT_LT(of.anees, 8.0);
+}
+
+TEST(SeveralCameras, ThatCannotBeToldAsOneAreRefused) {
+  const auto refusal = [](std::string_view first, std::string_view camera, std::string_view rest = "") {
+    std::string text = two_way_watcher(rest);
+    text.insert(text.find("[agent.uav0.sensors.right]"), "[agent.uav0.sensors.left.camera]\n");
+    text.insert(text.find("Q = [1.0"), first);
+    const std::size_t right = text.find("[target.ball]");
+    text.insert(right, camera);
+    return test::scenario_refusal(text);
+  };
+  EXPECT_NE(refusal("", "frame = \"body\"\ncamera = {}\n")
+                .find("agent.uav0.sensors.right.frame = \"body\", expected that of the sensor of the robot's "
+                      "first camera"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal("", "camera = { correlation_time = 1.0 }\n")
+          .find("agent.uav0.sensors.right.camera.correlation_time = 1, expected 0 s of each of several"),
+      std::string::npos);
+  EXPECT_NE(
+      refusal("localization = \"vision\"\nestimate = { filter = \"attitude\", camera_turn = 0.01 }\n",
+              "camera = {}\n", "[target.ball.tags]\n")
+          .find("agent.uav0.localization = \"vision\", expected \"global\", or a robot with one camera"),
+      std::string::npos);
+  EXPECT_NE(refusal("", "camera = {}\n", "[fleet]\n")
+                .find("fleet = {}, expected robots with one camera each, uav0 has several"),
+            std::string::npos);
+  // A choice compares views of cameras, and its potential looks through [agent.uav0.sensor].
+  EXPECT_NE(refusal("", "",
+                    "[target.ball.tags]\n[[shape]]\nbest = { target = [\"ball\"], observers = [\"uav0\"] }\n"
+                    "potential = { bearing = {} }\n")
+                .find("shape[0].best.observers = [\"uav0\"], expected robots with a camera at their sensor"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sightline/events.hpp"
+#include "sightline/potential/protection.hpp"
 #include "sightline/safety/view_filter.hpp"
 #include "tests/support/sampled_flight.hpp"
 #include "tests/support/scenario_text.hpp"
@@ -293,6 +296,62 @@ add = [{ couple = { potential = { bearing = { alpha = 0.5 } }, between = ["uav0"
        { couple = { potential = { sensor_cone = { alpha = 0.6 } }, between = ["uav0", "ball"] } }]
 )";
   EXPECT_EQ(test::scenario_refusal(text), "");
+}
+
+// Of two couplings that observe the target, each is removed first.
+TEST(CertifyView, ASetStaysInTheCostAsLongAsACouplingObservesItsTarget) {
+  const Scenario scenario =
+      test::scenario_of(leaving_robot(0.3, "[-0.8, 0.0, 1.5]", certified) + R"([[couple]]
+name = "second"
+potential = { bearing = { alpha = 0.5 } }
+between = ["uav0", "ball"]
+[[event]]
+at = 1.0
+remove = { couple = "couple[0]" }
+[[event]]
+at = 2.0
+remove = { couple = "second" }
+)");
+  const auto& events = scenario.script.events;
+  for (const auto& order : {std::array<std::size_t, 2>{0, 1}, std::array<std::size_t, 2>{1, 0}}) {
+    ActiveTeam active(scenario.team, scenario.presence);
+    const auto sets = [&] {
+      const std::vector<Coupling>& all = active.couplings();
+      return std::count_if(all.begin(), all.end(), [](const Coupling& c) {
+        return c.term.potential.name() == "certified_view" && c.ramp.lasts();
+      });
+    };
+    ASSERT_EQ(sets(), 1);
+    for (const Action& action : events[order[0]].actions) EXPECT_EQ(active.apply(action, 1.0, 0.5), "");
+    EXPECT_EQ(sets(), 1) << order[0];
+    for (const Action& action : events[order[1]].actions) EXPECT_EQ(active.apply(action, 2.0, 0.5), "");
+    EXPECT_EQ(sets(), 0) << order[0];
+  }
+}
+
+// A second sensor turns; the view of the first, and its set, stay.
+TEST(CertifyView, AnotherSensorThatTurnsLeavesTheSetOfTheView) {
+  std::string text = leaving_robot(0.3, "[-0.8, 0.0, 1.5]", certified) + R"([[couple]]
+potential = { bearing = { alpha = 0.8 } }
+between = ["uav0", "here"]
+sensor = "back"
+[[event]]
+at = 1.0
+observe = { observer = "uav0", target = "there", sensor = "back" }
+)";
+  text.insert(text.find("[target.ball]"),
+              "[agent.uav0.sensors.back]\nyaw = 3.0\n[target.here]\np = [-3.0, 0.0, 1.0]\n"
+              "[target.there]\np = [-3.0, 1.0, 1.0]\n");
+  const Scenario scenario = test::scenario_of(text);
+  ActiveTeam active(scenario.team, scenario.presence);
+  for (const Action& action : scenario.script.events.at(0).actions)
+    EXPECT_EQ(active.apply(action, 1.0, 0.0), "");
+  std::vector<std::string> lasting;
+  for (const Coupling& c : active.couplings())
+    if (c.ramp.lasts() && (observes(c.term.potential) || c.term.potential.name() == "certified_view"))
+      lasting.push_back(fmt::format("{} {}", c.term.potential.name(), scenario.team.name(c.between.second)));
+  std::sort(lasting.begin(), lasting.end());
+  EXPECT_EQ(lasting, (std::vector<std::string>{"bearing there", "certified_view ball", "sensor_cone ball"}));
 }
 
 }  // namespace

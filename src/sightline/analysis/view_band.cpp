@@ -92,7 +92,7 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
   std::set<std::pair<int, int>> pairs;
   const auto take = [&](const Coupling& coupling) {
     const auto& [observer, target] = coupling.between;
-    const RobotCamera* const camera = scenario.vision.camera_of(observer);
+    const RobotCamera* const camera = scenario.vision.camera_of(observer, coupling.term.potential.mount());
     const BodyTags* const tags = scenario.vision.tags_of(target);
     if (coupling.term.potential.mount() == nullptr || camera == nullptr || tags == nullptr) return;
     if (!pairs.emplace(observer.index, target.index).second) return;

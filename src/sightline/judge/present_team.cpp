@@ -8,10 +8,23 @@
 #include "sightline/potential/protection.hpp"
 
 namespace sightline {
+namespace {
+
+/// False for potentials that look through different sensors.
+bool share_sensor(const Potential& a, const Potential& b) noexcept {
+  return a.mount() == nullptr || b.mount() == nullptr || *a.mount() == *b.mount();
+}
+
+}  // namespace
 
 bool is_in_view(const Observation& pair, const Sight<double>& observer, const Sight<double>& target,
                 double time) noexcept {
   return pair.potential.violation(observer, target, time) <= 0;
+}
+
+bool is_same_view(const Observation& one, const Observation& other) noexcept {
+  return one.observer == other.observer && one.target == other.target &&
+         share_sensor(one.potential, other.potential);
 }
 
 std::vector<Observation> observations(std::span<const Coupling> couplings) {
@@ -22,7 +35,9 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
     const Potential& potential = c.term.potential;
     if (!observes(potential) || potential.violation({}, {}) == -std::numeric_limits<double>::infinity())
       continue;
-    if (std::any_of(found.begin(), found.end(), [&](const Observation& o) { return same(o, a, b); }))
+    if (std::any_of(found.begin(), found.end(), [&](const Observation& o) {
+          return same(o, a, b) && share_sensor(o.potential, potential);
+        }))
       continue;
     const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
     found.push_back(
@@ -52,7 +67,8 @@ std::vector<Coupling> all_couplings(const Scenario& scenario) {
       for (const Coupling& c : active_team.couplings()) {
         const auto same = [&](const Coupling& other) {
           return other.between.first == c.between.first && other.between.second == c.between.second &&
-                 other.third == c.third && other.term.potential.name() == c.term.potential.name();
+                 other.third == c.third && other.term.potential.name() == c.term.potential.name() &&
+                 share_sensor(other.term.potential, c.term.potential);
         };
         if (std::none_of(all.begin(), all.end(), same)) all.push_back(c);
       }

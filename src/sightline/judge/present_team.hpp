@@ -11,8 +11,8 @@
 
 namespace sightline {
 
-/// An observer and the target of its sensor, from the first coupling with a sensor cone or a region
-/// that is a view.
+/// An observer and the target of a sensor of it, from the first coupling with a sensor cone or a
+/// region that is a view.
 struct Observation {
   BodyId observer, target;
   Potential potential;
@@ -26,6 +26,9 @@ struct Observation {
 /// @param observer  first_sight() of the observer, with the third body
 bool is_in_view(const Observation& pair, const Sight<double>& observer, const Sight<double>& target,
                 double time) noexcept;
+
+/// Whether two observations are of one view: the same pair, through the same sensor if both have one.
+bool is_same_view(const Observation& one, const Observation& other) noexcept;
 
 /// All observations among couplings, in their order.
 std::vector<Observation> observations(std::span<const Coupling> couplings);

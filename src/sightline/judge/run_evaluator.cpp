@@ -54,9 +54,8 @@ bool RunEvaluator::follow() {
   if (changed) drift_.restart(couplings);
   const std::vector<Observation> requested = observations(couplings);
   for (View& view : views_) {
-    const bool now = std::any_of(requested.begin(), requested.end(), [&](const Observation& one) {
-      return one.observer == view.pair.observer && one.target == view.pair.target;
-    });
+    const bool now = std::any_of(requested.begin(), requested.end(),
+                                 [&](const Observation& one) { return is_same_view(one, view.pair); });
     // Who was not given the time to see it is not blamed.
     if (view.requested && !now && (view.first < never || sample_.time - view.since > plan_.view_within))
       view.waited = view.wait();

@@ -90,15 +90,12 @@ void Summary::find_what_is_in_force() {
   const std::vector<Observation> observed = observations(couplings);
   // Add pairs that only became known during the flight.
   for (const Observation& o : observed) {
-    const auto same = [&](const View& v) {
-      return v.pair.observer == o.observer && v.pair.target == o.target;
-    };
+    const auto same = [&](const View& v) { return is_same_view(v.pair, o); };
     if (std::none_of(views_.begin(), views_.end(), same)) add_view(o);
   }
   for (View& view : views_) {
-    const auto now = std::find_if(observed.begin(), observed.end(), [&](const Observation& o) {
-      return o.observer == view.pair.observer && o.target == view.pair.target;
-    });
+    const auto now = std::find_if(observed.begin(), observed.end(),
+                                  [&](const Observation& o) { return is_same_view(o, view.pair); });
     const bool was_in_force = std::exchange(view.in_force, now != observed.end());
     if (view.in_force) view.pair.potential = now->potential, view.pair.third = now->third;
     if (view.in_force && !was_in_force) view.in_since = view.out_since = no_value;

@@ -118,11 +118,28 @@ std::string apply(const RemoveBody& remove, const TeamChange& change) {
   return {};
 }
 
+bool is_view_set(const Coupling& c) { return c.ramp.lasts() && c.name.starts_with(name_of_view_sets); }
+
+/// Fades out the sets of views whose pair no coupling observes any more.
+void end_unobserved_sets(const TeamChange& change) {
+  auto& couplings = change.now.couplings;
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
+    const auto observes_pair = [&](const Coupling& c) {
+      return c.ramp.lasts() && c.between.first == couplings[i].between.first &&
+             c.between.second == couplings[i].between.second && observes(c.term.potential);
+    };
+    if (is_view_set(couplings[i]) && std::none_of(couplings.begin(), couplings.end(), observes_pair))
+      change.fade_out(couplings, i);
+  }
+}
+
 std::string apply(const RemoveTerm& remove, const TeamChange& change) {
-  return change.edit_term(remove.name, [&](auto& terms, std::size_t i) {
+  std::string refusal = change.edit_term(remove.name, [&](auto& terms, std::size_t i) {
     change.fade_out(terms, i);
     return std::string();
   });
+  if (refusal.empty()) end_unobserved_sets(change);
+  return refusal;
 }
 
 std::string apply(const AddBody& add, const TeamChange& change) {
@@ -215,12 +232,17 @@ std::string apply(const Observe& observe, const TeamChange& change) {
   const BodyId target = observe.target;
   if (observer == target) return fmt::format("\"{}\" cannot observe itself", change.name(observer));
   auto& couplings = change.now.couplings;
+  const auto is_through = [&](const Potential& potential) {
+    return !observe.through || potential.mount() == nullptr || *potential.mount() == *observe.through;
+  };
   const auto looks = std::find_if(couplings.begin(), couplings.end(), [&](const Coupling& c) {
-    return c.ramp.lasts() && c.between.first == observer && observes(c.term.potential);
+    return c.ramp.lasts() && c.between.first == observer && observes(c.term.potential) &&
+           is_through(c.term.potential);
   });
   if (looks == couplings.end()) {
-    return fmt::format("\"{}\" has no sensor on anything, expected a robot that observes",
-                       change.name(observer));
+    return fmt::format(
+        "\"{}\" {}, expected a robot that observes", change.name(observer),
+        observe.through ? "observes nothing by the sensor that is to turn" : "has no sensor on anything");
   }
   const BodyId before = looks->between.second;
   if (before == target) {
@@ -229,6 +251,9 @@ std::string apply(const Observe& observe, const TeamChange& change) {
   }
   for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
     if (!couplings[i].ramp.lasts() || !joins(couplings[i], observer, before)) continue;
+    if (is_view_set(couplings[i])) continue;
+    // Another sensor of the observer stays on the previous target.
+    if (couplings[i].between.first == observer && !is_through(couplings[i].term.potential)) continue;
     // The previous target observes the observer by this coupling, with its own sensor: it stays.
     if (couplings[i].between.first == before && observes(couplings[i].term.potential)) continue;
     const bool stays = keeps_apart(couplings[i].term.potential);
@@ -265,6 +290,7 @@ std::string apply(const Observe& observe, const TeamChange& change) {
       change.replace(couplings, i, std::move(next));
     }
   }
+  end_unobserved_sets(change);
   return {};
 }
 

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sightline/ocp/apply_action.hpp"
 #include "sightline/scenario/read_event.hpp"
-#include "sightline/scenario/read_view.hpp"
 
 namespace sightline {
 namespace {

@@ -55,39 +55,59 @@ Constraint EventText::constraint(std::string_view key) const {
   return read_added_constraint(TomlTable::table(key), *scope_);
 }
 
-Potential EventText::potential(BodyId observer) const {
-  return read_potential(*this, observer_of(scope_->team, scope_->observers, observer)).potential;
+Potential EventText::potential(const NamedTerm& of) const {
+  Observer observer = observer_of(scope_->team, scope_->observers, of.observer);
+  if (of.mount) observer.mount = of.mount;
+  return read_potential(*this, observer).potential;
 }
 
 Reference EventText::reference(AgentId agent) const {
   return read_reference(*this, scope_->team.model(agent));
 }
 
-Potential EventText::limits(std::string_view key, BodyId first, std::string_view named_by) const {
+Potential EventText::limits(std::string_view key, Between ends, std::string_view named_by) const {
   Region region = key == "formula" ? read_formula(*this, key) : read_inside(*this, key);
   if (region.sees_third())
     throw_invalid(key, "a formula of two bodies, a third is known to a coupling alone");
-  if (region.is_view()) region = region.seen_from(sensor_of(first, named_by));
+  if (region.is_view()) {
+    region = region.seen_from(sensor_of(ends, named_by));
+  } else if (has("sensor")) {
+    throw_invalid("sensor", "no such key: the limit does not look through a sensor");
+  }
   return checked([&] { return Potential(region); });
 }
 
-bool EventText::has_sensor(BodyId body) const {
-  return observer_of(scope_->team, scope_->observers, body).mount.has_value();
+Observer EventText::observer(std::string_view key) const {
+  const Observer all = observer_of(scope_->team, scope_->observers, robot(key));
+  if (!all.mount && all.sensors.empty()) throw_invalid(key, "a robot with a sensor");
+  return read_looking(*this, all);
 }
 
-const SensorMount& EventText::sensor_of(BodyId body, std::string_view key) const {
-  const auto i = static_cast<std::size_t>(body.index);
-  if (i >= scope_->observers.size() || !scope_->observers[i].mount) {
-    throw_invalid(
-        key, fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", name(body)));
+SensorMount EventText::sensor_of(Between ends, std::string_view key) const {
+  const Observer observer = read_looking(*this, observer_of(scope_->team, scope_->observers, ends.first));
+  if (!has("sensor")) {
+    for (const Coupling& c : scope_->couplings) {
+      const Potential& potential = c.term.potential;
+      if (c.between.first == ends.first && c.between.second == ends.second && observes(potential) &&
+          potential.mount() != nullptr)
+        return *potential.mount();
+    }
   }
-  return *scope_->observers[i].mount;
+  if (!observer.mount) {
+    throw_invalid(
+        key, fmt::format("a robot with a sensor as observer, there is no [agent.{}.sensor]", observer.name));
+  }
+  return *observer.mount;
 }
 
-const Potential* EventText::limit_of_view(BodyId observer, BodyId target) const {
+const Potential* EventText::limit_of_view(Between ends) const {
+  const bool is_chosen = has("sensor");
+  const Observer observer = read_looking(*this, observer_of(scope_->team, scope_->observers, ends.first));
   for (const Coupling& c : scope_->couplings) {
     const Potential& potential = c.term.potential;
-    if (c.between.first == observer && c.between.second == target && observes(potential) &&
+    const bool through =
+        !is_chosen || (potential.mount() != nullptr && *potential.mount() == *observer.mount);
+    if (c.between.first == ends.first && c.between.second == ends.second && through && observes(potential) &&
         potential.violation({}, {}) != -std::numeric_limits<double>::infinity()) {
       return &potential;
     }

@@ -11,6 +11,7 @@ struct NamedTerm {
   std::string name;
   BodyId observer;  ///< the first of a coupling, or the constrained robot
   bool is_pair = true;
+  std::optional<SensorMount> mount{};  ///< of the sensor that it looks through
 };
 
 /// What the events of a scenario may refer to.
@@ -47,19 +48,23 @@ class EventText : public TomlTable {
   /// A term that the event adds, from the table under `key`.
   Coupling coupling(std::string_view key) const;
   Constraint constraint(std::string_view key) const;
-  /// The potential of this table.
-  Potential potential(BodyId observer) const;
+  /// The potential of this table, for this term and its sensor.
+  Potential potential(const NamedTerm& of) const;
   Reference reference(AgentId agent) const;
-  /// The limits under `key`, `region` or `formula`, in the view of `first`. `named_by` is the key
-  /// that names `first`.
-  Potential limits(std::string_view key, BodyId first, std::string_view named_by) const;
+  /// The limits under `key`, `region` or `formula`, in the view of the first of `ends`. `named_by` is
+  /// the key that names it.
+  Potential limits(std::string_view key, Between ends, std::string_view named_by) const;
 
-  bool has_sensor(BodyId body) const;
-  /// @throws ScenarioError for the `key` that names a body without a sensor
-  const SensorMount& sensor_of(BodyId body, std::string_view key) const;
-  /// The potential of the coupling by which the observer views the target, if it states a limit;
-  /// else null.
-  const Potential* limit_of_view(BodyId observer, BodyId target) const;
+  /// The robot under `key` with its sensors, looking through that under `sensor`.
+  /// @throws ScenarioError for a robot without a sensor
+  Observer observer(std::string_view key) const;
+  /// The mount of the sensor under `sensor`; without that key of the sensor by which the first views
+  /// the second, else of the first's [agent.NAME.sensor].
+  /// @throws ScenarioError for the `key` that names a first without a sensor
+  SensorMount sensor_of(Between ends, std::string_view key) const;
+  /// The potential of the coupling by which the first views the second, through the sensor under
+  /// `sensor` if that key is there, and states a limit; else null.
+  const Potential* limit_of_view(Between ends) const;
   const Agent& agent(AgentId id) const { return scope_->team.agent(id); }
   std::string_view name(BodyId body) const { return scope_->team.name(body); }
   /// Names of the signals that the simulation sends.

@@ -64,7 +64,7 @@ Action read_retune(const EventText& retune, std::string_view kind) {
   RetuneTerm read{.name = term.name};
   if (retune.has("weight")) read.weight = retune.number("weight", not_negative(">= 0"));
   if (retune.has("potential")) {
-    read.potential = retune.potential(term.observer);
+    read.potential = retune.potential(term);
     if (read.potential->is_pair() != term.is_pair) {
       retune.throw_invalid(
           "potential", term.is_pair ? "a potential between two bodies" : "a potential of one robot alone");
@@ -75,10 +75,11 @@ Action read_retune(const EventText& retune, std::string_view kind) {
 }
 
 Action read_observe(const EventText& observe, std::string_view /*kind*/) {
-  observe.expect_only({"observer", "target"});
-  const Observe read{observe.robot("observer"), observe.body("target", "the name of a body")};
+  observe.expect_only({"observer", "target", "sensor"});
+  Observe read{observe.robot("observer"), observe.body("target", "the name of a body")};
   if (read.observer == read.target) observe.throw_invalid("target", "another body than observer");
-  if (!observe.has_sensor(read.observer)) observe.throw_invalid("observer", "a robot with a sensor");
+  const Observer observer = observe.observer("observer");
+  if (!observer.sensors.empty()) read.through = observer.mount;
   return read;
 }
 

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "sightline/scenario/read_part.hpp"
 #include "sightline/sensors.hpp"
 
 namespace sightline {
@@ -35,9 +35,8 @@ bool is_tf_frame(const std::string& name) {
 }
 
 /// Name in /tf of the optical frame of a robot's camera.
-std::string read_optical_frame(const TomlTable& at, std::string_view robot, const CameraOptions& vision) {
+std::string read_optical_frame(const TomlTable& at, std::string frame, const CameraOptions& vision) {
   constexpr std::string_view key = "optical_frame";
-  std::string frame = fmt::format("{}_camera_optical_frame", robot);
   if (!at.has(key)) return frame;
   const std::string expected = fmt::format("a frame of its own on /tf, of 1 to {} bytes", tf_frame_max);
   frame = at.text(key, expected);
@@ -75,13 +74,10 @@ std::string lens_words(const Camera& camera) {
                      camera.widest());
 }
 
-}  // namespace
-
-std::optional<SensorMount> read_mount(const TomlTable& agent) {
-  if (!agent.has("sensor")) return std::nullopt;
+/// @param beside  further keys that the table may have
+SensorMount read_mounting(const TomlTable& at, std::span<const std::string_view> beside = {}) {
   constexpr std::string_view key = "offset";
-  const TomlTable at = agent.table("sensor");
-  auto mount = read_part<SensorMount>(TableSource(at));
+  auto mount = read_part<SensorMount>(TableSource(at), beside);
   if (!at.has(key)) return mount;
   const std::string of_one = mount_offsets.expected("m"), expected = of_one + ", ahead or [ahead, left, up]";
   if (at.value(key, expected).is_array()) {
@@ -93,27 +89,67 @@ std::optional<SensorMount> read_mount(const TomlTable& agent) {
   return mount;
 }
 
-void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
-                ScenarioSpec& scenario) {
+/// Reads a camera whose optical frame has this name unless it states another.
+void read_one_camera(const TomlTable& camera, BodyId robot, const SensorMount& mount, std::string frame,
+                     ScenarioSpec& scenario) {
+  constexpr std::array<std::string_view, 2> beside = {"render", "optical_frame"};
+  RobotCamera read{
+      .observer = robot, .mount = mount, .camera = read_part<Camera>(TableSource(camera), beside)};
+  camera.checked([&] { read.camera.check(); });
+  if (camera.has("field_of_view") && camera.has("focal_length"))
+    camera.throw_invalid("field_of_view", "no such key beside focal_length");
+  read.render = read_render(camera, scenario.world);
+  if (read.render && !read.camera.is_plain())
+    camera.throw_invalid("render", "false with a focal_length, a principal_point or a distortion");
+  if (read.render && read.camera.correlation_time > 0)
+    camera.throw_invalid("correlation_time",
+                         "0 s of a rendered camera, whose errors are those of its pictures");
+  read.frame = read_optical_frame(camera, std::move(frame), scenario.vision);
+  scenario.vision.cameras.push_back(read);
+}
+
+/// Rejects a further camera whose sightings cannot be given as those of the first.
+void check_beside_first(const TomlTable& sensor, const RobotCamera& first, const RobotCamera& further) {
+  if (first.mount.frame != further.mount.frame)
+    sensor.throw_invalid("frame", "that of the sensor of the robot's first camera");
+  if (first.camera.correlation_time > 0 || further.camera.correlation_time > 0)
+    sensor.table("camera").throw_invalid("correlation_time", "0 s of each of several cameras of a robot");
+}
+
+}  // namespace
+
+std::optional<SensorMount> read_mount(const TomlTable& agent) {
+  return agent.has("sensor") ? std::optional(read_mounting(agent.table("sensor"))) : std::nullopt;
+}
+
+std::vector<NamedSensor> read_sensors(const TomlTable& agent) {
+  constexpr std::string_view key = "sigmas";
+  constexpr std::array<std::string_view, 1> beside = {"camera"};
+  std::vector<NamedSensor> sensors;
+  for (const auto& [name, at] : agent.named_tables("sensors")) {
+    sensors.push_back({name, read_mounting(at, beside)});
+    // A robot knows the uncertainty of one view, that of its last sighting.
+    if (sensors.back().mount.sigmas > 0)
+      at.throw_invalid(key, fmt::format("0 of a further sensor, [{}.sensor] may have it", agent.path()));
+  }
+  return sensors;
+}
+
+void read_sight(const TomlTable& at, BodyId body, const Observer& sensors, ScenarioSpec& scenario) {
   CameraOptions& vision = scenario.vision;
+  const std::string_view name = scenario.team.name(body);
   if (at.has("camera")) {
     const TomlTable camera = at.table("camera");
-    if (!mount)
+    if (!sensors.mount)
       at.throw_invalid("camera", fmt::format("a robot with a mounting for it, [{}.sensor]", at.path()));
-    constexpr std::array<std::string_view, 2> beside = {"render", "optical_frame"};
-    RobotCamera read{
-        .observer = body, .mount = *mount, .camera = read_part<Camera>(TableSource(camera), beside)};
-    camera.checked([&] { read.camera.check(); });
-    if (camera.has("field_of_view") && camera.has("focal_length"))
-      camera.throw_invalid("field_of_view", "no such key beside focal_length");
-    read.render = read_render(camera, scenario.world);
-    if (read.render && !read.camera.is_plain())
-      camera.throw_invalid("render", "false with a focal_length, a principal_point or a distortion");
-    if (read.render && read.camera.correlation_time > 0)
-      camera.throw_invalid("correlation_time",
-                           "0 s of a rendered camera, whose errors are those of its pictures");
-    read.frame = read_optical_frame(camera, scenario.team.name(body), vision);
-    vision.cameras.push_back(read);
+    read_one_camera(camera, body, *sensors.mount, fmt::format("{}_camera_optical_frame", name), scenario);
+  }
+  for (const NamedSensor& sensor : sensors.sensors) {
+    const TomlTable mounted = at.table("sensors").table(sensor.name);
+    if (!mounted.has("camera")) continue;
+    read_one_camera(mounted.table("camera"), body, sensor.mount,
+                    fmt::format("{}_{}_camera_optical_frame", name, sensor.name), scenario);
+    check_beside_first(mounted, *vision.camera_of(body), vision.cameras.back());
   }
   if (at.has("tags")) {
     const TomlTable table = at.table("tags");
@@ -145,7 +181,7 @@ std::vector<TagReading> tag_readings(const ScenarioSpec& scenario) {
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
     const BodyId observer = coupling.between.first, target = coupling.between.second;
-    const RobotCamera* const camera = scenario.vision.camera_of(observer);
+    const RobotCamera* const camera = scenario.vision.camera_of(observer, coupling.term.potential.mount());
     const BodyTags* const tags = scenario.vision.tags_of(target);
     if (camera == nullptr || tags == nullptr) continue;
     const double between_faces = tags->tags.faces >= 3 ? std::numbers::pi / tags->tags.faces : 0.0;

@@ -1,4 +1,4 @@
-/// Reads cameras, tags and hulls: [agent.NAME.sensor] and .camera of robots, .tags and .hull of any
+/// Reads cameras, tags and hulls: [agent.NAME.sensor], .sensors and .camera of robots, .tags and .hull of any
 /// body.
 #pragma once
 
@@ -7,17 +7,19 @@
 #include <vector>
 
 #include "sightline/scenario.hpp"
+#include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
 
 /// The mount of a robot's sensor, if it has one.
 std::optional<SensorMount> read_mount(const TomlTable& agent);
+/// Its further sensors, in the order of the file.
+std::vector<NamedSensor> read_sensors(const TomlTable& agent);
 
-/// Reads the camera of a robot, and the tags and the hull of any body, into scenario.vision.
-/// @param mount  of the body's sensor, if it has one
-void read_sight(const TomlTable& at, BodyId body, const std::optional<SensorMount>& mount,
-                ScenarioSpec& scenario);
+/// Reads the cameras of a robot, and the tags and the hull of any body, into scenario.vision.
+/// @param sensors  of the body, if it has any
+void read_sight(const TomlTable& at, BodyId body, const Observer& sensors, ScenarioSpec& scenario);
 
 /// Cameras, tags and hulls, including the hulls of vehicles.
 CameraOptions camera_options(const ScenarioSpec& scenario);

@@ -96,15 +96,18 @@ std::string read_term_name(const TomlTable& at) {
 std::string name_or_place(const TomlTable& at) { return at.has("name") ? read_label(at, "name") : at.path(); }
 
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers) {
-  at.expect_only({"name", "potential", "between", "felt_by", "weight", "third"});
+  at.expect_only({"name", "potential", "between", "felt_by", "weight", "third", "sensor"});
   const std::vector<BodyId> ends = bodies_named(at, "between", 2, team);
   const Between between = {ends[0], ends[1]};
   if (between.first == between.second) at.throw_invalid("between", "two different bodies");
   Coupling coupling{
-      .term = read_potential(at, observer_of(team, observers, between.first)),
+      .term = read_potential(at, read_looking(at, observer_of(team, observers, between.first))),
       .between = between,
       .felt_by = at.has("felt_by") ? read_feeling(at, between, team) : feeling(team, between, FeltBy::both),
       .name = read_term_name(at)};
+  if (at.has("sensor") && coupling.term.potential.mount() == nullptr)
+    at.throw_invalid("sensor", fmt::format("no such key: {} does not look through a sensor",
+                                           coupling.term.potential.name()));
   if (at.has("third")) coupling.third = read_third(at, coupling, team);
   return coupling;
 }

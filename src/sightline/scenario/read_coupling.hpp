@@ -9,7 +9,7 @@
 
 namespace sightline {
 
-/// The robots of a scenario in the order of the team, each with the sensor it has.
+/// The robots of a scenario in the order of the team, each with the sensors it has.
 using Observers = std::vector<Observer>;
 
 /// The observer that a body is; one that is not controlled has no sensor.
@@ -28,8 +28,8 @@ std::string read_term_name(const TomlTable& at);
 /// The same; without a name its place, "couple[0]".
 std::string name_or_place(const TomlTable& at);
 
-/// `name`, `potential`, `weight`, `between` and `felt_by` of [[couple]]. Without `felt_by`, the
-/// coupling acts on all its robots.
+/// `name`, `potential`, `weight`, `between`, `felt_by` and `sensor` of [[couple]]. Without `felt_by`,
+/// the coupling acts on all its robots.
 Coupling read_coupling(const TomlTable& at, const Team& team, const Observers& observers);
 
 /// One [[couple]].

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 2> localization_kinds = {"global", "visio
 constexpr std::array<std::string_view, 2> cycle_words = {"refused", "intersection"};
 constexpr std::string_view correlation_key = "correlation_time";
 
-/// The bodies with tags that a robot's sensor observes at some time of a run.
+/// The bodies with tags that a robot observes with its cameras at some time of a run.
 std::vector<BodyId> observed_by(BodyId robot, const ScenarioSpec& scenario) {
   std::vector<BodyId> all;
   const auto add = [&](BodyId body) {
@@ -29,7 +29,9 @@ std::vector<BodyId> observed_by(BodyId robot, const ScenarioSpec& scenario) {
       all.push_back(body);
   };
   const auto add_coupling = [&](const Coupling& c) {
-    if (c.between.first == robot && observes(c.term.potential)) add(c.between.second);
+    if (c.between.first == robot && observes(c.term.potential) &&
+        scenario.vision.camera_of(robot, c.term.potential.mount()) != nullptr)
+      add(c.between.second);
   };
   for (const Coupling& c : scenario.team.couplings()) add_coupling(c);
   for (const TeamEvent& event : scenario.script.events) {
@@ -71,7 +73,12 @@ LocalizedRobot read_localized(const TomlTable& agent, BodyId robot, const Filter
                       .observes = agent.has("observes") ? read_observed(agent, robot, scenario)
                                                         : observed_by(robot, scenario),
                       .filter = filter,
-                      .camera_rate = camera->camera.rate};
+                      .camera_rate = 0.0};
+  int cameras = 0;
+  for (const RobotCamera& one : scenario.vision.cameras)
+    if (one.observer == robot) ++cameras, read.camera_rate += one.camera.rate;
+  if (cameras > 1 && filter.camera_turn > 0)
+    agent.throw_invalid(key, "\"global\", or a robot with one camera, whose turn camera_turn estimates");
   if (read.observes.empty())
     agent.throw_invalid(
         key,
@@ -90,8 +97,10 @@ void refuse_unknown_headings(const TomlTable& at, const ScenarioSpec& scenario) 
 }  // namespace
 
 bool sees_headings(const ScenarioSpec& scenario, BodyId observer) {
-  const RobotCamera* const camera = scenario.vision.camera_of(observer);
-  return camera == nullptr || camera->camera.output == CameraOutput::pose;
+  const auto& cameras = scenario.vision.cameras;
+  return std::all_of(cameras.begin(), cameras.end(), [&](const RobotCamera& one) {
+    return one.observer != observer || one.camera.output == CameraOutput::pose;
+  });
 }
 
 SensedTeam sensed_team(const ScenarioSpec& scenario) {

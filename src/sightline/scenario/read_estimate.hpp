@@ -22,7 +22,7 @@ struct SensedTeam {
   std::vector<Sees> sightings{};      ///< of vision-localized robots
 };
 SensedTeam sensed_team(const ScenarioSpec& scenario);
-/// Whether the camera of an observer measures the headings of bodies with tags.
+/// Whether the cameras of an observer measure the headings of bodies with tags.
 bool sees_headings(const ScenarioSpec& scenario, BodyId observer);
 
 /// Poses that robots and bodies report in simulation.

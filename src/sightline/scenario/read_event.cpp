@@ -12,11 +12,13 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 /// The couplings and constraints of the whole flight: the team's, and those that events add.
 void enter_terms(const std::vector<TomlTable>& events, EventScope& scope) {
-  const auto enter = [&](const std::string& name, BodyId observer, bool is_pair) {
-    if (!name.empty()) scope.terms.push_back({name, observer, is_pair});
+  const auto enter = [&](const std::string& name, const Potential& potential, BodyId observer, bool is_pair) {
+    if (name.empty()) return;
+    scope.terms.push_back({name, observer, is_pair});
+    if (potential.mount() != nullptr) scope.terms.back().mount = *potential.mount();
   };
   scope.couplings = scope.team.couplings();
-  for (const Constraint& c : scope.team.constraints()) enter(c.name, c.agent, false);
+  for (const Constraint& c : scope.team.constraints()) enter(c.name, c.term.potential, c.agent, false);
   for (const TomlTable& event : events) {
     if (!event.has("add")) continue;
     const TomlValue value = event.value("add", "an action");
@@ -26,11 +28,11 @@ void enter_terms(const std::vector<TomlTable>& events, EventScope& scope) {
       if (at.has("couple")) scope.couplings.push_back(read_added_coupling(at.table("couple"), scope));
       if (at.has("constrain")) {
         const Constraint c = read_added_constraint(at.table("constrain"), scope);
-        enter(c.name, c.agent, false);
+        enter(c.name, c.term.potential, c.agent, false);
       }
     }
   }
-  for (const Coupling& c : scope.couplings) enter(c.name, c.between.first, true);
+  for (const Coupling& c : scope.couplings) enter(c.name, c.term.potential, c.between.first, true);
 }
 
 /// Its own name, or its place in the file.

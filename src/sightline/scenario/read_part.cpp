@@ -39,7 +39,7 @@ Potential read_choice(const TomlTable& choice, std::string_view name, const Obse
   const TomlTable at = choice.table(name);
   const PartList<Potential>& list = choice.registry().potentials;
   if (list.find(name) == nullptr) return read_text_potential(at, observer);
-  const Potential potential = read_named(list, name, at);
+  Potential potential = read_named(list, name, at);
   if (potential.mount() == nullptr) return potential;
   const SensorMount mount = mount_of(at, observer);
   return at.checked([&] { return potential.seen_from(mount); });
@@ -101,6 +101,20 @@ std::string read_label(const TomlTable& at, std::string_view key) {
   if (label.empty() || label.size() > name_size_max || one_line(label) != label)
     at.throw_invalid(key, expected);
   return label;
+}
+
+Observer read_looking(const TomlTable& at, Observer observer) {
+  constexpr std::string_view key = "sensor";
+  if (!at.has(key)) return observer;
+  std::vector<std::string_view> known;
+  for (const NamedSensor& one : observer.sensors) known.push_back(one.name);
+  const std::string_view chosen =
+      at.word(key, known, fmt::format("a sensor of [agent.{}.sensors]", observer.name));
+  observer.mount =
+      std::find_if(observer.sensors.begin(), observer.sensors.end(), [&](const NamedSensor& one) {
+        return one.name == chosen;
+      })->mount;
+  return observer;
 }
 
 Weighted read_potential(const TomlTable& at, const Observer& observer) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sightline/registry.hpp"
 #include "sightline/scenario.hpp"
@@ -57,11 +58,22 @@ Made read_named(const PartList<Made>& list, std::string_view name, const TomlTab
   return list.find(name)->read(TableSource(at), beside);
 }
 
+/// A further sensor of a robot, [agent.NAME.sensors.SENSOR].
+struct NamedSensor {
+  std::string name;
+  SensorMount mount;
+};
+
 /// An observing robot: the first of a coupling, or the constrained one.
 struct Observer {
   std::string name;
-  std::optional<SensorMount> mount;  ///< of its [agent.NAME.sensor]
+  std::optional<SensorMount> mount;  ///< of the sensor that it looks through; [agent.NAME.sensor] if none is
+                                     ///< chosen
+  std::vector<NamedSensor> sensors{};
 };
+
+/// The observer, looking through its sensor that is named under `sensor`; unchanged without that key.
+Observer read_looking(const TomlTable& at, Observer observer);
 
 /// A selection of a team's bodies.
 enum class Among { robots, bodies };

@@ -196,6 +196,16 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, ScenarioSpec& sc
     at.throw_invalid(observers_key,
                      fmt::format("at most {} pairs of observer and target", shape_couplings_max));
 
+  for (const AgentId observer : choice.observers) {
+    const SensorMount& of_camera = scenario.vision.camera_of(observer)->mount;
+    const BodyId other =
+        choice.targets[BodyId(observer) == choice.targets[0] ? choice.targets.size() - 1 : 0];
+    for (const Weighted& term : terms_of({observer, other}))
+      if (term.potential.mount() != nullptr && *term.potential.mount() != of_camera)
+        at.throw_invalid(observers_key,
+                         fmt::format("robots with a camera at their sensor, {} has [agent.{}.sensors]",
+                                     team.name(observer), team.name(observer)));
+  }
   choice.variances = variances_of(choice, scenario.vision);
   const std::vector<double> u = resting_inputs(team);
   choice.first = ViewChooser::first(
@@ -206,7 +216,7 @@ void read_best(const TomlTable& shape, const TermsOf& terms_of, ScenarioSpec& sc
 }  // namespace
 
 void read_shape(const TomlTable& at, const Observers& observers, ScenarioSpec& scenario) {
-  constexpr std::string_view nearest_word = "nearest", best_word = "best";
+  constexpr std::string_view nearest_word = "nearest", best_word = "best", sensor_word = "sensor";
   Team& team = scenario.team;
   const bool is_best = at.has(best_word), is_relay = at.has(nearest_word);
   if (is_best && is_relay) at.throw_invalid(best_word, "no such key beside nearest");
@@ -215,9 +225,9 @@ void read_shape(const TomlTable& at, const Observers& observers, ScenarioSpec& s
   std::string_view name = nearest_word;
   if (is_best || is_relay) {
     name = is_best ? best_word : nearest_word;
-    at.expect_only({"name", name, "potential", "weight", "potentials"});
+    at.expect_only({"name", name, "potential", "weight", "potentials", "sensor"});
   } else {
-    name = at.choice(names(shapes), {"potential", "weight", "potentials", "felt_by"});
+    name = at.choice(names(shapes), {"potential", "weight", "potentials", "felt_by", "sensor"});
     pairs = find(shapes, name)(at, team);
     felt_by = read_felt_by(at, pairs, team);
   }
@@ -237,12 +247,17 @@ void read_shape(const TomlTable& at, const Observers& observers, ScenarioSpec& s
     at.throw_invalid(name, fmt::format("at most {} couplings", shape_couplings_max));
   }
   const TermsOf terms_of = [&](Between pair) {
-    const Observer observer = observer_of(team, observers, pair.first);
-    if (list.empty()) return std::vector<Weighted>{read_potential(at, observer)};
+    const Observer observer = read_looking(at, observer_of(team, observers, pair.first));
     std::vector<Weighted> terms;
+    if (list.empty()) terms.push_back(read_potential(at, observer));
     for (const TomlTable& entry : list) terms.push_back(read_weighted(entry, observer));
+    const auto looks = [](const Weighted& term) { return term.potential.mount() != nullptr; };
+    if (at.has(sensor_word) && std::none_of(terms.begin(), terms.end(), looks))
+      at.throw_invalid(sensor_word, "no such key: no potential of the shape looks through a sensor");
     return terms;
   };
+  if (is_best && at.has(sensor_word))
+    at.throw_invalid(sensor_word, "no such key beside best, whose observers look through their cameras");
   if (is_relay) return read_relay(at, terms_of, team, scenario.script);
   if (is_best) return read_best(at, terms_of, scenario);
   at.checked([&] { couple(team, terms_of, pairs, felt_by); });

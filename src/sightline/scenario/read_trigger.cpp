@@ -29,7 +29,7 @@ Measure read_distance(const EventText& when, std::string_view key) {
 
 Measure read_view_angle(const EventText& when, std::string_view key) {
   const Between ends = when.two_bodies(key);
-  return ViewAngleOf{ends.first, ends.second, when.sensor_of(ends.first, key)};
+  return ViewAngleOf{ends.first, ends.second, when.sensor_of(ends, key)};
 }
 
 Measure read_age(const EventText& when, std::string_view key) {
@@ -40,13 +40,13 @@ Measure read_excess(const EventText& when, std::string_view key) {
   if (when.has("agent") == when.has("between")) when.throw_invalid("exactly one of between, agent");
   const std::string_view ends_key = when.has("agent") ? "agent" : "between";
   const Between ends = when.has("agent") ? when.one_robot(ends_key) : when.two_bodies(ends_key);
-  return ExcessOf{when.limits(key, ends.first, ends_key), ends.first, ends.second};
+  return ExcessOf{when.limits(key, ends, ends_key), ends.first, ends.second};
 }
 
 std::vector<MeasureKey> measure_keys() {
-  const std::vector<std::string_view> of_limit = {"between", "agent", "parameters"};
+  const std::vector<std::string_view> of_limit = {"between", "agent", "parameters", "sensor"};
   return {{"distance", read_distance, positive("> 0 m"), "m", largest_number},
-          {"angle", read_view_angle, view_angle_range, "rad", std::numbers::pi},
+          {"angle", read_view_angle, view_angle_range, "rad", std::numbers::pi, {"sensor"}},
           {"age", read_age, positive("> 0 s"), "s", largest_number},
           {.key = "region", .read = read_excess, .beside = of_limit},
           {.key = "formula", .read = read_excess, .threshold = any_number(), .beside = of_limit}};
@@ -79,8 +79,8 @@ Trigger read_when(const EventText& event, std::string_view key) {
   const std::vector<MeasureKey> measures = measure_keys();
   std::vector<std::string_view> keys;
   for (const MeasureKey& measure : measures) keys.push_back(measure.key);
-  const std::string_view chosen =
-      when.choice(keys, {"above", "below", "between", "agent", "parameters", "hysteresis", "dwell"});
+  const std::string_view chosen = when.choice(
+      keys, {"above", "below", "between", "agent", "parameters", "sensor", "hysteresis", "dwell"});
   const MeasureKey& of = *std::find_if(measures.begin(), measures.end(),
                                        [&](const MeasureKey& measure) { return measure.key == chosen; });
   std::vector<std::string_view> known = {chosen, "hysteresis", "dwell"};
@@ -101,17 +101,17 @@ Trigger read_when(const EventText& event, std::string_view key) {
 Trigger read_view(const EventText& event, std::string_view key) {
   const EventText view = event.table(key, "a table with observer and target");
   const Condition::Side side = key == "lost" ? Condition::Side::above : Condition::Side::below;
-  view.expect_only({"observer", "target", "alpha", "hysteresis", "dwell"});
+  view.expect_only({"observer", "target", "alpha", "sensor", "hysteresis", "dwell"});
   const BodyId observer = view.robot("observer"), target = view.body("target", "the name of a body");
   if (observer == target) view.throw_invalid("target", "another body than observer");
-  const SensorMount mount = view.sensor_of(observer, "observer");
+  const SensorMount mount = view.sensor_of({observer, target}, "observer");
   if (view.has("alpha")) {
     Condition condition{.measure = ViewAngleOf{observer, target, mount}, .side = side};
     condition.threshold = view.number("alpha", view_angle_range);
     read_settling(view, condition, std::numbers::pi, "rad");
     return condition;
   }
-  const Potential* const limit = view.limit_of_view(observer, target);
+  const Potential* const limit = view.limit_of_view({observer, target});
   if (limit == nullptr) {
     view.throw_invalid("alpha", fmt::format("an angle of view [rad], no coupling of \"{}\" observes \"{}\"",
                                             view.name(observer), view.name(target)));

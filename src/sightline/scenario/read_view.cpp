@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "sightline/ocp/apply_action.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/run/team_barrier.hpp"
 #include "sightline/run/team_view.hpp"
@@ -63,17 +64,19 @@ std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const Cert
   return {};
 }
 
-/// The views that an action ends and begins.
+/// The views that an action ends and begins. A set leaves by itself with the last coupling that
+/// observes its pair (apply_action()).
 struct ViewTurn {
   BodyId observer{};
   std::optional<BodyId> ends{};  // none: all of the observer
   std::vector<BodyId> begins{};
 };
 
-/// @param all  the couplings of the flight, for those that an action names
-std::optional<ViewTurn> turn_of(const Action& action, const std::vector<Coupling>& all) {
-  if (const auto* observe = std::get_if<Observe>(&action))
-    return ViewTurn{observe->observer, std::nullopt, {observe->target}};
+std::optional<ViewTurn> turn_of(const Action& action) {
+  if (const auto* observe = std::get_if<Observe>(&action)) {
+    const auto ends = observe->through ? std::optional(observe->target) : std::nullopt;
+    return ViewTurn{observe->observer, ends, {observe->target}};
+  }
   if (const auto* hand_over = std::get_if<HandOver>(&action)) {
     ViewTurn turn = {hand_over->observer};
     for (const Coupling& c : hand_over->couplings)
@@ -84,32 +87,17 @@ std::optional<ViewTurn> turn_of(const Action& action, const std::vector<Coupling
     const auto [observer, target] = add->coupling.between;
     return ViewTurn{observer, target, {target}};
   }
-  if (const auto* remove = std::get_if<RemoveTerm>(&action)) {
-    for (const Coupling& c : all)
-      if (c.name == remove->name && observes(c.term.potential))
-        return ViewTurn{c.between.first, c.between.second, {}};
-  }
   return std::nullopt;
-}
-
-std::vector<Coupling> couplings_of_flight(const ScenarioSpec& scenario) {
-  std::vector<Coupling> all = scenario.team.couplings();
-  for (const TeamEvent& event : scenario.script.events) {
-    for (const Action& action : event.actions)
-      if (const auto* add = std::get_if<AddCoupling>(&action)) all.push_back(add->coupling);
-  }
-  return all;
 }
 
 /// Adds the sets of the views to the costs: at the start, and by the events that turn an observer.
 /// @param sets  of each view; of weight 0: none
 void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views, std::vector<Coupling> sets,
                  const std::vector<std::string>& places) {
-  const std::vector<Coupling> all = couplings_of_flight(scenario);
   for (TeamEvent& event : scenario.script.events) {
     std::vector<HandOver> changes;  // one of each observer: two of one subject would contradict each other
     for (const Action& action : event.actions) {
-      const std::optional<ViewTurn> turn = turn_of(action, all);
+      const std::optional<ViewTurn> turn = turn_of(action);
       if (!turn) continue;
       auto change = std::find_if(changes.begin(), changes.end(),
                                  [&](const HandOver& one) { return BodyId(one.observer) == turn->observer; });

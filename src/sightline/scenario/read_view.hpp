@@ -2,16 +2,12 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/toml_table.hpp"
 
 namespace sightline {
-
-/// Begin of the names of couplings that are the set of a view, and of the keys of its text.
-inline constexpr std::string_view name_of_view_sets = "certify_view[";
 
 /// Reads the certified views of a scenario whose team, events and compensations are read, and adds
 /// their sets to the couplings as soft limits, and to the events that turn their observers.

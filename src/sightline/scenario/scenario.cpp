@@ -36,12 +36,12 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<std::string_view, 26> agent_keys = {
+constexpr std::array<std::string_view, 27> agent_keys = {
     "robot",        "parameters", "start",   "Q",      "R",        "command_delay",
     "u_ref",        "u_min",      "u_max",   "limits", "rate_max", "reference",
     "sensor",       "present",    "vehicle", "link",   "Q_f",      "disturbance_time",
     "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localization",
-    "observes",     "estimate"};
+    "observes",     "estimate",   "sensors"};
 
 /// Fills a ScenarioSpec from a document, section by section; sections that others refer to come first.
 class Reader {
@@ -74,7 +74,13 @@ class Reader {
     scenario_.safety = read_safety(root_, scenario_.simulation.disturbances);
     check_starts(root_, scenario_);
     read_faults(root_.table_or_empty("simulation"), scenario_.team, scenario_.simulation);
-    if (root_.has("fleet")) scenario_.links = link_reader(root_).read_links(root_, scenario_);
+    if (root_.has("fleet")) {
+      for (const RobotCamera& one : scenario_.vision.cameras)
+        if (scenario_.vision.camera_of(one.observer) != &one)
+          root_.throw_invalid("fleet", fmt::format("robots with one camera each, {} has several",
+                                                   scenario_.team.name(one.observer)));
+      scenario_.links = link_reader(root_).read_links(root_, scenario_);
+    }
     scenario_.script = read_events(root_, scenario_, observers_);
     // The guard includes the limits that events set.
     if (const auto options = guard_options(scenario_)) {
@@ -189,7 +195,7 @@ class Reader {
       if (is_present(at)) check_place(name, at, model.sight(start.data(), agent.u_ref.data()).p);
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
 
-      observers_.push_back({name, read_mount(at)});
+      observers_.push_back({name, read_mount(at), read_sensors(at)});
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").throw_invalid(place_key(at), "a place at or above the ground, whose height is 0 m");
@@ -200,7 +206,7 @@ class Reader {
         vehicle->robot = bodies_.at(name);
         scenario_.vehicles.push_back(std::move(*vehicle));
       }
-      read_sight(at, bodies_.at(name), observers_.back().mount, scenario_);
+      read_sight(at, bodies_.at(name), observers_.back(), scenario_);
       read_compensation(at, bodies_.at(name));
       if (goal_speed) {
         const BodyId robot = bodies_.at(name);

@@ -153,7 +153,7 @@ class Instance {
 
 /// Adds the keys that a table lacks. Tables that select one of several are taken whole.
 void merge(toml::table& into, toml::table&& from) {
-  constexpr std::array<std::string_view, 3> by_key = {"start", "parameters", "sensor"};
+  constexpr std::array<std::string_view, 4> by_key = {"start", "parameters", "sensor", "sensors"};
   for (auto&& [key, node] : from) {
     toml::node* own = into.get(key.str());
     if (own == nullptr) {

@@ -379,9 +379,8 @@ std::vector<char> SceneJson::requested(const PresentTeam& present) const {
   const std::vector<Observation> now = observations(present.couplings());
   std::vector<char> mask;
   for (const Observation& pair : pairs_)
-    mask.push_back(std::any_of(now.begin(), now.end(), [&](const Observation& one) {
-      return one.observer == pair.observer && one.target == pair.target;
-    }));
+    mask.push_back(
+        std::any_of(now.begin(), now.end(), [&](const Observation& one) { return is_same_view(one, pair); }));
   return mask;
 }
 

@@ -85,8 +85,13 @@ RigidPose seen_from(const RigidPose& a, const RigidPose& b) {
 }
 
 const RobotCamera* CameraOptions::camera_of(BodyId observer) const noexcept {
-  const auto found = std::find_if(cameras.begin(), cameras.end(),
-                                  [&](const RobotCamera& one) { return one.observer == observer; });
+  return camera_of(observer, nullptr);
+}
+
+const RobotCamera* CameraOptions::camera_of(BodyId observer, const SensorMount* mount) const noexcept {
+  const auto found = std::find_if(cameras.begin(), cameras.end(), [&](const RobotCamera& one) {
+    return one.observer == observer && (mount == nullptr || one.mount == *mount);
+  });
   return found != cameras.end() ? &*found : nullptr;
 }
 

@@ -3,9 +3,24 @@
 #include <utility>
 
 #include "sightline/base.hpp"
+#include "sightline/world/sighting.hpp"
 #include "sightline/worlds.hpp"
 
 namespace sightline {
+namespace {
+
+/// Gives a detection of a further camera in the frame S of the robot's first one.
+void give_in_first(Detection& found, const RobotCamera& first, const RobotCamera& of) noexcept {
+  const RigidPose S = seen_from(sensor_pose(first.mount, {}), sensor_pose(of.mount, {}));
+  found.p = S.p + S.R.to_G(found.p);
+  if (found.is_oriented()) found.q = quaternion(compose(S.R, rotation(found.q)));
+  Mat<6, 6> R;
+  set_block(R, 0, 0, matrix(S.R));
+  set_block(R, 3, 3, matrix(S.R));
+  found.set_covariance(R * found.covariance_matrix() * transposed(R));
+}
+
+}  // namespace
 
 CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
                          std::unique_ptr<DetectionSource> source)
@@ -25,7 +40,8 @@ CameraWorld::CameraWorld(std::unique_ptr<World> world, CameraOptions options,
     // Pictures in transit, plus one for each end of the latency range.
     room += (static_cast<std::size_t>(std::ceil(one.camera.latency[1] * one.camera.rate)) + 2) *
             options_.tags.size();
-    shutters_.push_back({0, RandomStream(options_.seed, StreamId::latency, one.observer.index)});
+    shutters_.push_back(
+        {0, RandomStream(options_.seed, StreamId::latency, stream_of(options_, shutters_.size()))});
   }
   for (const BodyTags& one : options_.tags) one.tags.check(), check_body(one.body);
   for (const BodyHull& one : options_.hulls) check_parameters(one.hull), check_body(one.body);
@@ -71,6 +87,7 @@ void CameraWorld::place_bodies(const Measured& now) noexcept {
 
 void CameraWorld::take_picture(std::size_t camera, double t) noexcept {
   const RobotCamera& of = options_.cameras[camera];
+  const RobotCamera* const first = options_.camera_of(of.observer);
   RandomStream& chance = shutters_[camera].chance;
   const double latency =
       of.camera.latency[0] + (of.camera.latency[1] - of.camera.latency[0]) * chance.uniform();
@@ -80,6 +97,7 @@ void CameraWorld::take_picture(std::size_t camera, double t) noexcept {
     found_[i].stamp = t;
     found_[i].arrival = t + latency;
     if (of.camera.output == CameraOutput::position) found_[i].forget_attitude();
+    if (&of != first) give_in_first(found_[i], *first, of);
     detections_.send(found_[i]);
   }
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "sightline/base.hpp"
@@ -12,12 +13,21 @@ RigidPose camera_pose(const RobotCamera& camera, const Rotation& turned, const R
   return S;
 }
 
+int stream_of(const CameraOptions& options, std::size_t camera) {
+  constexpr int bodies_most = 4096;
+  const auto begin = options.cameras.begin();
+  const BodyId observer = options.cameras[camera].observer;
+  const auto earlier = std::count_if(begin, begin + static_cast<std::ptrdiff_t>(camera),
+                                     [&](const RobotCamera& one) { return one.observer == observer; });
+  return observer.index + bodies_most * static_cast<int>(earlier);
+}
+
 std::vector<Rotation> drawn_misalignments(const CameraOptions& options) {
   std::vector<Rotation> all;
-  for (const RobotCamera& one : options.cameras) {
-    const Vec3<double> axis = RandomStream(options.seed, StreamId::mounting, one.observer.index).normals();
+  for (std::size_t i = 0; i < options.cameras.size(); ++i) {
+    const Vec3<double> axis = RandomStream(options.seed, StreamId::mounting, stream_of(options, i)).normals();
     const double size = norm(axis);
-    all.push_back(size > 0 ? turn_by((one.camera.misalignment / size) * axis) : Rotation{});
+    all.push_back(size > 0 ? turn_by((options.cameras[i].camera.misalignment / size) * axis) : Rotation{});
   }
   return all;
 }

@@ -26,11 +26,11 @@ struct SyntheticDetections::Draws {
 
 SyntheticDetections::SyntheticDetections(const Team& team, const CameraOptions& options)
     : options_(options), turned_(drawn_misalignments(options)) {
-  for (const RobotCamera& camera : options_.cameras) {
+  for (std::size_t i = 0; i < options_.cameras.size(); ++i) {
     for (const BodyTags& tags : options_.tags) {
       streams_.emplace_back(options_.seed, StreamId::sighting,
-                            camera.observer.index * team.bodies() + tags.body.index);
-      errors_.emplace_back(camera.camera.correlation_time);
+                            stream_of(options_, i) * team.bodies() + tags.body.index);
+      errors_.emplace_back(options_.cameras[i].camera.correlation_time);
     }
   }
 }
