@@ -15,8 +15,8 @@ struct Blimp {
   double thrust = 0.8, drag = 0.5, turn = 0.7;
 
   static constexpr auto parameters() {
-    using sightline::parameter, sightline::above_zero, sightline::from_zero;
-    return std::tuple{parameter("thrust", &Blimp::thrust, "m/s^2", above_zero, "acceleration per command"),
+    using sightline::parameter, sightline::Parameters, sightline::above_zero, sightline::from_zero;
+    return Parameters{parameter("thrust", &Blimp::thrust, "m/s^2", above_zero, "acceleration per command"),
                       parameter("drag", &Blimp::drag, "1/s", from_zero, "how fast it slows down by itself"),
                       parameter("turn", &Blimp::turn, "rad/s", above_zero, "yaw rate per command")};
   }
@@ -46,8 +46,8 @@ struct Halo {
 
   static constexpr std::string_view name = "halo", limit_unit = "m";
   static constexpr auto parameters() {
-    using sightline::parameter, sightline::above_zero;
-    return std::tuple{parameter("d", &Halo::d, "m", above_zero, "distance to keep"),
+    using sightline::parameter, sightline::Parameters, sightline::above_zero;
+    return Parameters{parameter("d", &Halo::d, "m", above_zero, "distance to keep"),
                       parameter("kappa", &Halo::kappa, "", above_zero, "cost at no distance")};
   }
   template <class S>
@@ -70,7 +70,7 @@ struct FigureEight {
 
   static constexpr auto parameters() {
     using namespace sightline;
-    return std::tuple{needed(parameter("centre", &FigureEight::centre, "m", any_finite, "where it crosses")),
+    return Parameters{needed(parameter("centre", &FigureEight::centre, "m", any_finite, "where it crosses")),
                       parameter("size", &FigureEight::size, "m", above_zero, "from the middle to an end"),
                       parameter("rate", &FigureEight::rate, "rad/s", any_finite, "how fast it goes round")};
   }

@@ -10,9 +10,9 @@ struct OneMoveOptions {
   double rate = 0.2;
 
   static constexpr auto parameters() {
-    using sightline::parameter, sightline::above_zero;
+    using sightline::parameter, sightline::Parameters, sightline::above_zero;
     using O = OneMoveOptions;
-    return std::tuple{parameter("steps", &O::steps, "", {1, 100, "1 to 100"}, "gradient steps of an update"),
+    return Parameters{parameter("steps", &O::steps, "", {1, 100, "1 to 100"}, "gradient steps of an update"),
                       parameter("rate", &O::rate, "", above_zero, "length of a gradient step")};
   }
 };

@@ -21,7 +21,7 @@ struct MpcOptions {
 
   template <class O>
   static constexpr auto common() {
-    return std::tuple{
+    return Parameters{
         parameter("range", &O::range, "1/m", from_zero, "weight of the horizontal distance"),
         parameter("height", &O::height, "1/m", from_zero, "weight of the height"),
         parameter("velocity", &O::velocity, "s/m", from_zero, "weight of the relative velocity"),
@@ -35,12 +35,11 @@ struct PerceptionOptions : MpcOptions {
 
   static constexpr auto parameters() {
     using O = PerceptionOptions;
-    return std::tuple_cat(
-        common<O>(),
-        std::tuple{
-            parameter("image", &O::image, "", from_zero, "weight of the projection s"),
-            parameter("image_velocity", &O::image_velocity, "s", from_zero, "weight of s'"),
-            parameter("depth", &O::depth, "m", above_zero, "width over which the depth is kept positive")});
+    return common<O>() +
+           Parameters{
+               parameter("image", &O::image, "", from_zero, "weight of the projection s"),
+               parameter("image_velocity", &O::image_velocity, "s", from_zero, "weight of s'"),
+               parameter("depth", &O::depth, "m", above_zero, "width over which the depth is kept positive")};
   }
 };
 
@@ -49,12 +48,11 @@ struct BarrierMpcOptions : MpcOptions {
 
   static constexpr auto parameters() {
     using O = BarrierMpcOptions;
-    return std::tuple_cat(
-        common<O>(),
-        std::tuple{parameter("gamma", &O::gamma, "", {1e-3, 1.0, "0.001 to 1"}, "of one stage"),
-                   parameter("margin", &O::margin, "", {0.1, 1.0, "0.1 to 1"},
-                             "share of the view's angle that the barrier allows"),
-                   parameter("penalty", &O::penalty, "", from_zero, "weight of broken barriers")});
+    return common<O>() +
+           Parameters{parameter("gamma", &O::gamma, "", {1e-3, 1.0, "0.001 to 1"}, "of one stage"),
+                      parameter("margin", &O::margin, "", {0.1, 1.0, "0.1 to 1"},
+                                "share of the view's angle that the barrier allows"),
+                      parameter("penalty", &O::penalty, "", from_zero, "weight of broken barriers")};
   }
 };
 

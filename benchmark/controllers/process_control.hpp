@@ -12,7 +12,7 @@ struct ProcessOptions {
 
   static constexpr auto parameters() {
     using O = ProcessOptions;
-    return std::tuple{
+    return Parameters{
         parameter("wait", &O::wait, "s", {1e-3, 60.0, "0.001 to 60"}, "longest time of an answer"),
         parameter("start", &O::start, "s", {1e-3, 600.0, "0.001 to 600"},
                   "longest time of the first answer")};

@@ -15,7 +15,7 @@ struct ViewBarrierOptions {
 
   static constexpr auto parameters() {
     using O = ViewBarrierOptions;
-    return std::tuple{parameter("k_p", &O::k_p, "1/s", above_zero, "gain of the relative position"),
+    return Parameters{parameter("k_p", &O::k_p, "1/s", above_zero, "gain of the relative position"),
                       parameter("k_yaw", &O::k_yaw, "1/s", above_zero, "gain of the bearing"),
                       parameter("gamma", &O::gamma, "1/s", above_zero, "of h' >= -gamma h"),
                       parameter("tau", &O::tau, "s", above_zero, "time constant of the velocities"),

@@ -15,7 +15,7 @@ struct VisualServoOptions {
 
   static constexpr auto parameters() {
     using O = VisualServoOptions;
-    return std::tuple{
+    return Parameters{
         parameter("lambda", &O::lambda, "1/s", above_zero, "decay rate of the features"),
         parameter("field", &O::field, "rad", acute_angle,
                   "half angle of the picture; beyond it the robot searches"),

@@ -90,7 +90,7 @@ struct Zone {
   Keep keep = Keep::outside;
 
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         KeyText{"polygon", "[[x, y], ...]", "3 to 64 corners; edges neither cross nor touch [m]",
                 "must be given"},
         KeyText{"keep", "one of inside, outside", "side of the prism that robots keep", "must be given"},
@@ -114,7 +114,7 @@ struct BarrierOptions {
 
   static constexpr auto parameters() {
     using O = BarrierOptions;
-    return std::tuple{
+    return Parameters{
         parameter("floor", &O::floor, "m", any_finite, "least height"),
         parameter("ceiling", &O::ceiling, "m", any_finite, "greatest height, > floor"),
         parameter(
@@ -239,7 +239,7 @@ struct ViewBounds {
   static constexpr auto parameters() {
     using B = ViewBounds;
     constexpr Bounds age_range = {0.0, 2.0, "0 to 2"};
-    return std::tuple{
+    return Parameters{
         parameter("speed_max", &B::speed, "m/s", from_zero, "greatest horizontal speed of the target"),
         parameter("climb_max", &B::climb, "m/s", from_zero, "greatest vertical speed of the target"),
         parameter("acceleration_max", &B::acceleration, "m/s^2", above_zero,

@@ -128,7 +128,7 @@ std::string shortened(std::string_view text, std::size_t size);
 //     double d_max = 2.0, kappa = 10.0;
 //     static constexpr std::string_view name = "too_far";
 //     static constexpr auto parameters() {
-//       return std::tuple{parameter("d_max", &TooFar::d_max, "m", above_zero, "greatest distance"),
+//       return Parameters{parameter("d_max", &TooFar::d_max, "m", above_zero, "greatest distance"),
 //                         parameter("kappa", &TooFar::kappa, "1/m", above_zero, "sharpness of the bend")};
 //     }
 //   };
@@ -217,11 +217,56 @@ struct Preset {
   Part part;
 };
 
+namespace detail {
+template <std::size_t, class Description>
+struct DescriptionAt {
+  constexpr explicit DescriptionAt(const Description& of) : description(of) {}
+  Description description;
+};
+template <class Indices, class... Description>
+struct DescriptionsAt;
+template <std::size_t... i, class... Description>
+struct DescriptionsAt<std::index_sequence<i...>, Description...> : DescriptionAt<i, Description>... {
+  constexpr explicit DescriptionsAt(const Description&... of) : DescriptionAt<i, Description>(of)... {}
+  template <class Take>
+  constexpr auto pass_to(Take&& take) const {
+    return take(static_cast<const DescriptionAt<i, Description>&>(*this).description...);
+  }
+};
+}  // namespace detail
+
+/// Descriptions in their order. std::tuple, which `parameters()` may return too, takes a compiler several
+/// times as long.
+template <class... Description>
+struct Parameters : detail::DescriptionsAt<std::index_sequence_for<Description...>, Description...> {
+  constexpr explicit Parameters(const Description&... of)
+      : detail::DescriptionsAt<std::index_sequence_for<Description...>, Description...>(of...) {}
+};
+
+template <class... A, class... B>
+constexpr Parameters<A..., B...> operator+(const Parameters<A...>& first, const Parameters<B...>& then) {
+  return first.pass_to([&](const A&... a) {
+    return then.pass_to([&](const B&... b) { return Parameters<A..., B...>(a..., b...); });
+  });
+}
+
 /// A part that describes its parameters.
 template <class P>
 concept Described = requires {
   P::parameters();
 };
+
+/// Calls `take` with the description of each parameter of P, in their order.
+template <Described P, class Take>
+constexpr void each_parameter(Take&& take) {
+  const auto parameters = P::parameters();
+  const auto take_all = [&](const auto&... p) { (take(p), ...); };
+  if constexpr (requires { std::tuple_size<decltype(parameters)>::value; }) {
+    std::apply(take_all, parameters);
+  } else {
+    parameters.pass_to(take_all);
+  }
+}
 
 /// Rejects a number of a part.
 /// @throws std::invalid_argument "part.key = value, expected ...", always
@@ -286,7 +331,7 @@ std::vector<NamedNumber> numbers_of([[maybe_unused]] P& part) {
         }
       }
     };
-    std::apply([&](const auto&... p) { (add(p), ...); }, P::parameters());
+    each_parameter<P>(add);
   }
   return numbers;
 }
@@ -308,7 +353,7 @@ const P& check_parameters(const P& part, std::string_view name) {
       for (const auto& one : part.*p.member) check_all(one, p.key, any_finite, p.unit);
     }
   };
-  std::apply([&](const auto&... p) { (check(p), ...); }, P::parameters());
+  each_parameter<P>(check);
   return part;
 }
 template <Described P>
@@ -359,7 +404,7 @@ std::vector<ParameterText> parameter_texts([[maybe_unused]] const P& part) {
         if (!text.must_be_given) text.fallback = value_of(P{}, p);
       }
     };
-    std::apply([&](const auto&... p) { (add(p), ...); }, P::parameters());
+    each_parameter<P>(add);
   }
   return texts;
 }
@@ -437,7 +482,7 @@ void read(const ParameterSource& from, P& part, const ListParameter<Owner, Eleme
 template <Described P>
 std::vector<std::string_view> parameter_keys() {
   std::vector<std::string_view> keys;
-  std::apply([&](const auto&... p) { (keys.push_back(p.key), ...); }, P::parameters());
+  each_parameter<P>([&](const auto& p) { keys.push_back(p.key); });
   return keys;
 }
 
@@ -453,7 +498,7 @@ void read_parameters(const ParameterSource& from, P& part) {
       detail::read(from, part, p);
     }
   };
-  std::apply([&](const auto&... p) { (one(p), ...); }, P::parameters());
+  each_parameter<P>(one);
 }
 
 /// Reads a part: the given parameters, else those of a preset or the defaults. Rejects all other

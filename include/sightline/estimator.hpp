@@ -139,7 +139,7 @@ struct BroadcastOptions {
 
   static constexpr auto parameters() {
     using O = BroadcastOptions;
-    return std::tuple{parameter("acceleration", &O::acceleration, "m/s^2", from_zero,
+    return Parameters{parameter("acceleration", &O::acceleration, "m/s^2", from_zero,
                                 "of the body after its last message, standard deviation"),
                       parameter("velocity_sigma", &O::velocity_sigma, "m/s", from_zero,
                                 "of the broadcast velocity, each axis"),
@@ -291,7 +291,7 @@ struct FilterOptions {
   static constexpr auto parameters() {
     using O = FilterOptions;
     constexpr Bounds count = {1, 32, "1 to 32"};
-    return std::tuple{
+    return Parameters{
         parameter("filter", &O::filter, filter_kinds,
                   "position and heading, or the whole attitude by an inertial measurement unit"),
         parameter("velocity_noise", &O::velocity_noise, "m/s", above_zero,

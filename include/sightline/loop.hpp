@@ -112,7 +112,7 @@ struct RobotCompensation {
 
   static constexpr auto parameters() {
     using C = RobotCompensation;
-    return std::tuple{parameter("command_delay", &C::command_delay, "s", {0.0, 1.0, "0 to 1"},
+    return Parameters{parameter("command_delay", &C::command_delay, "s", {0.0, 1.0, "0 to 1"},
                                 "from a command to its effect, with an allowance for lags"),
                       parameter("disturbance_time", &C::disturbance_time, "s", {0.05, 60.0, "0.05 to 60"},
                                 "time constant of the estimated disturbance; default: no estimate"),
@@ -482,7 +482,7 @@ struct CertifiedView {
   std::string_view limited_by{};  ///< the condition that limits it
 
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         KeyText{"observer", "a robot", "whose sensor sees the target", "must be given"},
         KeyText{"target", "a body", "which the observer observes, or does after an event", "must be given"},
         parameter("speed_unrequested", &CertifiedView::unrequested, "m/s", from_zero,

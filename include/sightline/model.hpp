@@ -108,7 +108,7 @@ struct SensorMount {
 
   static constexpr auto parameters() {
     using M = SensorMount;
-    return std::tuple{parameter("frame", &M::frame, mount_frames, "of angles and offset: V or B"),
+    return Parameters{parameter("frame", &M::frame, mount_frames, "of angles and offset: V or B"),
                       parameter("yaw", &M::yaw, "rad", mount_turns, "> 0 looks to the left"),
                       parameter("pitch", &M::pitch, "rad", mount_pitches, "> 0 looks down"),
                       parameter("roll", &M::roll, "rad", mount_turns, "about the axis, > 0: left side up"),
@@ -460,7 +460,7 @@ namespace detail {
 /// Common parameters of (24) and (15).
 template <class M>
 constexpr auto multirotor_parameters() {
-  return std::tuple{parameter("b_z", &M::b_z, "m/s", any_finite, "climb per command"),
+  return Parameters{parameter("b_z", &M::b_z, "m/s", any_finite, "climb per command"),
                     parameter("b_psi", &M::b_psi, "rad/s", any_finite, "yaw rate per command"),
                     parameter("a_f", &M::a_f, "1/s", any_finite, "forward drag"),
                     parameter("b_f", &M::b_f, "m/s^2", any_finite, "forward acceleration per command"),

@@ -425,7 +425,7 @@ struct Constant {
   std::optional<double> heading{};
 
   static constexpr auto parameters() {
-    return std::tuple{needed(parameter("p", &Constant::p, "m", any_finite, "position")),
+    return Parameters{needed(parameter("p", &Constant::p, "m", any_finite, "position")),
                       parameter("heading", &Constant::heading, "rad", any_finite, "left out: free")};
   }
   Pose<double> operator()(double) const;
@@ -440,7 +440,7 @@ struct Circle {
   double rate = 0.3;
 
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         needed(parameter("centre", &Circle::centre, "m", any_finite, "middle of the circle")),
         parameter("radius", &Circle::radius, "m", from_zero, "radius"),
         parameter("rate", &Circle::rate, "rad/s", any_finite, "how fast it goes round, anticlockwise")};
@@ -459,20 +459,20 @@ namespace detail {
 
 template <class R>
 constexpr auto timed_positions() {
-  return std::tuple{
+  return Parameters{
       ListParameter<R, double>{"times", &R::times, "s", "when; the first pose also holds before", true},
       ListParameter<R, Vec3<double>>{"p", &R::p, "m", "where, for each time"}};
 }
 
 template <class R>
 constexpr auto timed_headings() {
-  return std::tuple{
+  return Parameters{
       ListParameter<R, double>{"heading", &R::heading, "rad", "for each time; left out: free", false, false}};
 }
 
 template <class R>
 constexpr auto timed_velocities() {
-  return std::tuple{ListParameter<R, Vec3<double>>{"v", &R::v, "m/s",
+  return Parameters{ListParameter<R, Vec3<double>>{"v", &R::v, "m/s",
                                                    "for each time; left out: straight lines", false, false}};
 }
 
@@ -489,8 +489,8 @@ struct Waypoints {
   std::vector<Vec3<double>> v = {};
 
   static constexpr auto parameters() {
-    return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_headings<Waypoints>(),
-                          detail::timed_velocities<Waypoints>());
+    return detail::timed_positions<Waypoints>() + detail::timed_headings<Waypoints>() +
+           detail::timed_velocities<Waypoints>();
   }
   /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
   /// numbers are finite
@@ -508,7 +508,7 @@ struct Steps {
   std::vector<double> heading = {};
 
   static constexpr auto parameters() {
-    return std::tuple_cat(detail::timed_positions<Steps>(), detail::timed_headings<Steps>());
+    return detail::timed_positions<Steps>() + detail::timed_headings<Steps>();
   }
   /// @throws std::invalid_argument unless the times increase, all lists have equal length and all
   /// numbers are finite
@@ -731,7 +731,7 @@ struct RelaxedBarrier {
 
   static constexpr auto parameters() {
     constexpr Bounds of_limit = {above_zero.low, above_zero.high, "> 0, in the unit of the limit"};
-    return std::tuple{parameter("mu", &RelaxedBarrier::mu, "", above_zero,
+    return Parameters{parameter("mu", &RelaxedBarrier::mu, "", above_zero,
                                 "weight; the smaller, the nearer one comes to the limit"),
                       parameter("delta", &RelaxedBarrier::delta, "", of_limit,
                                 "where the parabola takes over; 2 mu / delta must exceed the force")};

@@ -107,7 +107,7 @@ struct Bearing {
   static constexpr auto parameters() {
     constexpr Bounds small = {0.0, 0.2, "in [0, 0.2]"},
                      half = {std::numeric_limits<double>::min(), 3.1416, "in (0, pi]"};
-    return std::tuple{
+    return Parameters{
         parameter("alpha", &Bearing::alpha, "rad", half, "angle up to which the target counts as in view"),
         parameter("width", &Bearing::width, "m", above_zero, "nearer than this to the sensor l is smoothed"),
         parameter("tilt", &Bearing::tilt, "rad", small, "to the left, of the axis with the target behind")};
@@ -162,7 +162,7 @@ struct AltitudeBand {
   static constexpr std::string_view name = "altitude_band";
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("z_min", &AltitudeBand::z_min, "m", any_finite, "least height"),
         parameter("z_max", &AltitudeBand::z_max, "m", any_finite, "greatest height, above z_min"),
         parameter("kappa_G", &AltitudeBand::kappa_G, "1/m^2", from_zero, "slope outside"),
@@ -201,7 +201,7 @@ struct Geofence {
   static constexpr std::string_view name = "geofence";
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("low", &Geofence::low, "m", any_finite, "corner"),
         parameter("high", &Geofence::high, "m", any_finite, "opposite corner, above low in each axis"),
         parameter("kappa_G", &Geofence::kappa_G, "1/m^2", from_zero, "slope outside"),
@@ -256,7 +256,7 @@ struct KeepOut {
   static constexpr bool keeps_apart = true;
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{parameter("d_min", &KeepOut::d_min, "m", above_zero, "least distance"),
+    return Parameters{parameter("d_min", &KeepOut::d_min, "m", above_zero, "least distance"),
                       parameter("kappa_H", &KeepOut::kappa_H, "", above_zero, "height of the step"),
                       parameter("kappa_G", &KeepOut::kappa_G, "1/m^2", from_zero, "slope inside"),
                       parameter("kappa_A", &KeepOut::kappa_A, "1/m^2", above_zero, "sharpness of the step")};
@@ -293,7 +293,7 @@ struct Cohesion {
   static constexpr bool keeps_apart = false;
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{parameter("d_max", &Cohesion::d_max, "m", above_zero, "greatest distance"),
+    return Parameters{parameter("d_max", &Cohesion::d_max, "m", above_zero, "greatest distance"),
                       parameter("kappa_H", &Cohesion::kappa_H, "", above_zero, "height of the step"),
                       parameter("kappa_G", &Cohesion::kappa_G, "1/m^2", from_zero, "slope outside"),
                       parameter("kappa_A", &Cohesion::kappa_A, "1/m^2", above_zero, "sharpness of the step")};
@@ -333,7 +333,7 @@ struct SpeedLimit {
 
   static constexpr std::string_view name = "speed";
   static constexpr auto parameters() {
-    return std::tuple{parameter("max", &SpeedLimit::max, "m/s", above_zero, "greatest horizontal speed"),
+    return Parameters{parameter("max", &SpeedLimit::max, "m/s", above_zero, "greatest horizontal speed"),
                       parameter("min", &SpeedLimit::min, "m/s", from_zero, "least, below max")};
   }
   /// @throws std::invalid_argument naming the field, its value and its range
@@ -362,7 +362,7 @@ struct InputDisc {
   static constexpr std::string_view name = "input_disc";
   static constexpr auto parameters() {
     constexpr Bounds place = {0.0, 1000.0, "0 to 1000"};
-    return std::tuple{parameter("radius", &InputDisc::radius, "", above_zero, "in the unit of the inputs"),
+    return Parameters{parameter("radius", &InputDisc::radius, "", above_zero, "in the unit of the inputs"),
                       parameter("i", &InputDisc::i, "", place, "the one input, from 0; of a multirotor u_f"),
                       parameter("j", &InputDisc::j, "", place, "the other; of a multirotor u_s")};
   }
@@ -411,7 +411,7 @@ struct TooNear {
   static constexpr bool keeps_apart = true;
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("d_min", &TooNear::d_min, "m", above_zero, "least distance"),
         parameter("kappa", &TooNear::kappa, "1/m", above_zero, "sharpness of the bend at d_min")};
   }
@@ -441,7 +441,7 @@ struct TooFar {
   static constexpr bool keeps_apart = false;
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("d_max", &TooFar::d_max, "m", above_zero, "greatest distance"),
         parameter("kappa", &TooFar::kappa, "1/m", above_zero, "sharpness of the bend at d_max")};
   }
@@ -467,7 +467,7 @@ struct RelativeVelocity {
   static constexpr std::string_view name = "relative_velocity";
   static constexpr bool keeps_apart = false;
   static constexpr auto parameters() {
-    return std::tuple{parameter("v_0", &RelativeVelocity::v_0, "m/s", above_zero, "velocity that costs 1")};
+    return Parameters{parameter("v_0", &RelativeVelocity::v_0, "m/s", above_zero, "velocity that costs 1")};
   }
   /// @throws std::invalid_argument naming the field, its value and its range
   void check() const { check_parameters(*this); }
@@ -502,7 +502,7 @@ struct PassRight {
   static constexpr bool keeps_apart = true;
   static constexpr std::string_view limit_unit = "m";
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("d_min", &PassRight::d_min, "m", above_zero, "least distance, but for delta"),
         parameter("delta", &PassRight::delta, "m", from_zero,
                   "how far to its left each has the other, below d_min; 0: as too_near"),
@@ -726,7 +726,7 @@ struct SensorCone {
   static constexpr std::string_view limit_unit = "rad";
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 2> forms = {"sine", "tangent"};
-    return std::tuple{
+    return Parameters{
         parameter("alpha", &SensorCone::alpha, "rad", acute_angle, "beam angle"),
         parameter("kappa_G", &SensorCone::kappa_G, "1/m^2", from_zero,
                   "slope outside the cone; 0 leaves no gradient to return by, (33)"),

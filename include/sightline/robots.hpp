@@ -35,7 +35,7 @@ struct OmniRover {
   double b_s = 2.5;
 
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("b_psi", &OmniRover::b_psi, "rad/s", any_finite, "yaw rate per command"),
         parameter("a_f", &OmniRover::a_f, "1/s", any_finite, "forward drag"),
         parameter("b_f", &OmniRover::b_f, "m/s^2", any_finite,
@@ -85,7 +85,7 @@ struct Unicycle {
   double b_psi = 1.5, a_f = -2.5, b_f = 2.5;
 
   static constexpr auto parameters() {
-    return std::tuple{parameter("b_psi", &Unicycle::b_psi, "rad/s", any_finite, "yaw rate per command"),
+    return Parameters{parameter("b_psi", &Unicycle::b_psi, "rad/s", any_finite, "yaw rate per command"),
                       parameter("a_f", &Unicycle::a_f, "1/s", any_finite, "forward drag"),
                       parameter("b_f", &Unicycle::b_f, "m/s^2", any_finite,
                                 "forward acceleration per command; b_f / -a_f is the top speed")};
@@ -169,12 +169,11 @@ struct LaggedHoverMultirotor {
   static constexpr auto parameters() {
     using M = LaggedHoverMultirotor;
     constexpr Bounds lag_or_none = {1e-3, 1e3, "0 or 0.001 to 1000", true};
-    return std::tuple_cat(
-        detail::multirotor_parameters<M>(),
-        std::tuple{parameter("tau", &M::tau, "s", lag_or_none,
-                             "lag of the tilt; 0 with the other two: no state lags"),
-                   parameter("tau_z", &M::tau_z, "s", lag_or_none, "lag of the climb"),
-                   parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")});
+    return detail::multirotor_parameters<M>() +
+           Parameters{parameter("tau", &M::tau, "s", lag_or_none,
+                                "lag of the tilt; 0 with the other two: no state lags"),
+                      parameter("tau_z", &M::tau_z, "s", lag_or_none, "lag of the climb"),
+                      parameter("tau_psi", &M::tau_psi, "s", lag_or_none, "lag of the yaw rate")};
   }
 
   /// The vehicles of vehicle.hpp, as identified by `sightline identify` for tilt_max = 0.2
@@ -306,7 +305,7 @@ struct PointMass {
   double drag = 0.0;
 
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         parameter("drag", &PointMass::drag, "1/s", from_zero, "how fast it slows down by itself")};
   }
 
@@ -393,7 +392,7 @@ struct LaggedMultirotor {
     using M = LaggedMultirotor;
     constexpr Bounds lag = {1e-3, 1e3, "0.001 to 1000"},
                      lag_or_none = {1e-3, 1e3, "0 or 0.001 to 1000", true};
-    return std::tuple{
+    return Parameters{
         parameter("tau_f", &M::tau_f, "s", lag, "lag of the forward velocity"),
         parameter("tau_s", &M::tau_s, "s", lag, "lag of the sideward velocity"),
         parameter("tau_z", &M::tau_z, "s", lag_or_none, "lag of the vertical velocity; 0: v_z is no state"),

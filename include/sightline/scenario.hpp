@@ -86,7 +86,7 @@ struct EvasionPlan {
 
   static constexpr auto parameters() {
     using P = EvasionPlan;
-    return std::tuple{
+    return Parameters{
         parameter("from", &P::from, "s", from_zero, "the obstacle is present from then on"),
         parameter("d_obstacle", &P::d_obstacle, "m", above_zero, "limit of the distance to the obstacle"),
         parameter("d_min", &P::d_min, "m", above_zero, "least distance to the target"),
@@ -105,7 +105,7 @@ struct CampaignPlan {
 
   static constexpr auto parameters() {
     using P = CampaignPlan;
-    return std::tuple{
+    return Parameters{
         KeyText{"start_outside", "true or false", "allows drawn starts beyond a wall", "false"},
         parameter("duration", &P::duration, "s", above_zero, "of each run"),
         parameter("view_within", &P::view_within, "s", from_zero,
@@ -325,7 +325,7 @@ struct Simulation {
 
   static constexpr auto parameters() {
     using S = Simulation;
-    return std::tuple{
+    return Parameters{
         KeyText{"seed", "an integer >= 0", "of all random numbers", "1"},
         KeyText{"compare", "solvers", "repeat the run afterwards; the run's own solver is skipped"},
         parameter("duration", &S::duration, "s", above_zero, "of the run"),
@@ -356,7 +356,7 @@ struct Safety {
 
   static constexpr auto parameters() {
     using S = Safety;
-    return std::tuple{
+    return Parameters{
         parameter("barrier", &S::barrier, barrier_modes, "safety filter; report: applies nothing"),
         parameter("d_hard", &S::d_hard, "m", above_zero,
                   "least distance of a robot to any other body, centre to centre"),
@@ -386,7 +386,7 @@ struct UncooperativeBody {
 
   static constexpr auto parameters() {
     using B = UncooperativeBody;
-    return std::tuple{
+    return Parameters{
         parameter("velocity", &B::velocity, std::array<std::string_view, 2>{"measured", "unknown"},
                   "for the controllers; unknown: at rest"),
         parameter("speed_max", &B::speed_max, "m/s", from_zero,
@@ -419,7 +419,7 @@ struct PartitionPlan {
 struct LogOptions {
   double prediction_period = 0.1;
   static constexpr auto parameters() {
-    return std::tuple{parameter("prediction_period", &LogOptions::prediction_period, "s",
+    return Parameters{parameter("prediction_period", &LogOptions::prediction_period, "s",
                                 {1e-4, std::numeric_limits<double>::max(), ">= 1e-4"},
                                 "between two logged predictions; default: longer from 100 robots on")};
   }
@@ -428,7 +428,7 @@ struct LogOptions {
 struct LoopKeys {
   double warm_up = 1e-3;
   static constexpr auto parameters() {
-    return std::tuple{parameter("warm_up", &LoopKeys::warm_up, "s", {0.0, 5e-3, "0 to 0.005"},
+    return Parameters{parameter("warm_up", &LoopKeys::warm_up, "s", {0.0, 5e-3, "0 to 0.005"},
                                 "longest time before a period of real time in which solvers fill the caches; "
                                 "0: they do not; at most half of the period")};
   }

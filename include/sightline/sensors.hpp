@@ -76,7 +76,7 @@ struct Camera {
 
   static constexpr auto parameters() {
     using C = Camera;
-    return std::tuple{
+    return Parameters{
         parameter("width", &C::width, "px", {16, 4096, "16 to 4096"}, "of a picture"),
         parameter("height", &C::height, "px", {16, 4096, "16 to 4096"}, "of a picture"),
         parameter("field_of_view", &C::field_of_view, "rad",
@@ -166,7 +166,7 @@ struct Tags {
 
   static constexpr auto parameters() {
     using T = Tags;
-    return std::tuple{parameter("size", &T::size, "m", {1e-3, 10, "0.001 to 10"}, "side of the black square"),
+    return Parameters{parameter("size", &T::size, "m", {1e-3, 10, "0.001 to 10"}, "side of the black square"),
                       parameter("faces", &T::faces, "", {1, faces_max, "1 to 8"},
                                 "plates, at equal angles, the first ahead"),
                       parameter("distance", &T::distance, "m", {0, 10, "0 to 10"},
@@ -195,7 +195,7 @@ struct Hull {
   double height = 0.0;
 
   static constexpr auto parameters() {
-    return std::tuple{needed(parameter("radius", &Hull::radius, "m", {1e-3, 100, "0.001 to 100"},
+    return Parameters{needed(parameter("radius", &Hull::radius, "m", {1e-3, 100, "0.001 to 100"},
                                        "of the cylinder or the sphere")),
                       parameter("height", &Hull::height, "m", {0, 100, "0 to 100"},
                                 "of the cylinder, half of it above the body's origin; 0: a sphere")};

@@ -362,7 +362,7 @@ struct ContinuationOptions {
 
   static constexpr auto parameters() {
     using O = ContinuationOptions;
-    return std::tuple{
+    return Parameters{
         parameter("k_max", &O::k_max, "", {1, 1000, "1 to 1000"}, "GMRES iterations of an update, at most"),
         parameter("jacobian", &O::jacobian, std::array<std::string_view, 2>{"exact", "forward_difference"},
                   "product of the Jacobian and a vector"),
@@ -525,7 +525,7 @@ struct ExchangeOptions {
 
   static constexpr auto parameters() {
     using E = ExchangeOptions;
-    return std::tuple{
+    return Parameters{
         parameter("stale_after", &E::stale_after, "s", {0.02, 10, "0.02 to 10"},
                   "age of a message from which its robots count as uncooperative"),
         parameter("speed_max", &E::speed_max, "m/s", from_zero,
@@ -623,7 +623,7 @@ struct NewtonRiccatiOptions {
   static constexpr auto parameters() {
     using O = NewtonRiccatiOptions;
     constexpr Bounds steps = {1, 1000, "1 to 1000"};
-    return std::tuple{
+    return Parameters{
         parameter("max_newton_steps", &O::max_newton_steps, "", steps, "of an update"),
         parameter("start_steps", &O::start_steps, "", steps, "Newton steps of the first update, at most"),
         parameter("max_krylov", &O::max_krylov, "", {0, 1000, "0 to 1000"},

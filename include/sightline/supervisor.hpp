@@ -126,7 +126,7 @@ struct LadderTimes {
 
   static constexpr auto parameters() {
     using T = LadderTimes;
-    return std::tuple{parameter("fresh", &T::fresh, "s", above_zero, "younger data count as present"),
+    return Parameters{parameter("fresh", &T::fresh, "s", above_zero, "younger data count as present"),
                       parameter("slow_after", &T::slow_after, "s", above_zero, "age for `slowed`"),
                       parameter("hold_after", &T::hold_after, "s", above_zero, "age for `hold`"),
                       parameter("land_after", &T::land_after, "s", above_zero, "age for `land`")};
@@ -139,7 +139,7 @@ struct LadderSigmas {
 
   static constexpr auto parameters() {
     using S = LadderSigmas;
-    return std::tuple{
+    return Parameters{
         parameter("sigma_hold", &S::hold, "m", above_zero, "deviation of an estimated position for `hold`"),
         parameter("sigma_land", &S::land, "m", above_zero, "the same for `land`")};
   }
@@ -192,7 +192,7 @@ struct SearchOptions {
 
   static constexpr auto parameters() {
     using O = SearchOptions;
-    return std::tuple{
+    return Parameters{
         parameter("predict", &O::predict, "s", above_zero,
                   "without a view that the plan goes on, by the estimate and the target's broadcasts"),
         parameter("back_off", &O::back_off, "m", from_zero,
@@ -333,7 +333,7 @@ struct TrackLimits {
 
   static constexpr auto parameters() {
     using L = TrackLimits;
-    return std::tuple{
+    return Parameters{
         parameter("v_max", &L::v_max, "m/s", above_zero, "greatest plausible speed of a body"),
         parameter("turn_max", &L::turn_max, "rad/s", above_zero, "greatest plausible turn rate of a body"),
         parameter("frozen_after", &L::frozen_after, "s", above_zero, "equal measurements are a fault then"),
@@ -414,7 +414,7 @@ struct SupervisorOptions {
 
   static constexpr auto parameters() {
     using O = SupervisorOptions;
-    return std::tuple{
+    return Parameters{
         parameter("slow_factor", &O::slow_factor, "", {0.0, 1.0, "0 to 1"},
                   "u* + slow_factor (u - u*) is applied when slowed"),
         parameter("land_speed", &O::land_speed, "m/s", above_zero, "downwards"),

@@ -302,7 +302,7 @@ struct Horizon {
 
   double h() const { return T / N; }
   static constexpr auto parameters() {
-    return std::tuple{parameter("stages", &Horizon::N, "", {1, 1000, "1 to 1000"}, "number N of stages"),
+    return Parameters{parameter("stages", &Horizon::N, "", {1, 1000, "1 to 1000"}, "number N of stages"),
                       parameter("duration", &Horizon::T, "s",
                                 {std::numeric_limits<double>::min(), 1e6, "> 0 s, at most 1e6"}, "length T"),
                       parameter("period", &Horizon::dt, "s", {1e-4, 1e3, "1e-4 to 1000"}, "of control")};

@@ -24,7 +24,7 @@ struct DownwashOptions {
   double scale = 0.0;
 
   static constexpr auto parameters() {
-    return std::tuple{parameter("downwash", &DownwashOptions::scale, "", Bounds{0.0, 2.0, "0 to 2"},
+    return Parameters{parameter("downwash", &DownwashOptions::scale, "", Bounds{0.0, 2.0, "0 to 2"},
                                 "speed of the air under vehicles, over that of momentum theory; 0: still")};
   }
 
@@ -84,7 +84,7 @@ struct Imu {
 
   static constexpr auto parameters() {
     using I = Imu;
-    return std::tuple{parameter("gyro_noise", &I::gyro_noise, "rad/s/sqrt(Hz)", from_zero,
+    return Parameters{parameter("gyro_noise", &I::gyro_noise, "rad/s/sqrt(Hz)", from_zero,
                                 "density of the white noise of the rates"),
                       parameter("gyro_bias", &I::gyro_bias, "rad/s", from_zero,
                                 "their bias at the start, standard deviation"),
@@ -205,7 +205,7 @@ struct Vehicle {
     // The upper bound suits control loops that are closed every 2 ms.
     constexpr Bounds gain = {1e-3, 100.0, "0.001 to 100"}, tilt = {1e-3, 1.2, "0.001 to 1.2"};
     constexpr Bounds part = {0.0, 0.9, "0 to 0.9"};
-    return std::tuple{
+    return Parameters{
         parameter("mass", &V::mass, "kg", above_zero, "with all that it carries"),
         parameter("inertia", &V::inertia, "kg m^2", above_zero, "about x, y, z of the body"),
         ListParameter<V, double>{"rotor_x", &V::rotor_x, "m", "of each rotor, forward of the centre", false,

@@ -425,7 +425,7 @@ struct Airflow {
 
   static constexpr auto parameters() {
     using A = Airflow;
-    return std::tuple{parameter("amplitude", &A::amplitude, "m/s^2", from_zero, "acceleration at `distance`"),
+    return Parameters{parameter("amplitude", &A::amplitude, "m/s^2", from_zero, "acceleration at `distance`"),
                       parameter("distance", &A::distance, "m", above_zero,
                                 "at distance / q the push is q^2 times stronger, at most 4 times"),
                       parameter("frequency", &A::frequency, "Hz", from_zero, "of the oscillation")};
@@ -437,7 +437,7 @@ struct Noise {
   double position = 0.0, heading = 0.0, velocity = 0.0;
 
   static constexpr auto parameters() {
-    return std::tuple{parameter("position", &Noise::position, "m", from_zero, "of each axis"),
+    return Parameters{parameter("position", &Noise::position, "m", from_zero, "of each axis"),
                       parameter("heading", &Noise::heading, "rad", from_zero, "of the heading"),
                       parameter("velocity", &Noise::velocity, "m/s", from_zero, "of each axis")};
   }
@@ -464,7 +464,7 @@ struct Odometry {
 
   static constexpr auto parameters() {
     using O = Odometry;
-    return std::tuple{
+    return Parameters{
         parameter("position_bias", &O::position_bias, "m", from_zero, "offset of each axis at the start"),
         parameter("position_walk", &O::position_walk, "m/sqrt(s)", from_zero,
                   "density of the random walk of that offset"),
@@ -495,7 +495,7 @@ struct Disturbances {
   static constexpr auto parameters() {
     using D = Disturbances;
     constexpr Bounds delay = {0.0, 1.0, "0 to 1"};
-    return std::tuple{
+    return Parameters{
         KeyText{"wind", "[x, y, z] or { size, direction }", "steady acceleration [m/s^2]", "none"},
         KeyText{"gust", "{ sigma, time }", "of each axis [m/s^2], >= 0; correlation time [s], > 0", "0, 1"},
         parameter("input_delay", &D::input_delay, "s", delay, "from command to effect"),
@@ -679,7 +679,7 @@ struct PathMotion {
   static constexpr std::string_view name = "path";
   static constexpr auto parameters() {
     using M = PathMotion;
-    return std::tuple{
+    return Parameters{
         ListParameter<M, Vec3<double>>{"points", &M::points, "m", "two or more"},
         parameter("speed", &M::speed, "m/s", above_zero, "along the path"),
         parameter("end", &M::end, std::array<std::string_view, 2>{"rest", "round"}, "round: begins again")};
@@ -690,7 +690,7 @@ struct PathMotion {
 /// From position to position at given times, planned or recorded.
 struct WaypointsMotion : Waypoints {
   static constexpr auto parameters() {
-    return std::tuple_cat(detail::timed_positions<Waypoints>(), detail::timed_velocities<Waypoints>());
+    return detail::timed_positions<Waypoints>() + detail::timed_velocities<Waypoints>();
   }
 };
 
@@ -702,7 +702,7 @@ struct CircleMotion {
   static constexpr std::string_view name = "circle";
   static constexpr auto parameters() {
     using M = CircleMotion;
-    return std::tuple{needed(parameter("centre", &M::centre, "m", any_finite, "of the circle")),
+    return Parameters{needed(parameter("centre", &M::centre, "m", any_finite, "of the circle")),
                       parameter("radius", &M::radius, "m", from_zero, "of the circle"),
                       parameter("rate", &M::rate, "rad/s", any_finite, "angular velocity"),
                       parameter("phase", &M::phase, "rad", any_finite, "angle at the start")};
@@ -718,7 +718,7 @@ struct ChaseMotion {
   static constexpr std::string_view name = "chase";
   static constexpr auto parameters() {
     using M = ChaseMotion;
-    return std::tuple{approached_robot, parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
+    return Parameters{approached_robot, parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
                       parameter("standoff", &M::standoff, "m", from_zero, "distance to the robot")};
   }
   void check() const { check_parameters(*this); }
@@ -735,7 +735,7 @@ struct CrossMotion {
   static constexpr std::string_view name = "cross";
   static constexpr auto parameters() {
     using M = CrossMotion;
-    return std::tuple{approached_robot, parameter("at", &M::at, "s", from_zero, "start of the motion"),
+    return Parameters{approached_robot, parameter("at", &M::at, "s", from_zero, "start of the motion"),
                       parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
                       parameter("miss", &M::miss, "m", any_finite, "to the left; negative: to the right")};
   }
@@ -753,7 +753,7 @@ struct HandMotion {
   static constexpr std::string_view name = "hand";
   static constexpr auto parameters() {
     using M = HandMotion;
-    return std::tuple{approached_robot, parameter("at", &M::at, "s", from_zero, "time of the jump"),
+    return Parameters{approached_robot, parameter("at", &M::at, "s", from_zero, "time of the jump"),
                       needed(parameter("from", &M::from, "m", any_finite, "place after the jump")),
                       parameter("speed", &M::speed, "m/s", above_zero, "of the body"),
                       parameter("standoff", &M::standoff, "m", from_zero, "distance to the robot")};
@@ -772,7 +772,7 @@ struct AdversaryMotion {
   static constexpr std::string_view name = "adversary";
   static constexpr auto parameters() {
     using M = AdversaryMotion;
-    return std::tuple{
+    return Parameters{
         approached_robot, parameter("speed", &M::speed, "m/s", above_zero, "greatest speed of the body"),
         parameter("every", &M::every, "s", {1e-3, std::numeric_limits<double>::max(), ">= 0.001"},
                   "between two turns"),

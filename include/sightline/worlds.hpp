@@ -261,7 +261,7 @@ struct Radio {
 
   static constexpr auto parameters() {
     using R = Radio;
-    return std::tuple{
+    return Parameters{
         parameter("rate", &R::rate, "Hz", {0.1, 1000, "0.1 to 1000"},
                   "messages; each is sent at the first period that it is due at"),
         parameter("latency", &R::latency, "s", {0, 1, "0 to 1"},

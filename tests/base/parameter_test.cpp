@@ -34,8 +34,8 @@ struct Path {
   std::vector<double> times{}, heading{};
   static constexpr std::string_view name = "path";
   static constexpr auto parameters() {
-    return std::tuple{ListParameter<Path, double>{"times", &Path::times, "s", "when", true},
-                      ListParameter<Path, double>{"heading", &Path::heading, "rad", "", false, false}};
+    return Parameters{ListParameter<Path, double>{"times", &Path::times, "s", "when", true}} +
+           Parameters{ListParameter<Path, double>{"heading", &Path::heading, "rad", "", false, false}};
   }
 };
 
@@ -43,7 +43,7 @@ struct Lamp {
   double power = 10;
   [[maybe_unused]] static constexpr std::string_view name = "lamp";
   static constexpr auto parameters() {
-    return std::tuple{parameter("power", &Lamp::power, "W", from_zero, "of its light")};
+    return Parameters{parameter("power", &Lamp::power, "W", from_zero, "of its light")};
   }
   static constexpr auto presets() {
     return std::array{Preset<Lamp>{"dim", {1}}, Preset<Lamp>{"bright", {99}}};

@@ -69,7 +69,7 @@ struct Px4Link {
 
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 5> releases = {"1.14", "1.15", "1.16", "1.17", "1.18"};
-    return std::tuple{parameter("release", &Px4Link::release, releases, "release of its firmware"),
+    return Parameters{parameter("release", &Px4Link::release, releases, "release of its firmware"),
                       parameter("target_system", &Px4Link::target_system, "", {1, 255, "1 to 255"},
                                 "MAV_SYS_ID that it must have; none: any"),
                       parameter("battery_min", &Px4Link::battery_min, "", {0, 1, "0 to 1"},
@@ -95,7 +95,7 @@ struct Crazyswarm2Link {
   std::unique_ptr<dds::VehicleSimulator> simulator(const dds::SimulatorSetup& setup) const;
 
   static constexpr auto parameters() {
-    return std::tuple{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
+    return Parameters{parameter("takeoff_height", &Crazyswarm2Link::takeoff_height, "m",
                                 {0.1, 10, "0.1 to 10"}, "above the ground, where the task begins"),
                       parameter("takeoff_time", &Crazyswarm2Link::takeoff_time, "s", {0.5, 20, "0.5 to 20"},
                                 "from the ground to there"),
@@ -144,7 +144,7 @@ struct Ros2Link {
   static constexpr auto parameters() {
     constexpr std::array<std::string_view, 3> calls = {"topics", "empty", "trigger"};
     constexpr std::array<std::string_view, 2> commands = {"velocity", "normalised"};
-    return std::tuple{parameter("calls", &Ros2Link::calls, calls, "what takeoff and land are"),
+    return Parameters{parameter("calls", &Ros2Link::calls, calls, "what takeoff and land are"),
                       parameter("commands", &Ros2Link::commands, commands, "what its cmd_vel is in")};
   }
 };

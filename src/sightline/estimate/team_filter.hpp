@@ -59,7 +59,7 @@ struct TeamNoise {
   static constexpr auto parameters() {
     using N = TeamNoise;
     constexpr Bounds count = {1, 1000, "1 to 1000"};
-    return std::tuple{
+    return Parameters{
         parameter("distance_noise", &N::distance_noise, "m/sqrt(m)", from_zero, "of the distance driven"),
         parameter("curve_noise", &N::curve_noise, "rad/sqrt(m)", from_zero,
                   "of the heading per distance driven"),

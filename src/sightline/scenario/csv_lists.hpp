@@ -42,7 +42,7 @@ CsvColumns read_csv(std::string_view text, std::string_view file, std::vector<st
 /// Keys of a table whose lists at times a file gives.
 struct ListFile {
   static constexpr auto parameters() {
-    return std::tuple{
+    return Parameters{
         KeyText{"file", "a file (CSV, ULog, MCAP)",
                 "columns t, x, y, z, perhaps heading, vx, vy, vz, in place of the lists, or a log of PX4, a "
                 "bag of ROS 2, the log of a run",

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t parameters_max = 64;
 
 /// The parameters of a region, each with its value in the file.
-class Parameters {
+class RegionParameters {
  public:
   void read(const TomlTable& at) {
     for (const std::string& name : at.keys()) enter(name, at);
@@ -182,7 +182,7 @@ Region read_file(const TomlTable& at) {
   const TomlDocument document = parse_toml(text, file.native());
   const TomlTable there(document);
   there.expect_only({"inside", "parameters", "slope", "kappa_A", "smooth"});
-  Parameters parameters;
+  RegionParameters parameters;
   parameters.read(there.table_or_empty("parameters"));
   parameters.replace(at.table_or_empty("parameters"));
   const Vocabulary names = parameters.vocabulary();
@@ -196,7 +196,7 @@ Region read_file(const TomlTable& at) {
 Region read_inside(const TomlTable& at, std::string_view key) {
   const TomlValue value = at.value(key, "the limits of a region");
   if (value.is_table() && value.table().has("file")) return read_file(value.table());
-  Parameters parameters;
+  RegionParameters parameters;
   parameters.read(at.table_or_empty("parameters"));
   const Limits inside = read_limits(value, parameters.vocabulary());
   return at.checked([&] { return Region(inside, parameters.list()); });
@@ -205,7 +205,7 @@ Region read_inside(const TomlTable& at, std::string_view key) {
 Region read_formula(const TomlTable& at, std::string_view key) {
   const TomlValue value = at.value(key, "a formula in quotes");
   if (!value.is_text()) value.throw_invalid("a formula in quotes");
-  Parameters parameters;
+  RegionParameters parameters;
   parameters.read(at.table_or_empty("parameters"));
   in_text(value, [&] { return parse_formula(value.text(), parameters.vocabulary()); });
   return at.checked([&] { return Region(fmt::format("({}) < 0", value.text()), parameters.list()); });
@@ -220,7 +220,7 @@ std::string formula_text(const TomlValue& value, std::string_view expected) {
 Region read_region(const TomlTable& at) {
   if (at.has("file")) return read_file(at);
   at.expect_only({"file", "inside", "parameters", "slope", "kappa_A", "smooth"});
-  Parameters parameters;
+  RegionParameters parameters;
   parameters.read(at.table_or_empty("parameters"));
   const Vocabulary names = parameters.vocabulary();
   const Limits inside = read_limits(at.value("inside", "the limits of the region"), names);

@@ -34,7 +34,7 @@ std::vector<NoiseNumber> numbers_of(const TeamRecording& recording, const TeamNo
       if (!constant && shown && noise.*p.member > 0) numbers.push_back({p.key, p.unit, p.member});
     }
   };
-  std::apply([&](const auto&... p) { (add(p), ...); }, TeamNoise::parameters());
+  each_parameter<TeamNoise>(add);
   return numbers;
 }
 

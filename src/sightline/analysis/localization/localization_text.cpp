@@ -42,8 +42,7 @@ Json as_json(const InnovationStatistics& of) {
 
 Json as_json(const TeamNoise& noise) {
   Json numbers;
-  std::apply([&](const auto&... p) { ((numbers[std::string(p.key)] = noise.*p.member), ...); },
-             TeamNoise::parameters());
+  each_parameter<TeamNoise>([&](const auto& p) { numbers[std::string(p.key)] = noise.*p.member; });
   return numbers;
 }
 
@@ -66,7 +65,7 @@ std::string noise_text(const TeamNoise& noise) {
                           p.unit.empty() ? "" : fmt::format("  # {}", p.unit));
     }
   };
-  std::apply([&](const auto&... p) { (add(p), ...); }, TeamNoise::parameters());
+  each_parameter<TeamNoise>(add);
   return text;
 }
 
