@@ -4,6 +4,7 @@
 
 #include "python/bindings.hpp"
 #include "sightline/analysis/localization/localize_recording.hpp"
+#include "sightline/import/read_rig.hpp"
 
 namespace sightline::python {
 namespace {
@@ -24,6 +25,9 @@ std::string localized(const fs::path& recording, const fs::path& out, const std:
                                 .set = set,
                                 .seed = seed,
                                 .identify_noise = identify_noise};
+  if (is_rig_recording(recording))
+    return localize_recording(read_rig_recording(recording), recording, options, out, "sightline.localize")
+        .json;
   return localize_recording(recording, options, out, "sightline.localize").json;
 }
 

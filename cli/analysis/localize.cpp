@@ -2,8 +2,10 @@
 #include <stdexcept>
 
 #include "cli/arguments.hpp"
+#include "cli/components.hpp"
 #include "cli/output.hpp"
 #include "sightline/analysis/localization/localize_recording.hpp"
+#include "sightline/import/read_rig.hpp"
 #include "sightline/scenario.hpp"
 
 namespace sightline::cli {
@@ -16,10 +18,18 @@ struct LocalizeCommand {
   std::string words;  ///< the command line
 };
 
+LocalizedFiles localized(const LocalizeCommand& of) {
+  if constexpr (has("import")) {
+    if (is_rig_recording(of.recording))
+      return localize_recording(read_rig_recording(of.recording), of.recording, of.options, of.output,
+                                of.words);
+  }
+  return localize_recording(of.recording, of.options, of.output, of.words);
+}
+
 int localize(const LocalizeCommand& command) {
   try {
-    const LocalizedFiles done =
-        localize_recording(command.recording, command.options, command.output, command.words);
+    const LocalizedFiles done = localized(command);
     print("{}", command.json ? done.json : done.text);
     if (!command.json)
       for (const std::filesystem::path& file : done.files) print("{}\n", file.native());
@@ -37,8 +47,10 @@ int localize(const LocalizeCommand& command) {
 Execute describe_localize(CLI::App& app) {
   const auto command = std::make_shared<LocalizeCommand>();
   LocalizeOptions& options = command->options;
-  app.description("Localize a recorded team of planar robots, and identify the noise of its sensors");
-  app.add_option("RECORDING", command->recording, "Folder of MRCLAM, or files of MURP")->required();
+  app.description("Localize a recorded team of planar robots or a camera rig among AprilTags");
+  app.add_option("RECORDING", command->recording,
+                 "Folder of MRCLAM, files of MURP, or folder or PREFIX of PREFIX_tagslam.yaml")
+      ->required();
   app.add_option("-o,--output", command->output, "Folder for the results [out/RECORDING/localize]");
   app.add_option("--landmarks", options.landmarks,
                  "Robots that see landmarks: all, none or names, robot1,robot2")

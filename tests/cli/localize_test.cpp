@@ -6,6 +6,7 @@
 
 #include "sightline/log.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/recorded_rig.hpp"
 #include "tests/support/recorded_team.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -136,6 +137,28 @@ TEST(LocalizeCommand, KeepsItsAccuracyOnMurp) {
   const json relative = json::parse(done.out).at("relative");
   EXPECT_LE(relative.at("position_mean_absolute").get<double>(), 0.35);
   EXPECT_LE(relative.at("heading_mean_absolute").get<double>(), 9.5 * 3.1416 / 180);
+}
+
+TEST(LocalizeCommand, LocalizesACameraRig) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  const SyntheticRig rig({.seconds = 5.0});
+  write_rig(rig.recording, (folder / "walk_").string());
+  const std::string at = "localize " + (folder / "walk").string() + " -o " + out.string();
+  const auto done = sightline(at, folder);
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("camera rig rig, 2 cameras, 6 tags seen"));
+  const json summary = json::parse(read_file(out / "summary.json"));
+  EXPECT_LT(summary.at("rmse").get<double>(), 0.05);
+  EXPECT_LT(summary.at("smoothed").at("rmse").get<double>(), 0.05);
+  EXPECT_GT(summary.at("times_real_time").get<double>(), 1.0);
+  EXPECT_THAT(read_file(out / "noise.toml"), HasSubstr("position_walk"));
+  EXPECT_THAT(read_file(out / "report.html"), HasSubstr("application/json"));
+  McapReader log(out / "localize.mcap");
+  std::map<std::string, int> messages;
+  EXPECT_TRUE(log.visit([&](const McapMessage& one) { ++messages[std::string(one.topic)]; })) << log.error();
+  for (const char* topic : {"/rig/estimate", "/rig_smoothed/estimate", "/rig/pose"})
+    EXPECT_EQ(messages[topic], static_cast<int>(rig.recording.reference.size())) << topic;
+  EXPECT_THAT(sightline(at + " --anchor robot1", folder).err, HasSubstr("--anchor = robot1, expected none"));
 }
 
 }  // namespace

@@ -143,14 +143,7 @@ Imported import_bag(const std::filesystem::path& bag, const ImportOptions& optio
   return made;
 }
 
-Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options) {
-  const auto all = chain.entries("the cameras by their names, cam0");
-  const auto chosen = std::find_if(all.begin(), all.end(), [&](const auto& entry) {
-    return options.camera.empty() || entry.first == options.camera;
-  });
-  if (chosen == all.end())
-    throw_unknown_camera(file, options, all, &std::pair<std::string, YamlValue>::first);
-  const YamlValue& camera = chosen->second;
+Camera kalibr_camera(const YamlValue& camera) {
   const YamlValue model = camera.at("camera_model", "pinhole");
   if (model.text("pinhole") != "pinhole")
     model.throw_invalid("pinhole: calibrate with pinhole-equi, which has wide angles too");
@@ -174,11 +167,22 @@ Imported import_camchain(const YamlValue& chain, const std::string& file, const 
       set_distortion_of(read, name == "radtan" ? Distortion::plumb_bob : Distortion::equidistant, list);
     }
   }
+  return read;
+}
+
+Imported import_camchain(const YamlValue& chain, const std::string& file, const ImportOptions& options) {
+  const auto all = chain.entries("the cameras by their names, cam0");
+  const auto chosen = std::find_if(all.begin(), all.end(), [&](const auto& entry) {
+    return options.camera.empty() || entry.first == options.camera;
+  });
+  if (chosen == all.end())
+    throw_unknown_camera(file, options, all, &std::pair<std::string, YamlValue>::first);
+  const Camera read = kalibr_camera(chosen->second);
   Imported made = camera_tables(read, file, options);
   made.text.insert(made.text.find('\n') + 1,
                    fmt::format("# Camera {} of kalibr.\n", one_line(chosen->first)));
   for (const std::string_view key : {"T_cam_imu", "timeshift_cam_imu"})
-    if (camera.find(key))
+    if (chosen->second.find(key))
       made.notes.push_back(
           fmt::format("{} has no counterpart here: [agent.NAME.sensor] has the mounting", key));
   for (const auto& [name, unused] : all)

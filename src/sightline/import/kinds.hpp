@@ -23,6 +23,8 @@ Imported import_camchain(const YamlValue& chain, const std::string& file, const 
 /// @param bag  a file or a folder
 Imported import_bag(const std::filesystem::path& bag, const ImportOptions& options);
 
+/// A pinhole camera of a camchain, with the lens radtan, equidistant or none. @throws ScenarioError
+Camera kalibr_camera(const YamlValue& camera);
 /// @param document  parameters of apriltag_ros, a list standalone_tags, or bodies of TagSLAM
 Imported import_tags(const YamlValue& document, const std::string& file, const ImportOptions& options);
 

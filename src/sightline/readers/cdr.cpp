@@ -159,6 +159,16 @@ void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, cons
   for (const double part : covariance) to.put(part);
 }
 
+void encode_rigid_pose(std::vector<std::byte>& bytes, std::string_view frame, const std::array<double, 3>& p,
+                       const StampedAttitude& attitude, const PoseCovariance* covariance) {
+  CdrEncoder to(bytes);
+  put_header(to, attitude.time, frame);
+  for (const double x : p) to.put(x);
+  for (const double part : attitude.q) to.put(part);
+  if (covariance == nullptr) return;
+  for (const double part : *covariance) to.put(part);
+}
+
 std::optional<std::pair<StampedPose, PoseCovariance>> decode_estimate(std::span<const std::byte> bytes) {
   CdrDecoder from(bytes);
   std::pair<StampedPose, PoseCovariance> read{read_pose(from), {}};

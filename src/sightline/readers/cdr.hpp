@@ -154,6 +154,9 @@ void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uin
 void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, const StampedAttitude& attitude);
 void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose,
                      const PoseCovariance& covariance);
+/// A PoseStamped of any attitude, or with `covariance` a PoseWithCovarianceStamped.
+void encode_rigid_pose(std::vector<std::byte>& bytes, std::string_view frame, const std::array<double, 3>& p,
+                       const StampedAttitude& attitude, const PoseCovariance* covariance = nullptr);
 
 /// Decode one message of the schemas above; empty if the bytes are no such message.
 std::optional<StampedPose> decode_pose(std::span<const std::byte> bytes);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "sightline/analysis/localization/noise_text.hpp"
 #include "sightline/base/json_text.hpp"
 #include "sightline/report/page.hpp"
 
@@ -22,13 +23,6 @@ constexpr std::array<std::string_view, 6> constant_names = {"speed_scale",   "tu
                                                             "yaw_rate_bias", "clock_offset", "sensor_turn"};
 constexpr int first_constant = robot_states - static_cast<int>(constant_names.size());
 
-/// A number with 4 digits that TOML takes for a float.
-std::string float_text(double value) {
-  std::string text = fmt::format("{:.4g}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
 Json as_json(const InnovationStatistics& of) {
   Json lags = Json::array();
   for (const InnovationStatistics::Lag& one : of.autocorrelation)
@@ -40,12 +34,6 @@ Json as_json(const InnovationStatistics& of) {
           {"autocorrelation", std::move(lags)}};
 }
 
-Json as_json(const TeamNoise& noise) {
-  Json numbers;
-  each_parameter<TeamNoise>([&](const auto& p) { numbers[std::string(p.key)] = noise.*p.member; });
-  return numbers;
-}
-
 std::string innovation_text(const InnovationStatistics& of) {
   if (of.count == 0) return "none";
   return fmt::format("{:.2f}, {}", of.mean_square,
@@ -53,21 +41,6 @@ std::string innovation_text(const InnovationStatistics& of) {
 }
 
 }  // namespace
-
-std::string noise_text(const TeamNoise& noise) {
-  std::string text = "[localize]\n";
-  const auto add = [&](const auto& p) {
-    const auto value = noise.*p.member;
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, int>) {
-      text += fmt::format("{} = {}\n", p.key, value);
-    } else {
-      text += fmt::format("{} = {}{}\n", p.key, float_text(value),
-                          p.unit.empty() ? "" : fmt::format("  # {}", p.unit));
-    }
-  };
-  each_parameter<TeamNoise>(add);
-  return text;
-}
 
 std::string to_string(const LocalizedRecording& localized) {
   const TeamRecording& recording = localized.recording;
@@ -174,7 +147,7 @@ std::string to_json(const LocalizedRecording& localized) {
         {"heading_mean_absolute", result.relative_heading}}},
       {"cost", result.cost},
       {"robots", std::move(robots)},
-      {"noise", as_json(localized.run.noise)},
+      {"noise", noise_json(localized.run.noise)},
       {"identified", std::move(identified)}};
   return json_text(json, 2) + "\n";
 }

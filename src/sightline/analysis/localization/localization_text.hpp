@@ -23,8 +23,6 @@ struct LocalizedRecording {
 std::string to_string(const LocalizedRecording& localized);
 /// docs/real_data.md lists the keys.
 std::string to_json(const LocalizedRecording& localized);
-/// The table [localize] with all numbers.
-std::string noise_text(const TeamNoise& noise);
 
 /// Estimated and true paths, errors and reported deviations, for the report.
 class LocalizationCurves final : public TeamEstimates {

@@ -11,6 +11,8 @@
 
 #include "sightline/analysis/localization/estimate_log.hpp"
 #include "sightline/analysis/localization/localization_text.hpp"
+#include "sightline/analysis/localization/noise_text.hpp"
+#include "sightline/analysis/localization/rig_text.hpp"
 #include "sightline/base/character.hpp"
 #include "sightline/base/text_file.hpp"
 #include "sightline/scenario/read_part.hpp"
@@ -44,6 +46,37 @@ std::vector<bool> robots_named(const TeamRecording& recording, std::string_view 
   return chosen;
 }
 
+/// Reads --noise and --set.
+template <class Noise>
+void read_noise(const LocalizeOptions& options, Noise& noise) {
+  const auto read = [&](const std::string& text, const std::string& name, bool is_table) {
+    const TomlDocument document = parse_toml(text, name);
+    const TomlTable root(document);
+    if (!is_table) {
+      read_keys(root, {}, noise);
+      return;
+    }
+    root.expect_only({"localize"});
+    read_keys(root.table("localize"), {}, noise);
+  };
+  if (!options.noise.empty()) read(read_text(options.noise), options.noise.native(), true);
+  for (const std::string& one : options.set) read(one, "--set " + one, false);
+  noise.check();
+}
+
+/// The folder of the results, locked.
+FolderLock folder_for(const std::filesystem::path& place, const std::filesystem::path& chosen) {
+  const auto named = place.filename().empty() ? place.parent_path().filename() : place.filename();
+  return {chosen.empty() ? std::filesystem::path("out") / named / "localize" : chosen,
+          {"summary.json", "report.html", "localize.mcap", "noise.toml"}};
+}
+
+/// Writes one of the files.
+void add(LocalizedFiles& written, const FolderLock& lock, const char* name, const std::string& text) {
+  write_text(lock.folder() / name, text);
+  written.files.push_back(lock.folder() / name);
+}
+
 }  // namespace
 
 TeamRun team_run(const TeamRecording& recording, const LocalizeOptions& options) {
@@ -66,19 +99,7 @@ TeamRun team_run(const TeamRecording& recording, const LocalizeOptions& options)
   if (!run.identities && !run.start_known)
     throw std::invalid_argument(
         "--no-identities, expected known poses at the start: sightings without identity find none");
-  const auto read = [&](const std::string& text, const std::string& name, bool is_table) {
-    const TomlDocument document = parse_toml(text, name);
-    const TomlTable root(document);
-    if (!is_table) {
-      read_keys(root, {}, run.noise);
-      return;
-    }
-    root.expect_only({"localize"});
-    read_keys(root.table("localize"), {}, run.noise);
-  };
-  if (!options.noise.empty()) read(read_text(options.noise), options.noise.native(), true);
-  for (const std::string& one : options.set) read(one, "--set " + one, false);
-  run.noise.check();
+  read_noise(options, run.noise);
   return run;
 }
 
@@ -88,9 +109,7 @@ LocalizedFiles localize_recording(const std::filesystem::path& place, const Loca
   using Steady = std::chrono::steady_clock;
   const TeamRecording recording = read_team_recording(place);
   TeamRun run = team_run(recording, options);
-  const fs::path named = place.filename().empty() ? place.parent_path().filename() : place.filename();
-  const FolderLock lock(folder.empty() ? fs::path("out") / named / "localize" : folder,
-                        {"summary.json", "report.html", "localize.mcap", "noise.toml"});
+  const FolderLock lock = folder_for(place, folder);
   std::optional<IdentifiedNoise> identified;
   if (options.identify_noise) {
     identified = identify_noise(recording, run);
@@ -118,14 +137,54 @@ LocalizedFiles localize_recording(const std::filesystem::path& place, const Loca
                                      .identified = identified,
                                      .wall_seconds = wall};
   LocalizedFiles written{to_string(localized), to_json(localized)};
-  const auto write = [&](const char* name, const std::string& text) {
-    write_text(lock.folder() / name, text);
-    written.files.push_back(lock.folder() / name);
-  };
+  const auto write = [&](const char* name, const std::string& text) { add(written, lock, name, text); };
   written.files.push_back(log_file);
   write("summary.json", written.json);
   write("report.html", curves.html(localized));
   if (identified) write("noise.toml", noise_text(identified->noise));
+  return written;
+}
+
+LocalizedFiles localize_recording(const RigRecording& recording, const std::filesystem::path& place,
+                                  const LocalizeOptions& options, const std::filesystem::path& folder,
+                                  const std::string& command) {
+  namespace fs = std::filesystem;
+  using Steady = std::chrono::steady_clock;
+  const LocalizeOptions none;
+  const auto refuse = [&](std::string_view option, std::string_view value) {
+    throw std::invalid_argument(
+        fmt::format("{} = {}, expected none: {} is of a camera rig", option, value, place.native()));
+  };
+  if (options.landmarks != none.landmarks) refuse("--landmarks", options.landmarks);
+  if (options.robots != none.robots) refuse("--robots", options.robots);
+  if (!options.anchor.empty()) refuse("--anchor", options.anchor);
+  if (options.start != none.start) refuse("--start", options.start);
+  if (!options.identities) refuse("--no-identities", "given");
+  RigNoise noise{.corner_noise = recording.corner_noise};
+  read_noise(options, noise);
+  const FolderLock lock = folder_for(place, folder);
+  const bool identified = options.identify_noise || (options.noise.empty() && options.set.empty());
+  if (identified) noise = identify_motion(recording, noise).noise;
+  const auto begun = Steady::now();
+  (void)localize_rig(recording, noise, false);
+  const double wall = std::chrono::duration<double>(Steady::now() - begun).count();
+  const RigLocalization result = localize_rig(recording, noise);
+  const LocalizedRig localized{.place = place.native(),
+                               .command = command,
+                               .recording = recording,
+                               .noise = noise,
+                               .result = result,
+                               .identified = identified,
+                               .wall_seconds = wall};
+  LocalizedFiles written{to_string(localized), to_json(localized)};
+  const fs::path log_file = lock.folder() / "localize.mcap";
+  write_rig_log(beside(log_file), localized);
+  fs::rename(beside(log_file), log_file);
+  written.files.push_back(log_file);
+  const auto write = [&](const char* name, const std::string& text) { add(written, lock, name, text); };
+  write("summary.json", written.json);
+  write("report.html", to_html(localized));
+  if (identified) write("noise.toml", noise_text(noise));
   return written;
 }
 

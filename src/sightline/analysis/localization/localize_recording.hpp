@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/analysis/localization/localize_team.hpp"
+#include "sightline/readers/rig_recording.hpp"
 
 namespace sightline {
 
@@ -39,5 +40,12 @@ struct LocalizedFiles {
 ///   std::runtime_error for lost output
 LocalizedFiles localize_recording(const std::filesystem::path& recording, const LocalizeOptions& options,
                                   const std::filesystem::path& folder, const std::string& command);
+
+/// The same for a camera rig: options of teams are refused. Without `noise` and `set`, and with
+/// `identify_noise`, the random walks of the motion are identified first.
+/// @param place  of the recording, for messages and the name of the folder
+LocalizedFiles localize_recording(const RigRecording& recording, const std::filesystem::path& place,
+                                  const LocalizeOptions& options, const std::filesystem::path& folder,
+                                  const std::string& command);
 
 }  // namespace sightline

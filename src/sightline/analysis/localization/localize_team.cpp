@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "sightline/analysis/localization/consistency.hpp"
 #include "sightline/world.hpp"
 
 namespace sightline {
@@ -26,31 +27,6 @@ Mat<3, 3> same_variances(double sigma) {
   Mat<3, 3> P;
   for (int i = 0; i < 3; ++i) P(i, i) = square(sigma);
   return P;
-}
-
-/// Quantile of chi^2 / k with k degrees of freedom, by Wilson and Hilferty; z of the normal one.
-double scaled_chi_squared(double k, double z) {
-  const double root = 1 - 2 / (9 * k) + z * sqrt(2 / (9 * k));
-  return std::max(0.0, root) * square(root);
-}
-
-/// Number of independent values with the variance of the mean of a sequence.
-double independent_values(const std::vector<double>& x) {
-  const auto n = static_cast<double>(x.size());
-  if (x.size() < 2) return n;
-  double mean = 0.0, variance = 0.0;
-  for (const double v : x) mean += v / n;
-  for (const double v : x) variance += square(v - mean) / n;
-  if (!(variance > 0)) return n;
-  double sum = 1.0;
-  for (std::size_t lag = 1; lag < x.size() / 4; ++lag) {
-    double product = 0.0;
-    for (std::size_t i = lag; i < x.size(); ++i) product += (x[i] - mean) * (x[i - lag] - mean);
-    const double r = product / (n * variance);
-    if (r <= 0.05) break;
-    sum += 2 * r;
-  }
-  return std::max(1.0, n / sum);
 }
 
 /// Standardised innovations of one observer, by pairs.
@@ -349,8 +325,7 @@ class TeamRunner {
       for (const double one : sums.nees) nees += one;
       of.anees = nees / n;
       of.independent = independent_values(sums.nees);
-      for (std::size_t side = 0; side < 2; ++side)
-        of.bounds[side] = 3 * scaled_chi_squared(3 * of.independent, side == 0 ? -1.96 : 1.96);
+      of.bounds = anees_bounds(3, of.independent);
       all.squared += sums.squared, all.heading += sums.heading, all.variance += nees;
       samples += of.samples;
       if (i != run_.anchor) without += sums.squared, others += of.samples;

@@ -1,0 +1,230 @@
+#include "sightline/analysis/localization/localize_rig.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sightline/analysis/localization/consistency.hpp"
+#include "sightline/import/read_rig.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/recorded_rig.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+Column<6> twist_of(double rho, double theta) {
+  Column<6> xi;
+  for (int i = 0; i < 6; ++i) xi(i, 0) = (i < 3 ? rho : theta) * (1 + 0.3 * i) * (i % 2 == 0 ? 1 : -1);
+  return xi;
+}
+
+double distance(const RigidPose& a, const RigidPose& b) {
+  const Column<6> xi = log_of(inverse(a) * b);
+  double sum = 0.0;
+  for (int i = 0; i < 6; ++i) sum += square(xi(i, 0));
+  return sqrt(sum);
+}
+
+TEST(RigidMotion, ExponentialLogarithmAndAdjointAgree) {
+  for (const double theta : {0.0, 1e-9, 1e-5, 1e-3, 0.3, 0.7}) {
+    const Column<6> xi = twist_of(2.0, theta), back = log_of(exp_of(xi));
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(back(i, 0), xi(i, 0), 1e-9) << theta;
+  }
+  const RigidPose X = exp_of(twist_of(1.0, 0.4));
+  const Column<6> xi = twist_of(0.3, -0.2);
+  EXPECT_LT(distance(X * exp_of(xi), exp_of(adjoint(X) * xi) * X), 1e-12);
+}
+
+TEST(RigFilter, DerivativesOfCornersAreThoseOfDifferences) {
+  constexpr double h = 1e-6;
+  for (const Distortion lens : {Distortion::equidistant, Distortion::plumb_bob}) {
+    const test::SyntheticRig rig({.lens = lens, .seconds = 0.1});
+    const Camera& camera = rig.recording.cameras[0].camera;
+    for (const double x : {-0.8, 0.0, 0.5}) {
+      const RigidPose T = {{x, 0.3, 2.0}, turn_by({3.0, 0.2 + x, 0.1})};
+      const auto at = RigFilter::picture(camera, camera.widest(), 0.4, T);
+      ASSERT_TRUE(at);
+      for (int j = 0; j < 6; ++j) {
+        Column<6> d;
+        d(j, 0) = h;
+        const auto more = RigFilter::picture(camera, camera.widest(), 0.4, exp_of(d) * T),
+                   less = RigFilter::picture(camera, camera.widest(), 0.4, exp_of(-1.0 * d) * T);
+        ASSERT_TRUE(more && less);
+        for (int i = 0; i < 8; ++i)
+          EXPECT_NEAR(at->by_twist(i, j), (more->corners(i, 0) - less->corners(i, 0)) / (2 * h), 1e-3);
+      }
+    }
+  }
+}
+
+/// Mean of the normalised errors squared over seeds, which are independent.
+struct MeanNees {
+  double filter = 0.0, smoothed = 0.0, rmse = 0.0, smoothed_rmse = 0.0;
+};
+MeanNees mean_nees(test::RecordedRig of, int seeds) {
+  MeanNees mean;
+  for (int k = 1; k <= seeds; ++k) {
+    of.seed = static_cast<unsigned>(k);
+    const test::SyntheticRig rig(of);
+    const RigLocalization result = localize_rig(rig.recording, of.noise);
+    // In the frame of the tags, without an alignment. Of a run, the last time of the filter and the
+    // middle one of the smoother.
+    const auto nees = [&](const RigLocalization::Estimate& one) {
+      for (const auto& true_pose : rig.recording.reference)
+        if (true_pose.t == one.t) return mahalanobis(log_of(true_pose.pose * inverse(one.pose)), one.P);
+      return infinity;
+    };
+    mean.filter += nees(result.filter.back()) / seeds;
+    mean.smoothed += nees(result.smoothed[result.smoothed.size() / 2]) / seeds;
+    mean.rmse += result.of_filter.rmse / seeds, mean.smoothed_rmse += result.of_smoother.rmse / seeds;
+    EXPECT_EQ(result.restarts, 0U) << k;
+    EXPECT_LT(result.rejected, result.fits.size() / 50) << k;
+  }
+  return mean;
+}
+
+void expect_consistent(const test::RecordedRig& of) {
+  constexpr int seeds = 20;
+  const MeanNees mean = mean_nees(of, seeds);
+  // 99.9 %, by the same quantile as the bounds of 95 %.
+  EXPECT_GT(mean.filter, 6 * scaled_chi_squared(6 * seeds, -3.3));
+  EXPECT_LT(mean.filter, 6 * scaled_chi_squared(6 * seeds, 3.3));
+  EXPECT_GT(mean.smoothed, 6 * scaled_chi_squared(6 * seeds, -3.3));
+  EXPECT_LT(mean.smoothed, 6 * scaled_chi_squared(6 * seeds, 3.3));
+  EXPECT_LT(mean.rmse, 0.05);
+  EXPECT_LT(mean.smoothed_rmse, mean.rmse);
+}
+
+TEST(LocalizeRig, IsConsistentWithTwoFisheyesAndOdometry) { expect_consistent({.seconds = 12.0}); }
+
+TEST(LocalizeRig, IsConsistentWithOneRadtanLensWithoutOdometry) {
+  test::RecordedRig of{.lens = Distortion::plumb_bob, .cameras = 1, .odometry = false, .seconds = 12.0};
+  of.noise.acceleration_walk = 0.3, of.noise.turn_acceleration_walk = 0.2;
+  expect_consistent(of);
+}
+
+TEST(LocalizeRig, TagsMovedTogetherMoveTheEstimates) {
+  const test::SyntheticRig rig({.seconds = 6.0});
+  RigRecording moved = rig.recording;
+  const RigidPose G = {{30, -20, 5}, turn_by({0.4, -0.3, 1.2})};
+  for (RigRecording::Tag& tag : moved.tags) tag.pose = G * tag.pose;
+  const RigLocalization a = localize_rig(rig.recording, {}), b = localize_rig(moved, {});
+  ASSERT_EQ(a.filter.size(), b.filter.size());
+  for (std::size_t k = 0; k < a.filter.size(); ++k) {
+    EXPECT_LT(distance(G * a.filter[k].pose, b.filter[k].pose), 1e-6) << k;
+    EXPECT_LT(distance(G * a.smoothed[k].pose, b.smoothed[k].pose), 1e-6) << k;
+  }
+}
+
+TEST(LocalizeRig, SmootherEndsAsTheFilterAndIsNeverLessCertain) {
+  for (const bool odometry : {true, false}) {
+    const test::SyntheticRig rig({.odometry = odometry, .seconds = 6.0});
+    const RigLocalization result = localize_rig(rig.recording, {});
+    EXPECT_EQ(distance(result.filter.back().pose, result.smoothed.back().pose), 0.0);
+    for (std::size_t k = 0; k < result.filter.size(); ++k)
+      EXPECT_LE(trace(position_covariance(result.smoothed[k])),
+                trace(position_covariance(result.filter[k])) * (1 + 1e-3) + 1e-9)
+          << k;
+  }
+}
+
+TEST(LocalizeRig, RejectsWrongCornersAndKeepsItsAccuracy) {
+  test::SyntheticRig rig({.seconds = 10.0});
+  const double before = localize_rig(rig.recording, {}).of_filter.rmse;
+  std::size_t wrong = 0;
+  for (std::size_t k = 20; k < rig.recording.sightings.size(); k += 9, ++wrong)
+    for (Vec2<double>& corner : rig.recording.sightings[k].corners) corner.x += 60.0;
+  const RigLocalization result = localize_rig(rig.recording, {});
+  EXPECT_GE(result.rejected, wrong * 9 / 10);
+  EXPECT_LT(result.of_filter.rmse, 1.5 * before);
+}
+
+TEST(LocalizeRig, IdentifiesTheWalkOfTheOdometry) {
+  test::RecordedRig of{.seconds = 40.0, .rate = 5.0};
+  of.noise.position_walk = 0.08, of.noise.rotation_walk = 0.04;
+  const test::SyntheticRig rig(of);
+  const RigNoise found = identify_motion(rig.recording, {}).noise;
+  EXPECT_GT(found.position_walk, 0.5 * of.noise.position_walk);
+  EXPECT_LT(found.position_walk, 2 * of.noise.position_walk);
+  EXPECT_GT(found.rotation_walk, 0.5 * of.noise.rotation_walk);
+  EXPECT_LT(found.rotation_walk, 2 * of.noise.rotation_walk);
+}
+
+TEST(RigRecording, FilesGiveWhatTheyHold) {
+  const test::SyntheticRig rig({.seconds = 2.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  test::write_rig(rig.recording, (folder / "").string());
+  test::write_rig(rig.recording, (folder / "a_").string());
+  EXPECT_TRUE(is_rig_recording(folder));
+  EXPECT_FALSE(is_rig_recording(folder / "b"));
+  for (const std::filesystem::path& place : {folder, folder / "a"}) {
+    const RigRecording read = read_rig_recording(place);
+    ASSERT_EQ(read.sightings.size(), rig.recording.sightings.size());
+    ASSERT_EQ(read.odometry.size(), rig.recording.odometry.size());
+    EXPECT_EQ(read.tags.size(), rig.recording.tags.size());
+    EXPECT_EQ(read.cameras[1].camera.coefficients, rig.recording.cameras[1].camera.coefficients);
+    EXPECT_LT(distance(read.cameras[1].mounting, rig.recording.cameras[1].mounting), 1e-8);
+    EXPECT_LT(distance(read.tags[0].pose, rig.recording.tags[0].pose), 1e-8);
+    EXPECT_LT(distance(read.odometry[5].pose, rig.recording.odometry[5].pose), 1e-7);
+  }
+}
+
+TEST(RigRecording, RefusalsNameFileKeyAndValue) {
+  const test::SyntheticRig rig({.seconds = 0.3});
+  const std::filesystem::path folder = test::fresh_folder();
+  const auto refused = [&](const char* file, const std::string& from, const std::string& to) {
+    test::write_rig(rig.recording, (folder / "").string());
+    std::ifstream in(folder / file);
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    std::ofstream(folder / file) << text;
+    return refusal_of<std::exception>([&] { read_rig_recording(folder); });
+  };
+  EXPECT_THAT(refused("cameras.yaml", "equidistant", "fov"),
+              HasSubstr("cam0.distortion_model = fov, expected radtan, equidistant or none"));
+  EXPECT_EQ(refused("tagslam.yaml", "size: 0.4, pose", "pose"), "") << "the body has a default";
+  EXPECT_THAT(refused("tagslam.yaml", "default_tag_size: 0.4\n     tags:\n       - {id: 10, size: 0.4,",
+                      "tags:\n       - {id: 10,"),
+              HasSubstr("size is missing, expected the side of the tag"));
+  EXPECT_THAT(refused("tagslam.yaml", "size: 0.4, pose", "size: -1, pose"),
+              HasSubstr("size = -1, expected 0.001"));
+  EXPECT_THAT(refused("tagslam.yaml", "is_static: false", "is_static: true"), HasSubstr("a body that moves"));
+  EXPECT_THAT(refused("tag_detections.csv", "tag,/cam0/tags,", "tag,/cam0/tags,1,"),
+              HasSubstr("tag_detections.csv:1: 13 fields, expected 12: tag, topic, t, id"));
+  EXPECT_THAT(refused("tag_detections.csv", "tag,", "tags,"),
+              HasSubstr(":1: row tags, expected tag or odom"));
+  EXPECT_THAT(refused("reference.csv", "odom,/reference,1000.000000,", "odom,/reference,now,"),
+              HasSubstr("reference.csv:1: t = now, expected a number"));
+  test::write_rig(rig.recording, (folder / "").string());
+  std::filesystem::remove(folder / "camera_poses.yaml");
+  EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(folder); }),
+              HasSubstr("camera_poses.yaml"));
+}
+
+TEST(LocalizeRig, KeepsItsAccuracyOnTagSlam) {
+  struct Expected {
+    const char* name;
+    double in_view, smoothed;  // [m]
+  };
+  for (const Expected& one : {Expected{"t22", 0.06, 0.06}, Expected{"t11", 0.17, 0.10},
+                              Expected{"t1", 0.08, 0.045}, Expected{"t16", 0.035, 0.03}}) {
+    const std::filesystem::path file = test::of_data(std::string("tagslam/") + one.name + "_tagslam.yaml");
+    if (file.empty()) return;
+    const RigRecording recording = read_rig_recording(file.parent_path() / one.name);
+    const RigNoise noise = identify_motion(recording, {.corner_noise = recording.corner_noise}).noise;
+    const RigLocalization result = localize_rig(recording, noise);
+    EXPECT_LT(result.in_view.rmse, one.in_view) << one.name;
+    EXPECT_LT(result.of_smoother.rmse, one.smoothed) << one.name;
+    // The reference is made of the same corners, so it may be nearer than an independent one.
+    for (const RigAccuracy* of : {&result.of_filter, &result.in_view, &result.of_smoother})
+      EXPECT_LT(of->anees, 2 * of->bounds[1]) << one.name;
+  }
+}
+
+}  // namespace
+}  // namespace sightline
