@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -118,13 +119,20 @@ TEST(LocalizeCommand, KeepsItsAccuracyOnMrclam) {
     return json::parse(done.out);
   };
   const json all = summary("");
-  EXPECT_LE(all.at("rmse").get<double>(), 0.115);
+  EXPECT_LE(all.at("rmse").get<double>(), 0.085);
   for (const json& robot : all.at("robots")) {
-    EXPECT_GE(robot.at("anees").get<double>(), 2.0);
+    EXPECT_GE(robot.at("anees").get<double>(), 1.5);
     EXPECT_LE(robot.at("anees").get<double>(), 5.0);
+    // Barcodes in pictures: all ranges are depths.
+    EXPECT_NEAR(robot.at("constants").at("range_depth").at("value").get<double>(), 1.0, 0.2);
   }
   EXPECT_LE(summary(" --no-identities").at("rmse").get<double>(), 1.3 * all.at("rmse").get<double>());
-  EXPECT_LE(summary(" --landmarks none --anchor robot3").at("rmse_without_anchor").get<double>(), 0.16);
+  for (int anchor = 1; anchor <= 5; ++anchor) {
+    const json anchored = summary(fmt::format(" --landmarks none --anchor robot{}", anchor));
+    EXPECT_LE(anchored.at("rmse_without_anchor").get<double>(), 0.16) << anchor;
+    for (const json& robot : anchored.at("robots"))
+      EXPECT_LE(robot.at("anees").get<double>(), 5.0) << anchor << robot.at("name");
+  }
 }
 
 TEST(LocalizeCommand, KeepsItsAccuracyOnMurp) {
