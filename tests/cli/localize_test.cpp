@@ -141,8 +141,12 @@ TEST(LocalizeCommand, KeepsItsAccuracyOnMurp) {
   const auto done =
       sightline("localize " + place.string() + " --json -o " + (folder / "out").string(), folder);
   ASSERT_EQ(done.code, 0) << done.err;
-  const json relative = json::parse(done.out).at("relative");
-  EXPECT_LE(relative.at("position_mean_absolute").get<double>(), 0.35);
+  const json summary = json::parse(done.out), relative = summary.at("relative");
+  for (const std::size_t agent : {1, 2}) {
+    EXPECT_GE(summary.at("robots").at(agent).at("anees").get<double>(), 2.0);
+    EXPECT_LE(summary.at("robots").at(agent).at("anees").get<double>(), 5.0);
+  }
+  EXPECT_LE(relative.at("position_mean_absolute").get<double>(), 0.25);
   EXPECT_LE(relative.at("heading_mean_absolute").get<double>(), 9.5 * 3.1416 / 180);
 }
 
