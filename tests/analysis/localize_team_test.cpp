@@ -75,6 +75,20 @@ TEST(LocalizeTeam, LastingErrorsTakenForWhiteNoiseShowInTheInnovations) {
   }
 }
 
+TEST(LocalizeTeam, ADepthTakenForADistanceIsOverconfident) {
+  TeamNoise camera = test::noise_of_recordings();
+  camera.range_depth = 1.0;
+  double distance = 0.0, depth = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    TeamRecording recording = recorded(RecordedTeam{.noise = camera, .seed = seed});
+    depth += localized(recording).anees / 8;
+    recording.noise.range_depth = 0.0;
+    distance += localized(recording).anees / 8;
+  }
+  EXPECT_LE(depth, 1.3 * 3);
+  EXPECT_GE(distance, 1.2 * depth);
+}
+
 TEST(LocalizeTeam, NumbersOfRobotsChangeNothing) {
   RecordedTeam of = short_team(3);
   of.staggered = true;

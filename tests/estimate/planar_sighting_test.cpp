@@ -32,8 +32,11 @@ TEST(PlanarSighting, RangeAndBearingAreThoseOfThePointInTheFrameOfTheSensor) {
         Vec3<double>{z[In::x_j], z[In::y_j], z[In::h]} + R_j * Vec3<double>{z[In::a_j_x], z[In::a_j_y], 0};
     const Vec3<double> d = transposed(R_i) * (point - sensor);
     const auto expected = model(z).value;
-    EXPECT_NEAR(expected[0], norm(d) * (1 + z[In::rho]), 1e-12);
-    EXPECT_NEAR(wrap(expected[1] - (std::atan2(d.y, d.x) - z[In::mu] + z[In::eta])), 0.0, 1e-12);
+    const double turn = std::atan2(d.y, d.x) - z[In::mu],
+                 depth = norm(d.x, d.y) * std::cos(turn - z[In::eps]);
+    const double seen = (1 - z[In::gamma]) * norm(d) + z[In::gamma] * depth;
+    EXPECT_NEAR(expected[0], seen * (1 + z[In::s_d]) * (1 + z[In::rho]) + z[In::o], 1e-12);
+    EXPECT_NEAR(expected[1], turn * (1 + z[In::s_b]) + z[In::eta], 1e-12);
   }
 }
 

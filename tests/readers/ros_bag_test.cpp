@@ -49,6 +49,34 @@ TEST(RosBag, EachTypeOfMessageGivesTheSameMotion) {
   }
 }
 
+TEST(RosBag, UncertainPosesAndTransformsAreMotionsAndAChannelWithoutSchemaIsNoFault) {
+  BagWriter writer;
+  for (int k = 0; k < 20; ++k) {
+    const double t = 1 + 0.01 * k;
+    const Vec3<double> p = {0.02 * k, 1, 2};
+    Cdr plain, pose, transform;
+    plain << 1.0;
+    pose.stamp(t).pose(p, 0.5);
+    for (int i = 0; i < 36; ++i) pose << 0.1;
+    transform.stamp(t) << "cf7";
+    transform.pose(p, 0.5);
+    writer.add("/plain", "", t, plain);
+    writer.add("/estimate", "geometry_msgs/msg/PoseWithCovarianceStamped", t, pose);
+    writer.add("/vicon/cf7", "geometry_msgs/msg/TransformStamped", t, transform);
+  }
+  const RosBag bag(bag_file(fresh_folder() / "a.mcap", writer.bytes("zstd")));
+  EXPECT_THAT(bag.topics().bodies, ElementsAre("/estimate", "/vicon/cf7:cf7"));
+  for (const char* body : {"/estimate", "cf7"}) {
+    const RecordedMotion motion = bag.motion(body);
+    ASSERT_EQ(motion.size(), 20U) << body;
+    for (const RecordedSample& one : motion) {
+      EXPECT_NEAR(one.p.x, 2.0 * (one.t - 1), 1e-6);
+      EXPECT_NEAR(one.v.x, 2.0, 1e-6);
+      EXPECT_NEAR(one.heading, 0.5, 1e-12);
+    }
+  }
+}
+
 TEST(RosBag, ANameStandsForTheOnlyBodyThatHasIt) {
   const LaggingFlight flight(1.0);
   BagWriter writer = bag_of(flight);
@@ -209,6 +237,10 @@ TEST(RosBag, WhatCannotBeReadIsNamed) {
   const fs::path old = folder / "old";
   fs::create_directories(old);
   EXPECT_THAT(refusal_of([&] { RosBag{old}; }), EndsWith("old: no .mcap, expected the folder of a rosbag2"));
+  bag_file(old / "old_0.mcap.zstd", "");
+  EXPECT_THAT(
+      refusal_of([&] { RosBag{old}; }),
+      EndsWith("old: a rosbag2 whose files are packed (.zstd), expected plain ones: zstd -d unpacks them"));
   bag_file(old / "old_0.db3", "SQLite format 3");
   EXPECT_THAT(
       refusal_of([&] { RosBag{old}; }),

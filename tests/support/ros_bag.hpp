@@ -49,12 +49,14 @@ class Cdr {
 /// A bag with one chunk.
 class BagWriter {
  public:
+  /// @param type  empty: the channel has no schema
   void add(const std::string& topic, const std::string& type, double t, const Cdr& message) {
     auto [known, is_new] = channels_.try_emplace(topic, static_cast<std::uint16_t>(channels_.size() + 1));
     const std::uint16_t id = known->second;
     if (is_new) {
-      chunk_ += record(3, packed(id) + text(type) + text("ros2msg") + text("float64 x"));
-      chunk_ += record(4, packed(id, id) + text(topic) + text("cdr") + packed(std::uint32_t{0}));
+      const std::uint16_t schema = type.empty() ? std::uint16_t{0} : id;
+      if (schema != 0) chunk_ += record(3, packed(id) + text(type) + text("ros2msg") + text("float64 x"));
+      chunk_ += record(4, packed(id, schema) + text(topic) + text("cdr") + packed(std::uint32_t{0}));
     }
     const auto time = static_cast<std::uint64_t>(std::llround(1e9 * t));
     chunk_ += record(5, packed(id) + packed(std::uint32_t{0}) + packed(time, time) + message.bytes());

@@ -19,7 +19,9 @@ namespace sightline::test {
 class SyntheticTeam {
  public:
   struct Constants {
-    double speed_scale, turn_scale, turn_loss, yaw_rate_bias, clock_offset, sensor_turn;
+    double speed_scale, turn_scale, turn_loss, yaw_rate_bias, clock_offset,
+        wheel_turn = 0.0, sensor_turn = 0.0, range_scale = 0.0, range_depth = 0.0, axis_turn = 0.0,
+        range_offset = 0.0, bearing_scale = 0.0;
   };
   struct Member {
     PlanarPose pose{};
@@ -41,7 +43,13 @@ class SyntheticTeam {
                 std::abs(drawn(noise.turn_loss)),
                 drawn(noise.yaw_rate_bias),
                 std::abs(drawn(noise.clock_offset)),
-                drawn(noise.sensor_turn)};
+                drawn(noise.wheel_turn),
+                drawn(noise.sensor_turn),
+                drawn(noise.range_scale),
+                drawn(noise.range_depth),
+                drawn(noise.axis_turn),
+                drawn(noise.range_offset),
+                drawn(noise.bearing_scale)};
       members.push_back(one);
     }
   }
@@ -66,10 +74,11 @@ class SyntheticTeam {
       const double v =
           std::max(0.0, (1 + one.of.speed_scale) * u.v - one.of.turn_loss * std::abs(u.yaw_rate));
       const double r = (1 + one.of.turn_scale) * u.yaw_rate + one.of.yaw_rate_bias;
-      const double middle = one.pose.psi + 0.5 * dt * r;
+      const SinCos<double> ahead = sincos(one.pose.psi + one.of.wheel_turn + 0.5 * dt * r);
       const double along = v * dt + drawn(noise_.distance_noise * std::sqrt(v * dt));
-      one.pose.x += along * std::cos(middle) + drawn(noise_.position_walk * std::sqrt(dt));
-      one.pose.y += along * std::sin(middle) + drawn(noise_.position_walk * std::sqrt(dt));
+      const double across = drawn(noise_.skid_noise * std::sqrt(v * dt));
+      one.pose.x += along * ahead.cos - across * ahead.sin + drawn(noise_.position_walk * std::sqrt(dt));
+      one.pose.y += along * ahead.sin + across * ahead.cos + drawn(noise_.position_walk * std::sqrt(dt));
       one.pose.psi += r * dt + drawn(noise_.curve_noise * std::sqrt(v * dt)) +
                       drawn(noise_.turn_noise * std::sqrt(std::abs(u.yaw_rate) * dt)) +
                       drawn(noise_.heading_walk * std::sqrt(dt));
@@ -92,8 +101,11 @@ class SyntheticTeam {
       const auto [rho, eta] = lasting(observer, j);
       TeamSighting z;
       z.stamp = t_, z.observer = observer, z.subject = j;
-      z.range = range * (1 + rho) + drawn(noise_.range_noise) + drawn(noise_.range_share * range);
-      z.bearing = bearing - i.of.sensor_turn + eta + drawn(noise_.bearing_noise);
+      const double off_axis = bearing - i.of.sensor_turn,
+                   flat = 1 + i.of.range_depth * (std::cos(off_axis - i.of.axis_turn) - 1);
+      z.range = range * flat * (1 + i.of.range_scale) * (1 + rho) + i.of.range_offset +
+                drawn(noise_.range_noise) + drawn(noise_.range_share * range);
+      z.bearing = off_axis * (1 + i.of.bearing_scale) + eta + drawn(noise_.bearing_noise);
       seen.push_back(z);
     }
     return seen;

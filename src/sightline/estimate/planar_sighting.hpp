@@ -12,15 +12,39 @@ namespace sightline {
 /// Range and bearing from a sensor on robot i to a point on body j.
 ///
 ///   w = p_j + R(psi_j) a_j - p_i - R(psi_i) a_i,   d = R(psi_i)^T w
-///   range   = sqrt(w_x^2 + w_y^2 + h^2) (1 + rho)
-///   bearing = atan2(d_y, d_x) - mu + eta
+///   range   = (r + gamma (d_x cos m + d_y sin m - r)) (1 + s_d) (1 + rho) + o,
+///             r = sqrt(w_x^2 + w_y^2 + h^2),   m = mu + eps
+///   bearing = (atan2(d_y, d_x) - mu) (1 + s_b) + eta
 ///
 /// a_i, a_j are the places of sensor and point on their bodies, and h is their difference in
-/// height. mu is the mounting error of the sensor, positive to the left. rho and eta are the
-/// lasting errors of the pair. Range only, bearing only: one of the two rows.
+/// height. mu is the mounting error of the sensor, positive to the left. gamma is 0 where ranges are
+/// distances, 1 where they are depths along the axis of a camera, which is eps to the left of bearing
+/// 0. s_d, o and s_b are errors of scale and offset, rho and eta the lasting errors of the pair. Range
+/// only, bearing only: one of the two rows.
 struct RangeBearing {
   /// Order of the inputs. The filter estimates the first `estimated` of them.
-  enum Input { x_i, y_i, psi_i, mu, x_j, y_j, psi_j, rho, eta, a_i_x, a_i_y, a_j_x, a_j_y, h, inputs };
+  enum Input {
+    x_i,
+    y_i,
+    psi_i,
+    mu,
+    s_d,
+    gamma,
+    eps,
+    o,
+    s_b,
+    x_j,
+    y_j,
+    psi_j,
+    rho,
+    eta,
+    a_i_x,
+    a_i_y,
+    a_j_x,
+    a_j_y,
+    h,
+    inputs
+  };
   static constexpr int estimated = a_i_x;
 
   /// @param z  (inputs) [m], [rad], [-]
@@ -34,7 +58,11 @@ struct RangeBearing {
     const S w_y =
         z[y_j] - z[y_i] + (sin_j * z[a_j_x] + cos_j * z[a_j_y]) - (sin_i * z[a_i_x] + cos_i * z[a_i_y]);
     const S d_x = cos_i * w_x + sin_i * w_y, d_y = cos_i * w_y - sin_i * w_x;
-    return {sqrt(w_x * w_x + w_y * w_y + z[h] * z[h]) * (1.0 + z[rho]), atan2(d_y, d_x) - z[mu] + z[eta]};
+    const S distance = sqrt(w_x * w_x + w_y * w_y + z[h] * z[h]);
+    const S axis = z[mu] + z[eps];
+    const S depth = cos(axis) * d_x + sin(axis) * d_y;
+    return {(distance + z[gamma] * (depth - distance)) * (1.0 + z[s_d]) * (1.0 + z[rho]) + z[o],
+            (atan2(d_y, d_x) - z[mu]) * (1.0 + z[s_b]) + z[eta]};
   }
 };
 

@@ -11,9 +11,9 @@ namespace sightline {
 namespace {
 
 // States of a robot, after RobotState, and of a pair.
-enum State { x, y, psi, s_v, s_r, c, b, delta, mu };
+enum State { x, y, psi, s_v, s_r, c, b, delta, alpha, mu, s_d, gamma, eps, o, s_b };
 enum PairState { rho, eta };
-static_assert(mu + 1 == robot_states && mu == static_cast<int>(RobotState::sensor_turn));
+static_assert(s_b + 1 == robot_states && s_b == static_cast<int>(RobotState::bearing_scale));
 
 constexpr double longest_filter_step = 0.1;  // [s], of one linearisation
 constexpr double faded = 5.0;                // correlation times after which a pair's errors are new ones
@@ -59,7 +59,13 @@ TeamFilter::TeamFilter(std::vector<double> heights, std::vector<Landmark> landma
                                        {c, noise_.turn_loss},
                                        {b, noise_.yaw_rate_bias},
                                        {delta, noise_.clock_offset},
-                                       {mu, noise_.sensor_turn}})
+                                       {alpha, noise_.wheel_turn},
+                                       {mu, noise_.sensor_turn},
+                                       {s_d, noise_.range_scale},
+                                       {gamma, noise_.range_depth},
+                                       {eps, noise_.axis_turn},
+                                       {o, noise_.range_offset},
+                                       {s_b, noise_.bearing_scale}})
       P(k + state, k + state) = square(sigma);
     for (int a = 0; a < antennas_; ++a)
       for (int body = 0; body < bodies(); ++body) {
@@ -132,7 +138,7 @@ void TeamFilter::move(int robot, double dt) noexcept {
   double* const s = &x_[at(k)];
   const double from = now_ - s[delta], until = from + dt;
   const double x0 = s[x], y0 = s[y];
-  const SinCos<double> e0 = sincos(s[psi]);
+  const SinCos<double> e0 = sincos(s[psi] + s[alpha]);
   const Vec2<double> v_0{of.v * e0.cos, of.v * e0.sin};
   const double r_0 = of.yaw_rate;
   Vec2<double> per_v{}, per_r{}, per_c{}, per_b{};  // d p / d s_v, s_r, c, b
@@ -147,7 +153,7 @@ void TeamFilter::move(int robot, double dt) noexcept {
     const bool drives = u.v != 0 && std::abs(ideal) > lost;  // a turn on the spot loses nothing
     const double per_c_v = drives ? -std::copysign(std::abs(u.yaw_rate), ideal) : 0.0;
     const double v = drives ? ideal + s[c] * per_c_v : 0.0, r = (1 + s[s_r]) * u.yaw_rate + s[b];
-    const double middle = s[psi] + 0.5 * h * r;
+    const double middle = s[psi] + s[alpha] + 0.5 * h * r;
     const SinCos<double> e = sincos(middle);
     const Vec2<double> left{-h * v * e.sin, h * v * e.cos};  // d (displacement) / d heading
     if (drives) per_v = {per_v.x + h * u.v * e.cos, per_v.y + h * u.v * e.sin};
@@ -157,33 +163,35 @@ void TeamFilter::move(int robot, double dt) noexcept {
     per_b = {per_b.x + left.x * by_b, per_b.y + left.y * by_b};
     s[x] += h * v * e.cos, s[y] += h * v * e.sin, s[psi] += h * r;
     turned_m += h * u.yaw_rate;
-    const double along = square(noise_.distance_noise) * std::abs(h * v);
-    Q(0, 0) += along * e.cos * e.cos, Q(1, 1) += along * e.sin * e.sin;
-    Q(0, 1) += along * e.cos * e.sin;
+    const double along = square(noise_.distance_noise) * std::abs(h * v),
+                 across = square(noise_.skid_noise) * std::abs(h * v);
+    Q(0, 0) += along * e.cos * e.cos + across * e.sin * e.sin;
+    Q(1, 1) += along * e.sin * e.sin + across * e.cos * e.cos;
+    Q(0, 1) += (along - across) * e.cos * e.sin;
     driven += std::abs(h * v), turned += std::abs(h * u.yaw_rate);
     if (end == until) of.v = v, of.yaw_rate = r;
     t = end;
   }
-  const SinCos<double> e1 = sincos(s[psi]);
+  const SinCos<double> e1 = sincos(s[psi] + s[alpha]);
   const Vec2<double> v_1{of.v * e1.cos, of.v * e1.sin};
   const double r_1 = of.yaw_rate;
   const double dx = s[x] - x0, dy = s[y] - y0;
-  // Rows of F - 1: x, y, psi over psi, s_v, s_r, c, b, delta.
-  const std::array<std::array<double, 6>, 3> F = {
-      {{-dy, per_v.x, per_r.x, per_c.x, per_b.x, v_0.x - r_0 * dy - v_1.x},
-       {dx, per_v.y, per_r.y, per_c.y, per_b.y, v_0.y + r_0 * dx - v_1.y},
-       {0.0, 0.0, turned_m, 0.0, dt, r_0 - r_1}}};
+  // Rows of F - 1: x, y, psi over psi, s_v, s_r, c, b, delta, alpha.
+  const std::array<std::array<double, 7>, 3> F = {
+      {{-dy, per_v.x, per_r.x, per_c.x, per_b.x, v_0.x - r_0 * dy - v_1.x, -dy},
+       {dx, per_v.y, per_r.y, per_c.y, per_b.y, v_0.y + r_0 * dx - v_1.y, dx},
+       {0.0, 0.0, turned_m, 0.0, dt, r_0 - r_1, 0.0}}};
   for (int j = 0; j < n_; ++j)
     for (std::size_t a = 0; a < 3; ++a) {
       double sum = P(k + static_cast<int>(a), j);
-      for (int l = 0; l < 6; ++l) sum += F[a][at(l)] * P(k + psi + l, j);
+      for (int l = 0; l < 7; ++l) sum += F[a][at(l)] * P(k + psi + l, j);
       P(k + static_cast<int>(a), j) = sum;
     }
   for (int j = 0; j < n_; ++j)
     for (std::size_t a = 0; a < 3; ++a) {
       if (j >= k && j < k + robot_states) {
         double sum = P(j, k + static_cast<int>(a));
-        for (int l = 0; l < 6; ++l) sum += F[a][at(l)] * P(j, k + psi + l);
+        for (int l = 0; l < 7; ++l) sum += F[a][at(l)] * P(j, k + psi + l);
         P(j, k + static_cast<int>(a)) = sum;
       } else {
         P(j, k + static_cast<int>(a)) = P(k + static_cast<int>(a), j);
@@ -253,6 +261,8 @@ TeamFilter::Row TeamFilter::row_of(const TeamSighting& z, int pair) noexcept {
   std::array<double, RangeBearing::inputs> in{};
   const int i = z.observer * robot_states;
   state[In::x_i] = i + x, state[In::y_i] = i + y, state[In::psi_i] = i + psi, state[In::mu] = i + mu;
+  state[In::s_d] = i + s_d, state[In::gamma] = i + gamma, state[In::eps] = i + eps, state[In::o] = i + o,
+  state[In::s_b] = i + s_b;
   double height = heights_[at(z.observer)];
   if (z.subject < robots_) {
     const int j = z.subject * robot_states;

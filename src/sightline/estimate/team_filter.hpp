@@ -34,9 +34,10 @@ struct PlanarPose {
 struct TeamNoise {
   static constexpr std::string_view name = "localize";
 
-  double distance_noise = 0.053;
-  double curve_noise = 0.062;
-  double turn_noise = 0.084;
+  double distance_noise = 0.045;
+  double skid_noise = 0.03;
+  double curve_noise = 0.033;
+  double turn_noise = 0.09;
   double position_walk = 0.0;
   double heading_walk = 0.0;
   double speed_scale = 0.05;
@@ -45,15 +46,21 @@ struct TeamNoise {
   double yaw_rate_bias = 0.005;
   double yaw_rate_walk = 0.0;
   double clock_offset = 0.2;
-  double sensor_turn = 0.02;
+  double wheel_turn = 0.05;
+  double sensor_turn = 0.05;
+  double range_depth = 1.0;
+  double axis_turn = 0.03;
+  double range_scale = 0.03;
+  double range_offset = 0.05;
+  double bearing_scale = 0.03;
   double range_noise = 0.0;
-  double range_share = 0.012;
-  double range_error = 0.042;
-  double range_error_time = 9.2;
+  double range_share = 0.006;
+  double range_error = 0.009;
+  double range_error_time = 5.0;
   double antenna_error = 0.0;
-  double bearing_noise = 0.0095;
-  double bearing_error = 0.0092;
-  double bearing_error_time = 10.3;
+  double bearing_noise = 0.005;
+  double bearing_error = 0.006;
+  double bearing_error_time = 5.0;
   int restart_sightings = 8;
 
   static constexpr auto parameters() {
@@ -61,6 +68,8 @@ struct TeamNoise {
     constexpr Bounds count = {1, 1000, "1 to 1000"};
     return Parameters{
         parameter("distance_noise", &N::distance_noise, "m/sqrt(m)", from_zero, "of the distance driven"),
+        parameter("skid_noise", &N::skid_noise, "m/sqrt(m)", from_zero,
+                  "of the position across the drive, per distance driven"),
         parameter("curve_noise", &N::curve_noise, "rad/sqrt(m)", from_zero,
                   "of the heading per distance driven"),
         parameter("turn_noise", &N::turn_noise, "rad/sqrt(rad)", from_zero,
@@ -78,8 +87,18 @@ struct TeamNoise {
                   "density of the random walk of that bias"),
         parameter("clock_offset", &N::clock_offset, "s", from_zero,
                   "constant delay of the motion after its odometry; 0: there is none"),
+        parameter("wheel_turn", &N::wheel_turn, "rad", from_zero,
+                  "constant angle from the heading to where the wheels drive"),
         parameter("sensor_turn", &N::sensor_turn, "rad", from_zero,
                   "constant mounting error of the sensor; 0: there is none"),
+        parameter("range_depth", &N::range_depth, "", from_zero,
+                  "constant share of the depth along the sensor's axis in a range; 0: ranges are distances"),
+        parameter("axis_turn", &N::axis_turn, "rad", from_zero,
+                  "constant angle from bearing 0 to the axis of depths"),
+        parameter("range_scale", &N::range_scale, "", from_zero, "constant scale error of a sensor's ranges"),
+        parameter("range_offset", &N::range_offset, "m", from_zero, "constant error of a sensor's ranges"),
+        parameter("bearing_scale", &N::bearing_scale, "", from_zero,
+                  "constant scale error of a sensor's bearings"),
         parameter("range_noise", &N::range_noise, "m", from_zero, "white noise of a range"),
         parameter("range_share", &N::range_share, "", from_zero, "white noise per range"),
         parameter("range_error", &N::range_error, "", from_zero, "lasting error of a pair, per range"),
@@ -148,9 +167,15 @@ enum class RobotState {
   turn_loss,
   yaw_rate_bias,
   clock_offset,
-  sensor_turn
+  wheel_turn,
+  sensor_turn,
+  range_scale,
+  range_depth,
+  axis_turn,
+  range_offset,
+  bearing_scale
 };
-inline constexpr int robot_states = 9;
+inline constexpr int robot_states = 15;
 
 /// Extended Kalman filter of all robots at once, so no information is counted twice. Its state is
 ///
@@ -159,13 +184,17 @@ inline constexpr int robot_states = 9;
 ///                    c           loss of velocity in a turn                                constant
 ///                    b           bias of the yaw rate                                   random walk
 ///                    delta       clock offset: the motion at t is the odometry's at t - delta
+///                    alpha       angle from the heading to where the wheels drive          constant
 ///                    mu          mounting error of its sensor                              constant
+///                    s_d, gamma, eps, o   scale, depth, its axis, offset of its ranges     constant
+///                    s_b         scale of its bearings                                     constant
 ///   for each antenna             error of its ranges, common and to each other body     constant
 ///   for each pair    rho, eta    lasting errors of range and bearing (RangeBearing)    Gauss-Markov
 ///
 /// and its motion, with v_m, r_m of the odometry,
 ///
-///   v = (1 + s_v) v_m - c |r_m| sign(v_m),   but not beyond 0;   r = (1 + s_r) r_m + b.
+///   v = (1 + s_v) v_m - c |r_m| sign(v_m),   but not beyond 0;   r = (1 + s_r) r_m + b,
+///   p' = R(psi + alpha) (v, 0).
 ///
 /// A pair of observer and subject has states from its first sighting until 5 correlation times after
 /// its last one, so their number is bounded. Sightings and motion come in order of time. After

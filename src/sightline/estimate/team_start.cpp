@@ -67,11 +67,17 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
         const int component = z.of == Sighted::bearing ? 1 : a;
         const double range = z.range - (component == 0 ? row.y(a, 0) : 0.0);
         const double s = component == 0 ? range : 1.0;
-        const double w = row.R(a, a) - sigma_squared[at(component)] * square(s) + by_antennas,
-                     y = row.y(a, 0);
+        const double y = row.y(a, 0);
+        double w = row.R(a, a) - sigma_squared[at(component)] * square(s) + by_antennas;
         Column<3> H;
-        for (int l = 0; l < row.used; ++l)
-          if (const int i = row.columns[at(l)] - k; i >= 0 && i < 3) H(i, 0) = row.H(a, l);
+        for (int l = 0; l < row.used; ++l) {
+          const int column = row.columns[at(l)], i = column - k;
+          if (i >= 0 && i < 3) H(i, 0) = row.H(a, l);
+          // Each sighting shows the constants of its sensor in another way.
+          if (column >= index(z.observer, RobotState::range_scale) &&
+              column <= index(z.observer, RobotState::bearing_scale))
+            w += square(row.H(a, l)) * P(column, column);
+        }
         of.information += (1 / w) * (H * transposed(H));
         of.slope += (y / w) * H;
         of.cost += square(y) / w;

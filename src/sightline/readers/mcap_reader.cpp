@@ -382,13 +382,14 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
     schema.text = cursor.string();
   } else if (kind == channel_record) {
     const auto id = cursor.number<std::uint16_t>();
-    const auto schema = schemas_.find(cursor.number<std::uint16_t>());
-    if (schema == schemas_.end()) {
+    const auto schema_id = cursor.number<std::uint16_t>();
+    const auto schema = schemas_.find(schema_id);
+    if (schema == schemas_.end() && schema_id != 0) {  // 0: the channel has none
       fail(at, fmt::format("channel {} follows a schema that is not there", id));
       return false;
     }
     const std::string_view topic = cursor.string(), encoding = cursor.string();
-    const Schema& of = schema->second;
+    const Schema of = schema == schemas_.end() ? Schema() : schema->second;
     channels_.insert_or_assign(
         id, Topic{std::string(topic), std::string(encoding), of.name, of.encoding, of.text});
     cursor.words();

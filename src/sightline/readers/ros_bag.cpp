@@ -26,6 +26,8 @@ constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
 constexpr double disorder_max = 0.05;                    // part of the samples of a body that are left out
 constexpr std::size_t bodies_max = 4096, topic_shown = 80;
 constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
+                           uncertain_pose_type = "geometry_msgs/msg/PoseWithCovarianceStamped",
+                           transform_type = "geometry_msgs/msg/TransformStamped",
                            odometry_type = "nav_msgs/msg/Odometry", tf_type = "tf2_msgs/msg/TFMessage",
                            named_type = "motion_capture_tracking_interfaces/msg/NamedPoseArray",
                            stamped_twist_type = "geometry_msgs/msg/TwistStamped",
@@ -115,8 +117,12 @@ class Timed {
 std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
   MessageDecoder read(message);
   std::vector<NamedSample> samples;
-  if (message.schema == pose_type) {
+  if (message.schema == pose_type || message.schema == uncertain_pose_type) {
     samples.push_back({"", read.pose(read.header())});
+  } else if (message.schema == transform_type) {
+    const double t = read.header();
+    const std::string_view child = read.from().string();
+    samples.push_back({child, read.pose(t)});
   } else if (message.schema == odometry_type) {
     RecordedSample sample{.t = read.header()};
     read.from().string();  // frame of the body, which has the velocity
@@ -241,16 +247,20 @@ RosBag::RosBag(const fs::path& place) : place_(place.native()) {
     files_ = {run};
     return;
   }
-  bool sqlite = false;
+  bool sqlite = false, packed = false;
   for (fs::directory_iterator one(place, error), none; !error && one != none; one.increment(error)) {
     if (one->path().extension() == ".mcap") files_.push_back(one->path());
     sqlite = sqlite || one->path().extension() == ".db3";
+    packed = packed || one->path().extension() == ".zstd";
   }
   if (error) throw_invalid("{}: {}, expected the folder of a rosbag2", place_, error.message());
   if (files_.empty() && sqlite)
     throw_invalid(
         "{}: a rosbag2 in SQLite (.db3), expected MCAP: ros2 bag convert with storage_id: mcap writes it",
         place_);
+  if (files_.empty() && packed)
+    throw_invalid("{}: a rosbag2 whose files are packed (.zstd), expected plain ones: zstd -d unpacks them",
+                  place_);
   if (files_.empty()) throw_invalid("{}: no .mcap, expected the folder of a rosbag2", place_);
   // bag_2.mcap comes before bag_10.mcap.
   std::sort(files_.begin(), files_.end(), [](const fs::path& a, const fs::path& b) {

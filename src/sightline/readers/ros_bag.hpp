@@ -13,7 +13,8 @@ namespace sightline {
 
 /// Topics of a bag by what they give.
 struct BagTopics {
-  /// Of geometry_msgs/PoseStamped and nav_msgs/Odometry "/TOPIC"; of tf2_msgs/TFMessage and
+  /// Of geometry_msgs/PoseStamped, PoseWithCovarianceStamped and nav_msgs/Odometry "/TOPIC"; of
+  /// tf2_msgs/TFMessage, geometry_msgs/TransformStamped and
   /// motion_capture_tracking_interfaces/NamedPoseArray "/TOPIC:NAME" for each child frame or body.
   std::vector<std::string> bodies;
   std::vector<std::string> commands;  ///< of geometry_msgs/TwistStamped and geometry_msgs/Twist
@@ -36,8 +37,8 @@ struct BagCamera {
 /// A bag without its end is read up to the last complete chunk. Every other fault is refused.
 class RosBag {
  public:
-  /// @throws std::invalid_argument for a folder without MCAP; for a bag in SQLite (.db3) it says how
-  ///   to convert it
+  /// @throws std::invalid_argument for a folder without MCAP; for a bag in SQLite (.db3) or of packed
+  ///   files it says how to convert it
   explicit RosBag(const std::filesystem::path& place);
 
   /// @throws std::invalid_argument naming the file, the byte and the fault

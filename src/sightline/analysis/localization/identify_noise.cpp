@@ -19,8 +19,9 @@ struct NoiseNumber {
 
 /// The numbers that a recording shows something of.
 std::vector<NoiseNumber> numbers_of(const TeamRecording& recording, const TeamNoise& noise) {
-  constexpr std::array constants = {"speed_scale",   "turn_scale",   "turn_loss",
-                                    "yaw_rate_bias", "clock_offset", "sensor_turn"};
+  constexpr std::array constants = {"speed_scale",  "turn_scale", "turn_loss",    "yaw_rate_bias",
+                                    "clock_offset", "wheel_turn", "sensor_turn",  "range_scale",
+                                    "range_depth",  "axis_turn",  "range_offset", "bearing_scale"};
   const auto shows = [&](Sighted missing) {
     return std::any_of(recording.sightings.begin(), recording.sightings.end(),
                        [&](const TeamSighting& z) { return z.of != missing; });

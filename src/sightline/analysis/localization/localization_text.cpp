@@ -19,8 +19,9 @@ using Json = nlohmann::ordered_json;
 constexpr double degrees = 180 / std::numbers::pi;
 
 /// Names of RobotState, from the constants on.
-constexpr std::array<std::string_view, 6> constant_names = {"speed_scale",   "turn_scale",   "turn_loss",
-                                                            "yaw_rate_bias", "clock_offset", "sensor_turn"};
+constexpr std::array<std::string_view, 12> constant_names = {
+    "speed_scale", "turn_scale",  "turn_loss",   "yaw_rate_bias", "clock_offset", "wheel_turn",
+    "sensor_turn", "range_scale", "range_depth", "axis_turn",     "range_offset", "bearing_scale"};
 constexpr int first_constant = robot_states - static_cast<int>(constant_names.size());
 
 Json as_json(const InnovationStatistics& of) {
