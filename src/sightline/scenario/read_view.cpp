@@ -151,8 +151,9 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
                      fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
-    const ViewTask task = {view_motion(model, u_min, u_max), view.bounds, scenario.horizon.dt};
-    const ViewSection section(view_region(std::move(limits.all), task.motion.lean));
+    const ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
+                           scenario.horizon.dt};
+    const ViewSection section(view_region(std::move(limits.all), task.motion));
     const CertifiedSpeed most = certified_speed(task, section);
     view.speed_most = most.speed, view.limited_by = to_string(most.limit);
     const ViewCertificate certificate = certify_view(task, section);
@@ -264,12 +265,13 @@ std::string describe(const CertifiedView& view, const Team& team) {
   const double middle = 0.5 * (z.near + z.far);
   std::string text = fmt::format(
       "certify     view of {} by {} is certified up to {:.2f} m/s; {} limits it\n"
-      "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of the heading, {:.2f} to "
+      "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of {}, {:.2f} to "
       "{:.2f} m "
       "above it at {:.2f} m, {:.2f} m/s sideward, {:.2f} rad/s\n",
       team.name(view.target), team.name(view.observer), std::floor(100 * view.speed_most) / 100,
       view.limited_by, view.bounds.speed, z.near, z.far, z.theta * 180 / std::numbers::pi,
-      z.at(z.low, middle), z.at(z.high, middle), middle, z.sideward, z.turn);
+      z.task.motion.ahead.x == 1 ? "the heading" : "the sensor's direction", z.at(z.low, middle),
+      z.at(z.high, middle), middle, z.sideward, z.turn);
   if (view.is_on_request())
     text +=
         fmt::format("certify     {} flies at up to {} m/s, gains up to {:.2f} m, and slows down on request\n",
