@@ -244,10 +244,12 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
     places.push_back(at.where());
     const bool is_first = is_observed(at_start, view.observer, view.target);
     for (const CertifiedView& other : views) {
-      if ((view.is_on_request() && (view.target == other.observer || view.target == other.target)) ||
-          (other.is_on_request() && (other.target == view.observer || other.target == view.target)))
+      if ((view.is_on_request() && view.target == other.observer) ||
+          (other.is_on_request() && other.target == view.observer))
         at.throw_invalid(view.is_on_request() ? "target" : "observer",
-                         "no robot that slows down on request and has another part in a certified view");
+                         "no robot that slows down on request and has a certified view of its own");
+      if (view.target == other.target && view.is_on_request() != other.is_on_request())
+        at.throw_invalid("target", "speed_unrequested in all certified views of a body, or in none");
       if (other.observer != view.observer) continue;
       if (other.target == view.target)
         at.throw_invalid("target", "a body without another view by this robot");
