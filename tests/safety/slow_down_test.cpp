@@ -70,6 +70,28 @@ TEST(SlowDown, ARobotGainsNoMoreThanStatedUntilItIsSlow) {
   }
 }
 
+// The speed is convex on the line to full braking, so the second one breaks no bound of the first.
+TEST(SlowDown, ForTwoObserversTheCommandKeepsTheBoundsOfBoth) {
+  const Model model(Multirotor{});
+  const double most = least_deceleration(view_motion(model, model.u_min(), model.u_max()), 0.0);
+  SlowDown one(model, model.u_min(), model.u_max(),
+               {.speed = 0.3, .unrequested = 0.9, .climb = 0.3, .slowing = most}),
+      other(model, model.u_min(), model.u_max(),
+            {.speed = 0.5, .unrequested = 0.7, .climb = 0.2, .slowing = 0.6 * most});
+  Random random(5);
+  for (int k = 0; k < 20000; ++k) {
+    std::vector<double> x(7), u(4);
+    const double psi = uniform(random, -3, 3);
+    model.at_rest({{0, 0, 1}, {std::cos(psi), std::sin(psi)}}, x.data());
+    x[5] = uniform(random, -0.8, 0.8), x[6] = uniform(random, -0.8, 0.8);
+    for (double& value : u) value = uniform(random, -1, 1);
+    const bool by_one = random() & 1, by_other = random() & 1;
+    one.filter(by_one, x, u);
+    other.filter(by_other, x, u);
+    EXPECT_TRUE(one.keeps(u) && other.keeps(u)) << k;
+  }
+}
+
 TEST(SlowDown, ChangesNoCommandWithinTheBounds) {
   const Model model(Multirotor{});
   SlowDown slow_down(model, model.u_min(), model.u_max(), {.speed = 0.5, .unrequested = 0.8});

@@ -22,11 +22,11 @@ using test::view_limits;
 using test::view_task;
 
 ViewSection section_of(const ViewTask& task, const std::vector<Potential>& limits) {
-  return ViewSection(view_region(limits, task.motion.lean));
+  return ViewSection(view_region(limits, task.motion));
 }
 
 double largest_speed(const ViewBounds& bounds, const std::vector<Potential>& limits) {
-  const ViewTask task = view_task(Multirotor{}, bounds);
+  const ViewTask task = view_task(Multirotor{}, bounds, limits);
   return certified_speed(task, section_of(task, limits)).speed;
 }
 
@@ -62,6 +62,36 @@ TEST(ViewCertificate, CertifiesLessForEachGreaterBound) {
             largest_speed({.acceleration = 0.1}, cone_limits()));
   EXPECT_LT(largest_speed({}, view_limits(SensorCone{}, 1.2)), base);
   EXPECT_LT(largest_speed({}, view_limits(SensorCone{}, 1.0, 1.8)), base);
+}
+
+// A right angle exchanges two inputs of equal thrust. Between, the longer diagonal of their square serves.
+TEST(ViewCertificate, CertifiesNoLessOfASensorThatLooksAside) {
+  const double ahead = largest_speed({}, test::aside_limits(0.0));
+  for (const double yaw : {1.5708, -1.5708, 3.1416})
+    EXPECT_NEAR(largest_speed({}, test::aside_limits(yaw)), ahead, 1e-9) << yaw;
+  for (const double yaw : {0.3, 0.8, -2.2})
+    EXPECT_GE(largest_speed({}, test::aside_limits(yaw)), ahead) << yaw;
+  const auto in_wind = [](double yaw) { return largest_speed({.wind = 0.2}, test::aside_limits(yaw)); };
+  EXPECT_NEAR(in_wind(-1.5708), in_wind(0.0), 1e-9);
+  EXPECT_GE(in_wind(0.8), 0.9 * in_wind(0.0));
+}
+
+TEST(ViewCertificate, PushesOfASensorThatLooksAsideAreThoseOfCommands) {
+  Random random(4);
+  for (int k = 0; k < 2000; ++k) {
+    const double yaw = uniform(random, -4, 4), b = uniform(random, 0.5, 2), b_s = uniform(random, 0.5, 2);
+    const Vec2<double> ahead = {std::cos(yaw), std::sin(yaw)};
+    const ViewMotion motion = {.along = {.most = b}, .across = {.most = b_s}, .ahead = ahead};
+    const Vec2<double> most = motion.pushes(uniform(random, 0.1, 0.9));
+    double nearest = infinity;
+    for (const double x : {-most.x, most.x})
+      for (const double y : {-most.y, most.y}) {
+        const Vec2<double> a = rotate(ahead, Vec2<double>{x, y});
+        nearest = std::min({nearest, b - std::abs(a.x), b_s - std::abs(a.y)});
+      }
+    EXPECT_NEAR(nearest, 0.0, 1e-12);
+    EXPECT_TRUE(most.x > 0 && most.y > 0);
+  }
 }
 
 TEST(ViewCertificate, GivesNoSetAboveItsLargestSpeedAndOneBelow) {
@@ -101,6 +131,7 @@ TEST(ViewCertificate, ItsBrakingDistanceIsThatOfASimulatedFlight) {
 }
 
 /// Whether the target is where it must be, by the potentials themselves.
+/// @param theta  from the heading
 bool is_seen(const std::vector<Potential>& limits, double r, double theta, double h,
              const Vec2<double>& lean) {
   const Sight<double> robot = {{{0, 0, h}, {1, 0}}, {}, lean},
@@ -117,14 +148,16 @@ TEST(ViewCertificate, EveryStateOfItsSetHasTheTargetInTheRegion) {
   };
   for (const Case& of :
        {Case{cone_limits(), {}}, Case{cone_limits(0.3), {}}, Case{pyramid_limits(), {}},
-        Case{cone_limits(0.5, MountFrame::body), {}}, Case{cone_limits(), {.spread = 0.05}}}) {
-    const ViewTask task = view_task(Multirotor{}, of.bounds);
+        Case{cone_limits(0.5, MountFrame::body), {}}, Case{cone_limits(), {.spread = 0.05}},
+        Case{test::aside_limits(1.5708), {}}, Case{test::aside_limits(3.1416, MountFrame::body), {}},
+        Case{test::aside_limits(-1.0, MountFrame::body), {.spread = 0.05}}}) {
+    const ViewTask task = view_task(Multirotor{}, of.bounds, of.limits);
     const ViewCertificate z = certify_view(task, section_of(task, of.limits));
     ASSERT_TRUE(z.exists());
     int missed = 0;
     for (int k = 0; k < 20000; ++k) {
       const double r = test::edgy(random, true, z.near, z.far),
-                   theta = test::edgy(random, true, -z.theta, z.theta),
+                   theta = test::edgy(random, true, -z.theta, z.theta) + test::yaw_of(z),
                    h = test::edgy(random, true, z.at(z.low, r), z.at(z.high, r)), a = uniform(random, -4, 4),
                    off = of.bounds.spread * std::sqrt(uniform(random, 0, 1));
       const double x = r * std::cos(theta) + off * std::cos(a), y = r * std::sin(theta) + off * std::sin(a);
@@ -205,6 +238,8 @@ TEST(ViewCertificate, RefusesARobotThatMovesOtherwiseByName) {
       "\"hover_multirotor\" does not accelerate along its heading at once, by one input, expected one that "
       "does");
   EXPECT_EQ(refusal(PointMass{}), "\"point_mass\" does not turn by one input, expected one that turns it");
+  EXPECT_EQ(refusal_of([] { (void)view_task(Unicycle{}, {}, test::aside_limits(1.57)); }),
+            "\"unicycle\" does not move sideward, expected a sensor that looks ahead or back");
 }
 
 TEST(ViewCertificate, RefusesARegionThatIsNotOneOfThePlaceAlone) {
@@ -215,8 +250,8 @@ TEST(ViewCertificate, RefusesARegionThatIsNotOneOfThePlaceAlone) {
             "the region reaches beyond 30 m, expected a limit of the distance such as d_max");
   EXPECT_EQ(
       refusal(view_limits(SensorCone{}, 3.0, 2.0)),
-      "no place ahead within 30 m is in the region, expected some: the certificate keeps the target ahead "
-      "of the nose, so the sensor must look ahead");
+      "no place within 30 m in the direction of the sensor is in the region, expected some: the certificate "
+      "keeps the target there");
   EXPECT_EQ(refusal(view_limits(Region(all_of({"x > 0 m", "target.v_x < 0.1 m/s"})))),
             "the limit \"region\" depends on more than the relative position, expected one of the "
             "position alone");

@@ -13,7 +13,7 @@ namespace {
 
 ViewCertificate certified_at(const ViewBounds& bounds) {
   const ViewTask task = test::view_task(Multirotor{}, bounds);
-  return certify_view(task, ViewSection(view_region(test::cone_limits(), task.motion.lean)));
+  return certify_view(task, ViewSection(view_region(test::cone_limits(), task.motion)));
 }
 
 /// Both bodies, with the target at `left` of the heading, `above` below the robot.

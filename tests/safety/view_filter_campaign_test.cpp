@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -17,15 +18,15 @@ using test::ViewCampaign;
 using test::ViewFlightOptions;
 
 ViewFilter filter_of(const ViewBounds& bounds, const std::vector<Potential>& limits) {
-  const ViewTask task = test::view_task(Multirotor{}, bounds);
-  return {Multirotor{}, certify_view(task, ViewSection(view_region(limits, task.motion.lean)))};
+  const ViewTask task = test::view_task(Multirotor{}, bounds, limits);
+  return {Multirotor{}, certify_view(task, ViewSection(view_region(limits, task.motion)))};
 }
 
-ViewCampaign fly(const char* what, const ViewBounds& bounds, const std::vector<Potential>& limits,
+ViewCampaign fly(const std::string& what, const ViewBounds& bounds, const std::vector<Potential>& limits,
                  int flights, const ViewFlightOptions& options = {}) {
   const ViewCampaign all = test::view_campaign(filter_of(bounds, limits), limits, flights, options);
   std::printf("%-34s flights %d, lost %d, uncertified %d, least reserve %.2e m, acts in %.3f, change %.4f\n",
-              what, all.flights, all.lost, all.uncertified, all.least, all.active, all.changed);
+              what.c_str(), all.flights, all.lost, all.uncertified, all.least, all.active, all.changed);
   return all;
 }
 
@@ -75,17 +76,37 @@ TEST(ViewFilterCampaign, NoSearchFindsAMotionThatEscapes) {
   EXPECT_GE(2 * lost, searches);
 }
 
+void expect_no_way_out(const ViewBounds& bounds, const std::vector<Potential>& limits, int states) {
+  const ViewFilter filter = filter_of(bounds, limits);
+  const test::ViewStep all = test::one_step(Multirotor{}, filter.certificate(), states, 11);
+  std::printf("one period, %.2f m/s, yaw %.2f: %d states, outside %d, least %.2e m\n", bounds.speed,
+              test::yaw_of(filter.certificate()), all.states, all.outside, all.least);
+  EXPECT_EQ(all.outside, 0);
+  EXPECT_EQ(all.uncertified, 0);
+}
+
 TEST(ViewFilterCampaign, NoPeriodFromTheBoundaryLeavesTheSet) {
   for (const ViewBounds& bounds :
-       {ViewBounds{}, ViewBounds{.speed = 0.97}, ViewBounds{.speed = 1.5, .acceleration = 0.3}}) {
-    const ViewFilter filter = filter_of(bounds, cone_limits());
-    const test::ViewStep all = test::one_step(Multirotor{}, filter.certificate(), runs(1'000'000, 200), 11);
-    std::printf("one period, %.2f m/s: %d states, outside %d, least %.2e m\n", bounds.speed, all.states,
-                all.outside, all.least);
-    EXPECT_EQ(all.outside, 0);
-    EXPECT_EQ(all.uncertified, 0);
-  }
+       {ViewBounds{}, ViewBounds{.speed = 0.97}, ViewBounds{.speed = 1.5, .acceleration = 0.3}})
+    expect_no_way_out(bounds, cone_limits(), runs(1'000'000, 200));
 }
+
+/// By the yaw of a sensor that looks aside or back [rad].
+class AsideViewCampaign : public testing::TestWithParam<double> {};
+
+TEST_P(AsideViewCampaign, NoTargetWithinItsBoundsIsLost) {
+  const double yaw = GetParam();
+  const auto limits = test::aside_limits(yaw, yaw < 0 ? MountFrame::body : MountFrame::level);
+  expect_kept(fly(fmt::format("yaw {}, 0.5 m/s", yaw), {}, limits, runs(1000, 33)));
+}
+
+TEST_P(AsideViewCampaign, NoPeriodFromTheBoundaryLeavesTheSet) {
+  for (const ViewBounds& bounds :
+       {ViewBounds{.speed = 0.8}, ViewBounds{.wind = 0.1}, ViewBounds{.speed = 0.9, .acceleration = 0.3}})
+    expect_no_way_out(bounds, test::aside_limits(GetParam()), runs(100'000, 100));
+}
+
+INSTANTIATE_TEST_SUITE_P(Yaws, AsideViewCampaign, testing::Values(1.5708, -1.5708, 3.1416, 0.7, -2.0));
 
 }  // namespace
 }  // namespace sightline

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -137,12 +138,64 @@ TEST(ViewsOnRequest, AreRefusedWhereTheTargetCannotSlowDown) {
       "[[couple]]\npotential = { cohesion = { d_max = 2.0 } }\nbetween = [\"uav1\", \"uav0\"]\n"
       "[[certify_view]]\nobserver = \"uav1\"\ntarget = \"uav0\"\nspeed_max = 0.2\n";
   EXPECT_TRUE(refusal(chain).ends_with(
-      "expected no robot that slows down on request and has another part in a certified view"))
+      "expected no robot that slows down on request and has a certified view of its own"))
       << refusal(chain);
 }
 
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+/// A second observer of the same target, uav2, from the other side.
+/// @param keys  of both views
+std::string observed_twice(Random& random, const std::string& keys, const std::string& of_second) {
+  const std::string text = restless_target(random, keys, 4.0),
+                    first = "start = { p = [-1.35, 0.0, 1.65], heading = 0.0 }";
+  const std::size_t robot = text.find("[agent.uav0]"), target = text.find("[agent.uav1]");
+  std::string second = text.substr(robot, target - robot) + text.substr(text.find("[[couple]]"));
+  second = replaced(second, first, "start = { p = [1.35, 0.0, 1.65], heading = 3.14159 }");
+  second = replaced(second, "[-4.0, 0.0, 1.5]", "[4.0, 0.0, 1.5]");
+  return text + replaced(replaced(second, "uav0", "uav2"), keys, of_second);
+}
+
+// Each request brakes the target further: both see it, at the lower of their speeds.
+TEST(ViewsOnRequest, OfOneTargetBySeveralObserversStayCertified) {
+  const int flights = runs(100, 20);
+  Random random(8);
+  int by_first = 0, by_second = 0;
+  for (int flight = 0; flight < flights; ++flight) {
+    const Scenario scenario = test::scenario_of(observed_twice(
+        random, "speed_unrequested = 0.9\nrequest_delay = 0.1\n", "speed_unrequested = 0.7\nage = 0.05\n"));
+    const Team& team = scenario.team;
+    int uncertified = 0, lost = 0;
+    double fastest = 0.0;
+    for (const Sample& sample : test::samples_of(scenario)) {
+      if (sample.of != Sample::Of::update) continue;
+      uncertified += !sample.views[0].certified + !sample.views[2].certified;
+      by_first += sample.views[0].requests, by_second += sample.views[2].requests;
+      const Sight<double> to = true_sight(team, BodyId{1}, sample);
+      fastest = std::max(fastest, std::hypot(to.v.x, to.v.y));
+      for (const Coupling& c : team.couplings())
+        if (c.name.empty() && c.between.second == BodyId{1})
+          lost += c.term.potential.violation(true_sight(team, c.between.first, sample), to) > 0;
+    }
+    EXPECT_EQ(uncertified, 0) << flight;
+    EXPECT_EQ(lost, 0) << flight;
+    EXPECT_LE(fastest, 0.7001) << flight;
+  }
+  std::printf("%d flights: requests by the first %d, second %d\n", flights, by_first, by_second);
+  EXPECT_GT(by_first, 0);
+  EXPECT_GT(by_second, 0);
+}
+
+TEST(ViewsOnRequest, OfOneTargetByAnObserverThatRequestsNothingAreRefused) {
+  Random random(8);
+  const std::string text = observed_twice(random, "speed_unrequested = 0.9\n", "climb_max = 0.3\n");
+  EXPECT_TRUE(test::scenario_refusal(text).ends_with(
+      "expected speed_unrequested in all certified views of a body, or in none"))
+      << test::scenario_refusal(text);
 }
 
 TEST(ViewsOnRequest, ATargetWhoseDataWereLostLands) {
@@ -167,8 +220,8 @@ TEST(ViewsOnRequest, ATargetThatHoldsIsCertifiedAgain) {
 TEST(ViewsOnRequest, ATargetFasterThanWithoutRequestsIsNotCertified) {
   Random random(3);
   const std::string text =
-      with(restless_target(random, "speed_unrequested = 0.7\n"), "start = { p = [0.0, 0.0, 1.0], ",
-           "start = { p = [0.0, 0.0, 1.0], v = [2.2, 0.0], ");
+      replaced(restless_target(random, "speed_unrequested = 0.7\n"), "start = { p = [0.0, 0.0, 1.0], ",
+               "start = { p = [0.0, 0.0, 1.0], v = [2.2, 0.0], ");
   const Scenario scenario = test::scenario_of(text);
   const Team& team = scenario.team;
   bool was_certified = false, began = false;

@@ -50,11 +50,12 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
   const double dt = z.task.dt;
   const auto late = static_cast<std::size_t>(std::lround(bounds.age / dt));
   const bool exact = late == 0 && bounds.error == 0;
+  const double yaw = yaw_of(z), cosine = std::cos(yaw), sine = std::sin(yaw);
   Random random(seed);
   ViewState s = state_in(z, random, o.at_edge);
   if (!exact) {  // begin in the middle
     const double r = 0.5 * (z.near + z.far), h = 0.5 * (z.at(z.low, r) + z.at(z.high, r));
-    s = {.z = 4, .target = {r, 0, 4 - h}};
+    s = {.z = 4, .target = {r * std::cos(yaw), r * std::sin(yaw), 4 - h}};
   }
   std::vector<double> x = state_of(model, s);
   std::deque<ViewState> past(late + 1, s);
@@ -81,13 +82,16 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
     const Sight<double> sight = model.sight(x.data(), u.data());
     const Vec2<double> q =
         rotate<double>({sight.d.x, -sight.d.y}, {target.p.x - sight.p.x, target.p.y - sight.p.y});
-    const double r = std::hypot(q.x, q.y), theta = std::atan2(q.y, q.x), h = sight.p.z - target.p.z;
+    const double r = std::hypot(q.x, q.y),
+                 theta = std::remainder(std::atan2(q.y, q.x) - yaw, 2 * std::numbers::pi),
+                 h = sight.p.z - target.p.z;
     const ViewReserves reserves = filter.reserves(x, target);
     // The nominal command.
     if (o.nominal == ViewNominal::tracking) {
       const double middle = 0.5 * (z.near + z.far),
                    height = 0.5 * (z.at(z.low, middle) + z.at(z.high, middle));
-      u = {2 * (r - middle) - 1.5 * x[5], 1.5 * x[6], 2 * (height - h), 2 * theta};
+      const double pull = 2 * (r - middle);
+      u = {pull * cosine - 1.5 * x[5], -pull * sine + 1.5 * x[6], 2 * (height - h), 2 * theta};
     } else if (t >= next_nominal) {
       next_nominal = t + uniform(random, 0.02, 1.5);
       for (double& value : u)
@@ -96,7 +100,11 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
     if (o.nominal == ViewNominal::adverse) {
       u[3] = reserves[2] < reserves[3] ? -1 : 1;
       u[2] = reserves[4] < reserves[5] ? 1 : -1;
-      if (seed % 3 == 0) u[0] = reserves[0] < reserves[1] ? 1 : -1;
+      if (seed % 3 == 0) {
+        const double towards = reserves[0] < reserves[1] ? 1 : -1;
+        if (std::abs(cosine) > 0.1) u[0] = towards * cosine / std::abs(cosine);
+        if (std::abs(sine) > 0.1) u[1] = -towards * sine / std::abs(sine);
+      }
     }
     for (double& value : u) value = std::clamp(value, -1.0, 1.0);
     const std::array<double, 4> wanted = u;

@@ -31,6 +31,12 @@ inline std::vector<Potential> askew_limits(MountFrame frame) {
       .alpha = 0.5,
       .mount = {.pitch = 0.5, .offset = {0.1, -0.08, 0.05}, .frame = frame, .yaw = 0.12, .roll = 1.2}});
 }
+/// The paper's cone, of a sensor that looks aside and sits there.
+inline std::vector<Potential> aside_limits(double yaw, MountFrame frame = MountFrame::level) {
+  return view_limits(SensorCone{
+      .alpha = 0.5,
+      .mount = {.offset = {0.12 * std::cos(yaw), 0.12 * std::sin(yaw), 0.04}, .frame = frame, .yaw = yaw}});
+}
 /// A picture of 69 by 42 degrees, as text.
 inline std::vector<Potential> pyramid_limits() {
   return view_limits(Region(all_of({"x > 0 m", "abs(y) < x * tan(34.5 deg)", "abs(z) < x * tan(21 deg)"}))
@@ -38,9 +44,11 @@ inline std::vector<Potential> pyramid_limits() {
 }
 
 template <RobotModel M>
-ViewTask view_task(const M& robot, const ViewBounds& bounds = {}) {
+ViewTask view_task(const M& robot, const ViewBounds& bounds = {}, const std::vector<Potential>& limits = {}) {
   const Model model(robot);
-  return {.motion = view_motion(model, model.u_min(), model.u_max()), .bounds = bounds, .dt = 0.01};
+  return {.motion = view_motion(model, model.u_min(), model.u_max(), view_direction(limits)),
+          .bounds = bounds,
+          .dt = 0.01};
 }
 
 /// A robot's state in the plane of the theorem, and the target's. The robot is at the origin of G.
@@ -52,6 +60,11 @@ struct ViewState {
   double climb = 0;       // vertical speed [m/s], where it is a state
   double turn = 0;        // yaw rate [rad/s], where it is a state
 };
+
+/// Yaw of the frame of a set from the heading [rad].
+inline double yaw_of(const ViewCertificate& z) {
+  return std::atan2(z.task.motion.ahead.y, z.task.motion.ahead.x);
+}
 
 /// Index of a state by its name, or -1.
 inline int state_named(const Model& model, std::string_view name) {
@@ -94,7 +107,7 @@ class ViewChecker {
   /// @param turn  yaw rate of the robot, if it lags [rad/s]
   double least(const Sight<double>& robot, const Vec3<double>& target, const Vec2<double>& w,
                double turn = 0.0) const {
-    const double ahead = std::atan2(robot.d.y, robot.d.x);
+    const double ahead = std::atan2(robot.d.y, robot.d.x) + yaw_of(z_);
     const double climb_lag = z_.task.motion.climb.lag, turn_lag = z_.task.motion.turn.lag;
     const double x = target.x - robot.p.x, y = target.y - robot.p.y, r = std::hypot(x, y),
                  h = robot.p.z + climb_lag * robot.v.z - target.z;
@@ -134,8 +147,9 @@ inline ViewState state_in(const ViewCertificate& z, Random& random, bool edge) {
   const double speed = edgy(random, edge, 0, z.task.bounds.speed), along = uniform(random, -3.2, 3.2);
   s.w = {speed * std::cos(along), speed * std::sin(along)};
   const bool measured = z.task.bounds.is_velocity_measured();
+  const double yaw = yaw_of(z), towards = s.psi + yaw;
   const Vec2<double> w_V =
-      measured ? rotate<double>({std::cos(s.psi), -std::sin(s.psi)}, s.w) : Vec2<double>{};
+      measured ? rotate<double>({std::cos(towards), -std::sin(towards)}, s.w) : Vec2<double>{};
   double r, slow, fast;
   do {
     r = edgy(random, edge, z.near, z.far);
@@ -144,12 +158,13 @@ inline ViewState state_in(const ViewCertificate& z, Random& random, bool edge) {
   const bool across = z.task.motion.across.input >= 0;
   s.v = {w_V.x + edgy(random, edge, slow, fast),
          w_V.y + (across ? edgy(random, edge, -z.sideward, z.sideward) : 0.0)};
+  s.v = rotate<double>({std::cos(yaw), std::sin(yaw)}, s.v);
   const ViewMotion& motion = z.task.motion;
   if (motion.climb.lag > 0) s.climb = edgy(random, edge, -z.climb, z.climb);
   if (motion.turn.lag > 0) s.turn = edgy(random, edge, -z.turn, z.turn);
   const double theta = edgy(random, edge, -z.theta, z.theta) + motion.turn.lag * s.turn,
                h = edgy(random, edge, z.at(z.low, r), z.at(z.high, r)) - motion.climb.lag * s.climb;
-  s.target = {r * std::cos(s.psi + theta), r * std::sin(s.psi + theta), s.z - h};
+  s.target = {r * std::cos(towards + theta), r * std::sin(towards + theta), s.z - h};
   return s;
 }
 

@@ -17,7 +17,8 @@ constexpr std::size_t most_nodes = ViewSection::distances;
 
 constexpr std::array sideward_speeds = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7};  // [m/s]
 constexpr std::array turn_shares = {0.015, 0.02, 0.03, 0.045, 0.07, 0.12, 0.25, 0.45, 0.7, 1.0};
-constexpr std::array climb_shares = {0.5, 0.7, 1.0};  // of the vertical speed; above: of the yaw rate
+constexpr std::array climb_shares = {0.5, 0.7, 1.0};    // of the vertical speed; above: of the yaw rate
+constexpr std::array across_shares = {0.7, 0.5, 0.25, 0.1};  // of the thrust, if two commands share it
 
 /// Greatest distance of a target from its estimate. The estimate moves by `step` in a period
 /// towards a measurement with an error of at most `error`, the target by `move`. At a distance d
@@ -34,7 +35,7 @@ double estimate_radius(double error, double move, double step) {
 
 /// The parameters of a set beside its distances.
 struct Limits {
-  double theta, sideward, turn, climb;
+  double theta, sideward, turn, climb, across;
 };
 
 /// Tables of one bearing limit, sideward speed, yaw rate and vertical speed, and the sets between two
@@ -46,6 +47,7 @@ class Sets {
         section_(section),
         known_(task.bounds.known(task.dt)),
         own_(view_prediction(task.bounds, task.dt)),
+        between_(task.motion.drag_between()),
         ignored_(ignored) {}
 
   /// @return false if no set exists for any distances
@@ -66,8 +68,10 @@ class Sets {
   const ViewSection& section_;
   ViewBounds::Known known_;
   ViewPrediction own_;
+  double between_;  // acceleration along per velocity across, by drag [1/s]
   ViewLimit ignored_;
   Limits limits_{};
+  Vec2<double> push_{};  // b, b_s
   double across_ = 0, held_ = 0, sine_ahead_ = 0, sine_back_ = 0, sine_between_ = 0;
   ViewBrake brake_{};
   int first_ = 0, last_ = 0, corridor_ = 0;
@@ -81,13 +85,16 @@ bool Sets::prepare(const Limits& limits) {
   const double theta = limits.theta, sideward = limits.sideward, turn = limits.turn, climb = limits.climb;
   const ViewMotion& robot = task_.motion;
   const ViewBounds& bounds = task_.bounds;
-  const double dt = task_.dt, c = robot.along.drag, b = robot.along.most;
+  const double dt = task_.dt;
+  push_ = robot.pushes(limits.across);
+  const Vec2<double> drags = robot.drags();
+  const double c = drags.x, b = push_.x;
   const double late = robot.turn.lag * turn;              // of the heading behind where it will stop
   const double between = theta + late + 1.5 * turn * dt;  // T
   if (between >= 1.5) return false;
   const bool measured = bounds.is_velocity_measured();
   // Between samples a velocity may exceed its values at both by what the target and wind change it.
-  const double turned = robot.is_level ? 2 * turn * b * dt : 0.0;
+  const double turned = robot.is_level ? 2 * turn * robot.most_push().x * dt : 0.0;
   const double varied = (bounds.wind + turned + (measured ? bounds.acceleration : 0.0)) * dt;
   const double w = own_.speed + (measured ? 0.0 : known_.speed),
                tangent = (sideward + varied) * std::tan(between);
@@ -95,13 +102,14 @@ bool Sets::prepare(const Limits& limits) {
   // Thrust that wind, the target's drag and acceleration, and a turn in V may use up.
   const auto used = [&](double drag) {
     const double moves =
-        measured ? bounds.acceleration + (drag + (robot.is_level ? 0.0 : turn)) * known_.speed : 0.0;
+        measured ? bounds.acceleration + (drag + between_ + (robot.is_level ? 0.0 : turn)) * known_.speed
+                 : 0.0;
     return bounds.wind + moves;
   };
-  const double along = used(c) + (robot.is_level ? turn * (sideward + varied) : 0.0);
+  const double along = used(c) + (between_ + (robot.is_level ? turn : 0.0)) * (sideward + varied);
   const double least = b - along, most = b + along;
   if (least - c * W_e < 0.02 * b) return false;
-  limits_ = limits, held_ = used(robot.across.drag);
+  limits_ = limits, held_ = used(drags.y);
   across_ = w + sideward + varied;
   sine_ahead_ = std::sin(std::max(0.0, theta - late)), sine_back_ = std::sin(std::max(0.0, late - theta));
   sine_between_ = std::sin(between);
@@ -138,13 +146,13 @@ bool Sets::prepare(const Limits& limits) {
 bool Sets::holds_sideward(int i, int j) const {
   const ViewMotion& robot = task_.motion;
   if (robot.across.input < 0) return true;
-  const double held = held_ + (robot.is_level ? limits_.turn * fastest_[size(j - i - 1)] : 0.0);
-  return held < 0.95 * robot.across.most && limits_.sideward > 2 * held * task_.dt;
+  const double held = held_ + (between_ + (robot.is_level ? limits_.turn : 0.0)) * fastest_[size(j - i - 1)];
+  return held < 0.95 * push_.y && limits_.sideward > 2 * held * task_.dt;
 }
 
 bool Sets::follows(int i, int j) const {
   if (ignored_ == ViewLimit::yaw) return true;
-  const double below = 4 * task_.motion.along.most * square(task_.dt);
+  const double below = 4 * task_.motion.most_push().x * square(task_.dt);
   double most = 0.0;  // rate of the line of sight [rad/s]
   for (int k = i; k < j; ++k) {
     const double r = section_.distance(k) - below, ahead = fastest_[size(k - i)],
@@ -191,6 +199,7 @@ ViewCertificate Sets::certificate(int i, int j) {
   ViewCertificate z{.task = task_,
                     .theta = limits_.theta,
                     .sideward = limits_.sideward,
+                    .push = push_,
                     .near = section_.distance(i),
                     .far = section_.distance(j),
                     .turn = limits_.turn,
@@ -204,7 +213,7 @@ ViewCertificate Sets::certificate(int i, int j) {
 
 /// A set by its places in the tables.
 struct Candidate {
-  int climb, turn, bearing, sideward, near, far;
+  int climb, turn, bearing, sideward, across, near, far;
 };
 
 /// The sets of a task; those that `ignored` forbids count too.
@@ -218,6 +227,7 @@ class CertificateSearch {
                                                          : turns - 1),
         slowest_climb_(motion_.climb.lag > 0 ? 0 : climbs - 1),
         sideward_count_(task.motion.across.input >= 0 ? size(sideward_speeds.size()) : 1),
+        across_count_(task.motion.is_turned() ? size(across_shares.size()) : 1),
         sets_(task, section, ignored) {}
 
   /// Calls visit(sets, candidate) for the tables of every `stride`-th bearing limit and sideward speed,
@@ -228,17 +238,19 @@ class CertificateSearch {
     for (int climb = slowest_climb_; climb < climbs; ++climb)
       for (int turn = slowest_turn_; turn < turns; ++turn)
         for (int i = stride - 1; i < ViewSection::bearings; i += stride)
-          for (int k = 0; k < sideward_count_; k += stride) {
-            const Candidate of = {climb, turn, i, k, 0, 0};
-            if (prepare(of) && visit(sets_, of)) return true;
-          }
+          for (int k = 0; k < sideward_count_; k += stride)
+            for (int across = 0; across < across_count_; ++across) {
+              const Candidate of = {climb, turn, i, k, across, 0, 0};
+              if (prepare(of) && visit(sets_, of)) return true;
+            }
     return false;
   }
   /// The volume of a candidate's set; 0 if a condition fails.
   double volume(const Candidate& of) {
     const bool is_one = of.climb >= slowest_climb_ && of.climb < climbs && of.turn >= slowest_turn_ &&
                         of.turn < turns && of.bearing >= 0 && of.bearing < ViewSection::bearings &&
-                        of.sideward >= 0 && of.sideward < sideward_count_;
+                        of.sideward >= 0 && of.sideward < sideward_count_ && of.across >= 0 &&
+                        of.across < across_count_;
     if (!is_one || !prepare(of)) return 0.0;
     const bool fits =
         of.near >= sets_.first() && of.far <= sets_.last() && of.far - of.near >= sets_.corridor();
@@ -255,14 +267,15 @@ class CertificateSearch {
   static int size(std::size_t n) { return static_cast<int>(n); }
 
   bool prepare(const Candidate& of) {
-    return sets_.prepare(
-        {ViewSection::bearing(of.bearing), sideward_count_ > 1 ? sideward_speeds[at(of.sideward)] : 0.0,
-         turn_shares[at(of.turn)] * motion_.turn.most, climb_shares[at(of.climb)] * motion_.climb.most});
+    return sets_.prepare({ViewSection::bearing(of.bearing),
+                          sideward_count_ > 1 ? sideward_speeds[at(of.sideward)] : 0.0,
+                          turn_shares[at(of.turn)] * motion_.turn.most,
+                          climb_shares[at(of.climb)] * motion_.climb.most, across_shares[at(of.across)]});
   }
 
   ViewMotion motion_;
   bool lags_;
-  int slowest_turn_, slowest_climb_, sideward_count_;
+  int slowest_turn_, slowest_climb_, sideward_count_, across_count_;
   Sets sets_;
 };
 
@@ -304,7 +317,8 @@ ViewPrediction view_prediction(const ViewBounds& bounds, double dt) {
   return {2 * bounds.wind * late, 0.5 * bounds.wind * square(bounds.age) + lag, lag};
 }
 
-ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean) {
+ViewRegion view_region(std::vector<Potential> limits, const ViewMotion& motion) {
+  const Vec2<double>& lean = motion.lean;
   const auto holds = [](const Potential& limit, const Sight<double>& robot, const Sight<double>& target) {
     return limit.violation(robot, target) <= 0;
   };
@@ -336,9 +350,10 @@ ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean) 
           "of the position alone",
           limit.name());
   }
-  return [limits = std::move(limits), leans = std::move(leans), holds](double ahead, double left,
-                                                                       double above) {
-    const Sight<double> target = {{{ahead, left, 0}, {1, 0}}, {}};
+  return [limits = std::move(limits), leans = std::move(leans), holds, direction = motion.ahead](
+             double ahead, double left, double above) {
+    const Vec2<double> p = rotate(direction, {ahead, left});
+    const Sight<double> target = {{{p.x, p.y, 0}, {1, 0}}, {}};
     return std::all_of(limits.begin(), limits.end(), [&](const Potential& limit) {
       const bool once = limit.mount() == nullptr || limit.mount()->frame != MountFrame::body;
       return std::all_of(leans.begin(), once ? leans.begin() + 1 : leans.end(), [&](const Vec2<double>& xi) {
@@ -364,8 +379,9 @@ ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * b
   }
   if (last == 0.0)
     throw_invalid(
-        "no place ahead within {} m is in the region, expected some: the certificate keeps the target ahead "
-        "of the nose, so the sensor must look ahead",
+        "no place within {} m in the direction of the sensor is in the region, expected some: the "
+        "certificate "
+        "keeps the target there",
         farthest);
   if (last > farthest)
     throw_invalid(
@@ -482,8 +498,9 @@ ViewCertificate certify_view(const ViewTask& task, const ViewSection& section) {
   if (!best) best = any_certificate(task, section, ViewLimit::none);
   if (!best) return {.task = task};
   // Then from neighbour to neighbour, in ever smaller steps.
-  constexpr std::array members = {&Candidate::climb,    &Candidate::turn, &Candidate::bearing,
-                                  &Candidate::sideward, &Candidate::near, &Candidate::far};
+  constexpr std::array members = {&Candidate::climb,    &Candidate::turn,   &Candidate::bearing,
+                                  &Candidate::sideward, &Candidate::across, &Candidate::near,
+                                  &Candidate::far};
   for (int step = coarse / 2; step > 0; step /= 2) {
     for (bool better = true; better;) {
       better = false;

@@ -1,9 +1,10 @@
 /// The certificate of a view: a set of states that a filter can never be forced to leave, and whose
 /// every state has the target in the sensor's region.
 ///
-/// Coordinates are relative to the target, in the heading frame V of the robot: r horizontal
-/// distance, theta bearing of the target (left > 0), h height of the robot above the target,
-/// v_f, v_s velocity. (w_r, w_t) is the target's velocity along and across the line of sight:
+/// Coordinates are relative to the target, in the frame V of the robot's heading, turned by the
+/// direction of the sensor: r horizontal distance, theta bearing of the target (left > 0), h height of
+/// the robot above the target, v_f, v_s velocity. (w_r, w_t) is the target's velocity along and across
+/// the line of sight:
 ///
 ///   r'     = w_r - (v_f cos theta + v_s sin theta)                        |(w_r, w_t)| <= W
 ///   theta' = (w_t - v_s cos theta + v_f sin theta) / r - omega            |omega| <= Omega
@@ -36,7 +37,8 @@
 
 namespace sightline {
 
-/// How the commands move a robot: each command moves one coordinate of the heading frame.
+/// How the commands move a robot: each command moves one coordinate of the heading frame. The view is
+/// kept in that frame turned by `ahead`, where two commands may move one coordinate together.
 struct ViewMotion {
   /// A command and its effect; gain * u is an acceleration, a climb or a yaw rate.
   struct Axis {
@@ -47,22 +49,38 @@ struct ViewMotion {
     double lag = 0.0;   ///< of its rate behind the command [s]; of climb and turn
   };
   Axis along{}, across{}, climb{}, turn{};
-  bool is_level = false;  ///< whether its velocity keeps its direction in G while it turns
-  int rate_state = -1;    ///< index of the yaw rate in the state, if it lags
-  Vec2<double> lean{};    ///< greatest |xi_f|, |xi_s| that commands produce [-]
+  bool is_level = false;        ///< whether its velocity keeps its direction in G while it turns
+  int rate_state = -1;          ///< index of the yaw rate in the state, if it lags
+  Vec2<double> lean{};          ///< greatest |xi_f|, |xi_s| that commands produce [-]
+  Vec2<double> ahead = {1, 0};  ///< direction of the sensor in V, unit vector
+
+  bool is_turned() const { return ahead.x != 0 && ahead.y != 0; }  ///< by no multiple of a right angle
+  /// Greatest accelerations along and across `ahead` that commands produce in every combination
+  /// [m/s^2]: the sides of a rectangle within the turned one of the commands.
+  /// @param part  of the greatest one across, in (0, 1); not used unless is_turned()
+  Vec2<double> pushes(double part) const;
+  Vec2<double> most_push() const;  ///< greatest along and across, each by itself [m/s^2]
+  Vec2<double> drags() const;      ///< along and across `ahead` [1/s]
+  double drag_between() const;     ///< acceleration along per velocity across, and vice versa [1/s]
 };
 
 /// @param u_min, u_max  limits of the inputs (nu), finite
+/// @param ahead  direction in V in which a target is to be, unit vector
 /// @throws std::invalid_argument for a robot that moves otherwise: with a sentence that names it
-ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max);
+ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max,
+                       const Vec2<double>& ahead = {1, 0});
 
-/// Whether the target, `ahead` and `left` of a robot `above` it [m], is where it must be.
+/// The direction in V of the axes of all sensors together; ahead for axes that are upright.
+Vec2<double> view_direction(std::span<const Potential> limits);
+
+/// Whether the target, `ahead` and `left` of a robot `above` it [m], is where it must be; seen along
+/// ViewMotion::ahead.
 using ViewRegion = std::function<bool(double ahead, double left, double above)>;
 
-/// The region in which all potentials hold: sensor and distances, for every tilt up to `lean` of a
-/// sensor that is fixed to the body.
+/// The region in which all potentials hold: sensor and distances, for every tilt up to that of the
+/// motion for a sensor that is fixed to the body.
 /// @throws std::invalid_argument for a potential that depends on more than the relative position
-ViewRegion view_region(std::vector<Potential> limits, const Vec2<double>& lean);
+ViewRegion view_region(std::vector<Potential> limits, const ViewMotion& motion);
 
 /// Heights at which the target is in the region at all bearings up to a limit, tabulated once.
 class ViewSection {
@@ -123,6 +141,7 @@ struct ViewCertificate {
   ViewTask task{};
   double theta = 0.0;                 ///< Theta [rad]
   double sideward = 0.0;              ///< V_s [m/s]
+  Vec2<double> push{};                ///< b, b_s, in every combination [m/s^2]
   double near = 0.0;                  ///< r1 [m]
   double far = 0.0;                   ///< r2 [m]
   double turn = 0.0;                  ///< Omega, the yaw rate that the filter uses [rad/s]

@@ -50,7 +50,7 @@ ViewCost::ViewCost(const ViewCertificate& z)
 }
 
 double ViewCost::violation(const Sight<double>& robot, const Sight<double>& target) const noexcept {
-  const Vec2<double> back = {robot.d.x, -robot.d.y};
+  const Vec2<double> ahead = rotate(robot.d, z_.task.motion.ahead), back = {ahead.x, -ahead.y};
   const Vec2<double> q = rotate(back, {target.p.x - robot.p.x, target.p.y - robot.p.y});
   const Vec2<double> v =
       rotate(back, {robot.v.x - measured_ * target.v.x, robot.v.y - measured_ * target.v.y});

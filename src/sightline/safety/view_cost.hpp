@@ -37,11 +37,14 @@ class ViewCost {
       const S y = v + speed_;
       return square(0.5 * (y + sqrt(square(y) + square(corner)))) / (2 * thrust_);
     };
+    const Vec2<double>& axis = z_.task.motion.ahead;
+    const bool is_nose = axis.x == 1;
+    const Vec2<S> d = is_nose ? robot.d : rotate(robot.d, Vec2<S>{S(axis.x), S(axis.y)});
     const S x = target.p.x - robot.p.x, y = target.p.y - robot.p.y;
-    const S ahead = robot.d.x * x + robot.d.y * y, left = robot.d.x * y - robot.d.y * x;
+    const S ahead = d.x * x + d.y * y, left = d.x * y - d.y * x;
     const S r = sqrt(square(x) + square(y) + S(1e-6)), theta = atan2(left, ahead);
     const S v_x = robot.v.x - measured_ * target.v.x, v_y = robot.v.y - measured_ * target.v.y;
-    const S v_f = robot.d.x * v_x + robot.d.y * v_y, v_s = robot.d.x * v_y - robot.d.y * v_x;
+    const S v_f = d.x * v_x + d.y * v_y, v_s = d.x * v_y - d.y * v_x;
     const S h = robot.p.z - target.p.z - slope_ * r;
     S sum = beyond(r - z_.near - brake(v_f), range_) + beyond(z_.far - r - brake(-v_f), range_) +
             beyond(z_.theta - theta, bearing_) + beyond(z_.theta + theta, bearing_);

@@ -126,6 +126,9 @@ struct ViewFilter::Interval {
 };
 
 struct ViewFilter::Period {
+  struct Span {
+    double least, greatest;
+  };
   std::span<const double> x, u_min, u_max;
   std::array<double, most_inputs> wanted;
   ViewTarget later;  // the target at the next sample, if it keeps its known velocity
@@ -134,17 +137,36 @@ struct ViewFilter::Period {
   Place next{};             // under the command,
   bool is_current = false;  // unless the command has changed since
 
-  /// Puts the value of an axis (gain u) nearest to the wanted one into u, at most `most`.
+  double nominal(const ViewMotion::Axis& axis) const noexcept {
+    return axis.input < 0 ? 0.0 : axis.gain * wanted[size(axis.input)];
+  }
+  /// The limits of an axis (gain u), at most `most` in both directions.
+  Span span(const ViewMotion::Axis& axis, double most) const noexcept {
+    const auto k = size(axis.input);
+    const double a = axis.gain * u_min[k], b = axis.gain * u_max[k];
+    const double least = std::min(a, b), greatest = std::max(a, b);
+    return {std::clamp(-most, least, greatest), std::clamp(most, least, greatest)};
+  }
+  /// Part of the way from a value of an axis that its limits allow.
+  double part(const ViewMotion::Axis& axis, double from, double way) const noexcept {
+    if (axis.input < 0) return 1.0;
+    const Span within = span(axis, axis.most);
+    const double beyond = std::max(from + way - within.greatest, within.least - from - way);
+    return beyond <= 0 ? 1.0 : std::max(0.0, 1.0 - beyond / std::abs(way));
+  }
+  /// Puts the value of an axis into u.
+  void put(const ViewMotion::Axis& axis, double value, std::span<double> u) noexcept {
+    if (axis.input < 0) return;
+    const auto k = size(axis.input);
+    const double before = u[k];
+    u[k] = value == nominal(axis) ? wanted[k] : std::clamp(value / axis.gain, u_min[k], u_max[k]);
+    is_current = is_current && u[k] == before;
+  }
+  /// Puts the value of an axis nearest to the wanted one into u, at most `most`.
   void choose(const ViewMotion::Axis& axis, const Interval& interval, double most,
               std::span<double> u) noexcept {
-    const auto k = size(axis.input);
-    const double a = axis.gain * u_min[k], b = axis.gain * u_max[k], nominal = axis.gain * wanted[k];
-    const double least = std::min(a, b), greatest = std::max(a, b);
-    const double value =
-        interval.nearest(nominal, std::clamp(-most, least, greatest), std::clamp(most, least, greatest));
-    const double before = u[k];
-    u[k] = value == nominal ? wanted[k] : std::clamp(value / axis.gain, u_min[k], u_max[k]);
-    is_current = is_current && u[k] == before;
+    const Span within = span(axis, most);
+    put(axis, interval.nearest(nominal(axis), within.least, within.greatest), u);
   }
 };
 
@@ -158,11 +180,12 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
                   model.nu(), most_states, most_inputs);
   if (!(dt > 0 && dt <= longest_period))
     throw_invalid("period = {}, expected in (0, {}] s for a certified view", dt, longest_period);
-  const auto [E, F] = responses(task.motion.along.drag, dt);
+  const Vec2<double> drags = task.motion.drags();
+  const auto [E, F] = responses(drags.x, dt);
   const double wind = task.bounds.wind;
   const ViewBounds::Known known = task.bounds.known(dt);
   climbs_ = known.climb * dt;
-  E_ = E, F_ = F, E_across_ = responses(task.motion.across.drag, dt)[0];
+  E_ = E, F_ = F, E_across_ = responses(drags.y, dt)[0];
   keep_ = 1 - decay_rate * dt;
   if (task.bounds.is_velocity_measured()) {
     const double A = task.bounds.acceleration;
@@ -176,14 +199,14 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
 ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const double> u,
                                     const ViewTarget& target) const noexcept {
   const Sight<double> robot = model_.sight(x.data(), u.data());
-  const Vec2<double> back = {robot.d.x, -robot.d.y};
+  const ViewMotion& motion = certificate_.task.motion;
+  const Vec2<double> ahead = rotate(robot.d, motion.ahead), back = {ahead.x, -ahead.y};
   const Vec2<double> q = rotate(back, {target.p.x - robot.p.x, target.p.y - robot.p.y});
   const bool measured = certificate_.task.bounds.is_velocity_measured();
   const Vec2<double> w = measured ? target.v : Vec2<double>{};
   const Vec2<double> v = rotate(back, {robot.v.x - w.x, robot.v.y - w.y});
   Place at = {norm(q.x, q.y), std::atan2(q.y, q.x), robot.p.z - target.p.z, v.x, v.y, infinity};
   // A rate that lags leads to this height and heading, which follow the command at once.
-  const ViewMotion& motion = certificate_.task.motion;
   if (motion.climb.lag > 0) {
     at.h += motion.climb.lag * robot.v.z;
     at.spare = certificate_.climb - std::abs(robot.v.z);
@@ -235,22 +258,29 @@ ViewReserves ViewFilter::reserves(std::span<const double> x, const ViewTarget& t
   return reserves(place(x, none, target), 0.0, 0.0, 0.0);
 }
 
-void ViewFilter::push_across(Period& now, std::span<double> u) const noexcept {
-  const ViewMotion::Axis& axis = certificate_.task.motion.across;
-  if (axis.input < 0) return;
-  const double value = axis.gain * u[size(axis.input)], v = next(now, u).v_s,
-               room = certificate_.sideward - speeds_;
+/// Accelerations along and across `ahead` by a command.
+Vec2<double> ViewFilter::pushes(std::span<const double> u) const noexcept {
+  const ViewMotion& motion = certificate_.task.motion;
+  const auto pushed = [&](const ViewMotion::Axis& axis) {
+    return axis.input < 0 ? 0.0 : axis.gain * u[size(axis.input)];
+  };
+  return rotate<double>({motion.ahead.x, -motion.ahead.y}, {pushed(motion.along), pushed(motion.across)});
+}
+
+ViewFilter::Interval ViewFilter::push_across(const Place& then, double value) const noexcept {
+  if (certificate_.task.motion.across.input < 0) return {};
+  const double room = certificate_.sideward - speeds_;
   Interval interval;
-  interval.low = interval.hard_low = value + (-room - v) / E_across_;
-  interval.high = interval.hard_high = value + (room - v) / E_across_;
-  now.choose(axis, interval, axis.most, u);
+  interval.low = interval.hard_low = value + (-room - then.v_s) / E_across_;
+  interval.high = interval.hard_high = value + (room - then.v_s) / E_across_;
+  return interval;
 }
 
 /// Largest a with  gap + r_per_a (a - a0) - n(v + E (a - a0)) >= need. Newton's method on a concave
 /// function.
 double ViewFilter::largest_push(double gap, double v, double a0, double r_per_a, double need) const noexcept {
   constexpr double settled = 1e-10;  // [m/s^2]
-  double a = certificate_.task.motion.along.most;
+  double a = certificate_.task.motion.most_push().x;
   for (int k = 0; k < 12; ++k) {
     const double then = v + E_ * (a - a0);
     const double left = gap + r_per_a * (a - a0) - certificate_.brake.distance(then) - need;
@@ -262,11 +292,9 @@ double ViewFilter::largest_push(double gap, double v, double a0, double r_per_a,
   return a;
 }
 
-void ViewFilter::push_along(Period& now, std::span<double> u) const noexcept {
+ViewFilter::Interval ViewFilter::push_along(const Period& now, const Place& then,
+                                            double value) const noexcept {
   const ViewCertificate& z = certificate_;
-  const ViewMotion::Axis& axis = z.task.motion.along;
-  const double value = axis.gain * u[size(axis.input)];
-  const Place& then = next(now, u);
   const double per_push = -std::max(0.1, std::cos(then.theta)) * F_;
   const double near = then.r - moves_ - z.near, far = z.far - then.r - moves_;
   const Need of_near = need_of(now.reserves[0], keep_), of_far = need_of(now.reserves[1], keep_);
@@ -277,7 +305,26 @@ void ViewFilter::push_along(Period& now, std::span<double> u) const noexcept {
     interval.hard_high = largest_push(near, then.v_f + speeds_, value, per_push, of_near.hard);
     interval.hard_low = -largest_push(far, speeds_ - then.v_f, -value, per_push, of_far.hard);
   }
-  now.choose(axis, interval, axis.most, u);
+  return interval;
+}
+
+/// Accelerates as wanted, or nearest to it in both intervals. If the limits of the inputs forbid that, from
+/// the nearest within the certificate's rectangle, which they allow, as far towards it as they allow.
+void ViewFilter::push(Period& now, std::span<double> u) const noexcept {
+  const ViewMotion& motion = certificate_.task.motion;
+  const Vec2<double> b = certificate_.push, most = motion.most_push();
+  const Vec2<double> value = pushes(u), wanted = pushes(now.wanted);
+  const Place& then = next(now, u);
+  const Interval along = push_along(now, then, value.x), across = push_across(then, value.y);
+  const Vec2<double> aim = {along.nearest(wanted.x, -most.x, most.x),
+                            across.nearest(wanted.y, -most.y, most.y)};
+  const Vec2<double> sure = {std::clamp(aim.x, -b.x, b.x), std::clamp(aim.y, -b.y, b.y)};
+  const Vec2<double> from = rotate(motion.ahead, sure),
+                     way = rotate<double>(motion.ahead, {aim.x - sure.x, aim.y - sure.y});
+  const double part = std::min(now.part(motion.along, from.x, way.x), now.part(motion.across, from.y, way.y));
+  const bool is_wanted = part == 1 && aim.x == wanted.x && aim.y == wanted.y;
+  now.put(motion.along, is_wanted ? now.nominal(motion.along) : from.x + part * way.x, u);
+  now.put(motion.across, is_wanted ? now.nominal(motion.across) : from.y + part * way.y, u);
 }
 
 void ViewFilter::climb(Period& now, std::span<double> u) const noexcept {
@@ -370,8 +417,7 @@ ViewFilterResult ViewFilter::filter(std::span<const double> x, const ViewTarget&
   for (int pass = 0; pass < passes; ++pass) {
     std::array<double, most_inputs> before{};
     std::copy(u.begin(), u.end(), before.begin());
-    push_across(now, u);
-    push_along(now, u);
+    push(now, u);
     turn(now, u);
     double change = 0.0;
     for (std::size_t k = 0; k < u.size(); ++k) change = std::max(change, std::abs(u[k] - before[k]));

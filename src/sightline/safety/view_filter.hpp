@@ -4,7 +4,8 @@
 /// next sample, whatever the target does within its bounds. Each input has an interval: across from
 /// |v_s| <= V_s, along from r1 and r2, turn from Theta, climb from lo and hi. A reserve may decay by
 /// a part rate dt of itself in a period; where the intervals of two reserves then contradict each
-/// other, only S itself counts. The next state is that of the model's own step.
+/// other, only S itself counts. The next state is that of the model's own step. If a sensor looks
+/// aside, two inputs together push along and across.
 ///
 /// Units are SI. Constant after construction: one filter may serve many loops and threads.
 #pragma once
@@ -118,8 +119,10 @@ class ViewFilter {
   double least_gap(const std::vector<double>& heights, double r, double beside, double sign) const noexcept;
   double largest_push(double gap, double v, double u0, double r_per_u, double need) const noexcept;
   void turn(Period& now, std::span<double> u) const noexcept;
-  void push_across(Period& now, std::span<double> u) const noexcept;
-  void push_along(Period& now, std::span<double> u) const noexcept;
+  Vec2<double> pushes(std::span<const double> u) const noexcept;
+  Interval push_across(const Place& then, double value) const noexcept;
+  Interval push_along(const Period& now, const Place& then, double value) const noexcept;
+  void push(Period& now, std::span<double> u) const noexcept;
   void climb(Period& now, std::span<double> u) const noexcept;
   ViewFilterResult judge(Period& now, std::span<const double> u) const noexcept;
 

@@ -125,7 +125,44 @@ ViewMotion axes_of(const Model& model, const std::vector<double>& rest, std::spa
 
 }  // namespace
 
-ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max) {
+Vec2<double> ViewMotion::pushes(double part) const {
+  const double c = std::abs(ahead.x), s = std::abs(ahead.y), b = along.most, b_s = across.most;
+  if (!is_turned()) return most_push();
+  const double beside = part * std::min(b / s, b_s / c);
+  return {std::min((b - s * beside) / c, (b_s - c * beside) / s), beside};
+}
+
+Vec2<double> ViewMotion::most_push() const {
+  const double c = std::abs(ahead.x), s = std::abs(ahead.y);
+  return {c * along.most + s * across.most, s * along.most + c * across.most};
+}
+
+Vec2<double> ViewMotion::drags() const {
+  const double c = square(ahead.x), s = square(ahead.y);
+  return {c * along.drag + s * across.drag, s * along.drag + c * across.drag};
+}
+
+double ViewMotion::drag_between() const { return std::abs((along.drag - across.drag) * ahead.x * ahead.y); }
+
+Vec2<double> view_direction(std::span<const Potential> limits) {
+  constexpr double least = 1e-3, nearly = 0.01;
+  Vec2<double> sum{};
+  for (const Potential& limit : limits) {
+    if (limit.mount() == nullptr) continue;
+    const Vec3<double> axis = limit.mount()->attitude() * Vec3<double>{1, 0, 0};
+    sum = {sum.x + axis.x, sum.y + axis.y};
+  }
+  const double length = norm(sum.x, sum.y);
+  if (length < least) return {1, 0};
+  const Vec2<double> ahead = {sum.x / length, sum.y / length};
+  // A right angle costs no thrust.
+  if (std::abs(ahead.y) < nearly) return {ahead.x > 0 ? 1.0 : -1.0, 0};
+  if (std::abs(ahead.x) < nearly) return {0, ahead.y > 0 ? 1.0 : -1.0};
+  return ahead;
+}
+
+ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::span<const double> u_max,
+                       const Vec2<double>& ahead) {
   const std::size_t nu = u_min.size();
   std::vector<double> rest(size(model.nx()));
   model.at_rest({{0, 0, 1}, {1, 0}}, rest.data());
@@ -161,6 +198,9 @@ ViewMotion view_motion(const Model& model, std::span<const double> u_min, std::s
   if (!in_V && !in_G)
     refuse(model, "moves by another law than a drag and a thrust in each direction",
            "v' = -c v + b u along and across its heading, as in (24)");
+  law.ahead = ahead;
+  if (law.across.input < 0 && ahead.y != 0)
+    refuse(model, "does not move sideward", "a sensor that looks ahead or back");
   if (law.turn.lag > 0 && law.rate_state < 0)
     refuse(model, "turns late, by a lag that is no state", "its yaw rate as a state");
   // Tilts of both signs and of every input.

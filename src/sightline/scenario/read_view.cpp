@@ -139,8 +139,9 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
                      fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
-    const ViewTask task = {view_motion(model, u_min, u_max), view.bounds, scenario.horizon.dt};
-    const ViewSection section(view_region(std::move(limits.all), task.motion.lean));
+    const ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
+                           scenario.horizon.dt};
+    const ViewSection section(view_region(std::move(limits.all), task.motion));
     const CertifiedSpeed most = certified_speed(task, section);
     view.speed_most = most.speed, view.limited_by = to_string(most.limit);
     const ViewCertificate certificate = certify_view(task, section);
@@ -231,10 +232,12 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
     places.push_back(at.where());
     const bool is_first = is_observed(at_start, view.observer, view.target);
     for (const CertifiedView& other : views) {
-      if ((view.is_on_request() && (view.target == other.observer || view.target == other.target)) ||
-          (other.is_on_request() && (other.target == view.observer || other.target == view.target)))
+      if ((view.is_on_request() && view.target == other.observer) ||
+          (other.is_on_request() && other.target == view.observer))
         at.throw_invalid(view.is_on_request() ? "target" : "observer",
-                         "no robot that slows down on request and has another part in a certified view");
+                         "no robot that slows down on request and has a certified view of its own");
+      if (view.target == other.target && view.is_on_request() != other.is_on_request())
+        at.throw_invalid("target", "speed_unrequested in all certified views of a body, or in none");
       if (other.observer != view.observer) continue;
       if (other.target == view.target)
         at.throw_invalid("target", "a body without another view by this robot");
@@ -252,12 +255,13 @@ std::string describe(const CertifiedView& view, const Team& team) {
   const double middle = 0.5 * (z.near + z.far);
   std::string text = fmt::format(
       "certify     view of {} by {} is certified up to {:.2f} m/s; {} limits it\n"
-      "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of the heading, {:.2f} to "
+      "certify     at {} m/s: {:.2f} to {:.2f} m away, within {:.1f} degrees of {}, {:.2f} to "
       "{:.2f} m "
       "above it at {:.2f} m, {:.2f} m/s sideward, {:.2f} rad/s\n",
       team.name(view.target), team.name(view.observer), std::floor(100 * view.speed_most) / 100,
       view.limited_by, view.bounds.speed, z.near, z.far, z.theta * 180 / std::numbers::pi,
-      z.at(z.low, middle), z.at(z.high, middle), middle, z.sideward, z.turn);
+      z.task.motion.ahead.x == 1 ? "the heading" : "the sensor's direction", z.at(z.low, middle),
+      z.at(z.high, middle), middle, z.sideward, z.turn);
   if (view.is_on_request())
     text +=
         fmt::format("certify     {} flies at up to {} m/s, gains up to {:.2f} m, and slows down on request\n",
