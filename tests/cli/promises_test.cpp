@@ -1,4 +1,5 @@
 // Inputs that once broke a promise of the README: what comes out of the command line for each.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -173,7 +174,7 @@ TEST(Promises, ACameraMayLookAnywhereAndASensorSeeBehindItself) {
         "agent.uav0.sensor.yaw=1.57", "agent.uav0.sensor.roll=0.1",
         "agent.uav0.sensor.offset=[0.1,-0.2,0.05]", "couple[0].potential.bearing.alpha=1.66",
         "couple[0].potential.bearing.alpha=3.14159"}) {
-    const auto run = sightline(std::string("check ") + shipped + " --set '" + set + "'", folder);
+    const auto run = sightline(fmt::format("check {} --set '{}'", shipped, set), folder);
     EXPECT_EQ(run.code, 0) << set << run.err;
   }
 }
