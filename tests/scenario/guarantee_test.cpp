@@ -121,7 +121,7 @@ TEST(Guarantee, HoldsUnderAWindWithinTheResidualAcceleration) {
     EXPECT_THAT(reasons_of_pairs(both("0.2", wind, second)),
                 ElementsAre(HasSubstr("simulation.disturbance moves")));
   EXPECT_THAT(reasons_of_pairs(both("0.6", "0, 0, 0", obstacle_text("foe", "0, 30, 1", "speed_max = 1.5"))),
-              ElementsAre("the residual acceleration leaves no plan that outruns the body"));
+              ElementsAre(HasSubstr("a body is up to 1.5 m/s fast, beyond")));
   EXPECT_THAT(reasons_of_pairs(both("0.1", "0, 0, 0", agent_text("o", "omni_rover", "0, 30, 0.2"))),
               ElementsAre("the residual acceleration of a robot that moves by another law is not counted"));
 }
@@ -148,6 +148,57 @@ TEST(Guarantee, OfLateCommandsInAWindIsKeptInFlight) {
   EXPECT_GE(nearest_to_rock(test::scenario_of(text("0.5", "0.2"))), 0.5);
   EXPECT_THAT(reasons_of_pairs(text("0.0", "0.0")), ElementsAre(HasSubstr("simulation.disturbance moves")));
   EXPECT_LT(nearest_to_rock(test::scenario_of(text("0.0", "0.0"))), 0.5);
+}
+
+TEST(Guarantee, CountsTheFlightUntilTheFirstCommandActs) {
+  const auto late = [](const std::string& delay, const std::string& agents) {
+    const std::string every = "command_delay = " + delay + "\n";
+    std::string text = with_barrier + agents + "[simulation.disturbance]\ninput_delay = " + delay;
+    for (std::size_t place; (place = text.find("LATE\n")) != std::string::npos;)
+      text.replace(place, 5, every);
+    return reasons_of_pairs(text);
+  };
+  const auto flying = [](const std::string& name, const std::string& state) {
+    return "[agent." + name + "]\nrobot = \"multirotor\"\nstart = { state = [" + state + "] }\nLATE\n";
+  };
+  const std::string hovering = flying("a", "0, 0, 1, 1, 0, 0, 0"),
+                    foe = obstacle_text("foe", "0, 1.45, 1", "speed_max = 1.5");
+  const auto guaranteed = ElementsAre(""), without_plan = ElementsAre("the start leaves no plan");
+  EXPECT_THAT(late("0.0", hovering + foe), guaranteed);
+  EXPECT_THAT(late("0.5", hovering + foe), without_plan) << "the foe moves meanwhile";
+  // Both fly towards each other meanwhile.
+  const std::string pair = flying("a", "0, 0, 1, 1, 0, 1.4, 0") + flying("b", "2.05, 0, 1, -1, 0, 1.4, 0");
+  EXPECT_THAT(late("0.0", pair), guaranteed);
+  EXPECT_THAT(late("0.3", pair), without_plan);
+  // A rover rolls on meanwhile.
+  const auto rover = [](const std::string& p_x) {
+    return "[agent.a]\nrobot = \"unicycle\"\nstart = { state = [0, 0, 0.2, 1, 0, 1.2] }\nLATE\n" +
+           obstacle_text("rock", p_x + ", 0, 0.2", "speed_max = 0.0");
+  };
+  EXPECT_THAT(late("0.0", rover("0.83")), guaranteed);
+  EXPECT_THAT(late("0.5", rover("0.83")), without_plan);
+  EXPECT_THAT(late("0.5", rover("0.9")), guaranteed);
+  // A robot passes a rock meanwhile, and is far from it when its command acts.
+  const std::string passing = flying("a", "-0.4, 0.3, 1, 1, 0, 2.0, 0") +
+                              obstacle_text("rock", "0, 0, 1", "speed_max = 0.0\nd_hard = 0.4");
+  EXPECT_THAT(late("0.5", passing), without_plan);
+}
+
+TEST(Guarantee, CountsTheErrorOfMeasuredPositions) {
+  const std::string near =
+      agent_text("a", "multirotor", "0, 0, 1") + obstacle_text("rock", "0, 0.6, 1", "speed_max = 0.0");
+  EXPECT_THAT(reasons_of_pairs(with_barrier + near), ElementsAre(""));
+  EXPECT_THAT(reasons_of_pairs(with_barrier + "position_sigma = 0.03\n" + near),
+              ElementsAre("the start leaves no plan"));
+}
+
+TEST(Guarantee, DoesNotHoldForARobotThatABodyOutruns) {
+  const auto with = [](const std::string& most) {
+    return with_barrier + one_uav + "u_min = [-" + most + ", -" + most + ", -1, -1]\nu_max = [" + most +
+           ", " + most + ", 1, 1]\n" + obstacle_text("foe", "0, 19, 1", "speed_max = 1.5");
+  };
+  EXPECT_THAT(reasons_of_pairs(with("1")), ElementsAre(""));
+  EXPECT_THAT(reasons_of_pairs(with("0.2")), ElementsAre(HasSubstr("a body is up to 1.5 m/s fast, beyond")));
 }
 
 const std::string tilts_late = "parameters = { preset = \"x500\", tau = 0.121, tau_z = 0.231, tau_psi = 0.16";

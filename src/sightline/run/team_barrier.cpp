@@ -80,6 +80,26 @@ void validate_barriers(const Team& team, const GuardOptions& options) {
     (void)Barrier(team.agents()[i].model, abilities[i].can, options.period, options.barrier_options);
 }
 
+BarrierOptions counted_options(const GuardOptions& options) {
+  BarrierOptions counted = options.barrier_options;
+  for (const double delay : options.command_delays)
+    counted.command_delay = std::max(counted.command_delay, delay);
+  return counted;
+}
+
+Neighbour counted_neighbour(const GuardOptions& options, BodyId robot, BodyId other,
+                            const Sight<double>& seen, bool is_carried, double age, double sigma) noexcept {
+  const BodySafety& safety = options.bodies[at(other)];
+  const bool is_late = !is_carried && !options.command_delays.empty();
+  return {.p = seen.p,
+          .v = seen.v,
+          .d_hard = safety.d_hard,
+          .speed_max = safety.speed_max,
+          .age = age + (is_late ? options.command_delays[at(robot)] : 0.0),
+          .sigma = sigma,
+          .tie = robot.index < other.index ? 1.0 : -1.0};
+}
+
 TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
     : team_(team),
       options_(options),
@@ -88,9 +108,7 @@ TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
       sights_(options.bodies.size()),
       threats_(team.bodies()) {
   const std::vector<Ability> abilities = abilities_of(team_, options_.limits_to_come);
-  BarrierOptions counted = options_.barrier_options;
-  for (const double delay : options_.command_delays)
-    counted.command_delay = std::max(counted.command_delay, delay);
+  const BarrierOptions counted = counted_options(options_);
   for (int i = 0; i < team_.bodies(); ++i) {
     const BodyId body{i};
     if (!team_.is_agent(body)) continue;
@@ -188,16 +206,10 @@ double TeamBarrier::sigma_of(const TeamSituation& now, BodyId body) const noexce
 /// The data of another body for the barrier of a robot.
 Neighbour TeamBarrier::neighbour_of(const TeamSituation& now, const Robot& robot,
                                     BodyId other) const noexcept {
-  const Sight<double>& sight = sights_[at(other)];
-  const BodySafety& safety = options_.bodies[at(other)];
-  Neighbour neighbour{.p = sight.p,
-                      .v = sight.v,
-                      .d_hard = safety.d_hard,
-                      .speed_max = now.is_grounded(other) ? 0.0 : safety.speed_max,
-                      .age = std::min(now.ages[at(other)], oldest_) +
-                             (team_.is_agent(other) && now.is_there(other) ? 0.0 : delay_of(robot.body)),
-                      .sigma = norm(sigma_of(now, robot.body), sigma_of(now, other)),
-                      .tie = robot.body.index < other.index ? 1.0 : -1.0};
+  Neighbour neighbour = counted_neighbour(
+      options_, robot.body, other, sights_[at(other)], team_.is_agent(other) && now.is_there(other),
+      std::min(now.ages[at(other)], oldest_), norm(sigma_of(now, robot.body), sigma_of(now, other)));
+  if (now.is_grounded(other)) neighbour.speed_max = 0.0;
   if (!gives_way(now, robot, other)) return neighbour;
   neighbour.behavior = Behavior::cooperative;
   if (team_.is_agent(other)) neighbour.part = robot_of(other).part;

@@ -45,6 +45,16 @@ struct TeamSituation {
   const Connectivity* connectivity;
 };
 
+/// Options of all barriers of a team, which count the greatest of the command delays.
+BarrierOptions counted_options(const GuardOptions& options);
+
+/// A body as the barrier of a robot counts it, unless it gives way.
+/// @param seen  where the robot's command acts if it `is_carried`, else at its last estimate
+/// @param age  of the estimate [s]
+/// @param sigma  standard deviation of the position relative to the robot [m]
+Neighbour counted_neighbour(const GuardOptions& options, BodyId robot, BodyId other,
+                            const Sight<double>& seen, bool is_carried, double age, double sigma) noexcept;
+
 class TeamBarrier {
  public:
   /// Both arguments must outlive the object.
@@ -78,9 +88,6 @@ class TeamBarrier {
     std::vector<Neighbour> neighbours;  // of one robot
   };
 
-  double delay_of(BodyId body) const noexcept {
-    return options_.command_delays.empty() ? 0.0 : options_.command_delays[at(body)];
-  }
   const Robot& robot_of(BodyId robot) const noexcept { return robots_[team_.agent_index(robot)]; }
   void see_all(const TeamSituation& now) noexcept;
   double sigma_of(const TeamSituation& now, BodyId body) const noexcept;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/safety/carry.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
 namespace sightline {
@@ -42,15 +43,28 @@ class Guarantees {
       : scenario_(scenario),
         team_(scenario.team),
         options_(*guard_options(scenario)),
-        abilities_(abilities_of(team_, options_.limits_to_come)) {
+        abilities_(abilities_of(team_, options_.limits_to_come)),
+        x_(scenario.x0) {
     for (const RobotSpeed& of : uncooperative_robots(scenario)) speeds_[of.robot.index] = of.speed;
+    const BarrierOptions counted = counted_options(options_);
+    const InputHistory at_rest(1, resting_inputs(team_));
     const std::vector<double> none(static_cast<std::size_t>(team_.nu()) + 1, 0.0);
+    const double steps = std::ceil(counted.command_delay / scenario.horizon.dt);
+    step_ = steps > 0 ? counted.command_delay / steps : 0.0;
     for (int i = 0; i < team_.bodies(); ++i) {
       const BodyId body{i};
-      seen_.push_back(team_.model(body).sight(scenario.x0.data() + team_.state_offset(body), none.data()));
-      if (!team_.is_agent(body)) continue;
-      const Authority& can = abilities_[barriers_.size()].can;
-      barriers_.emplace_back(team_.model(body), can, scenario.horizon.dt, options_.barrier_options);
+      const Model& model = team_.model(body);
+      const auto x = std::span(x_).subspan(at(team_.state_offset(body)), at(model.nx()));
+      std::vector<double> rows(RungeKuttaScratch::rows_needed * x.size());
+      std::vector<Vec3<double>>& coast = coasts_.emplace_back();
+      for (double k = 0; k < steps; ++k) {
+        if (team_.is_agent(body))
+          carry(model, x, at_rest, at(team_.input_offset(body)), k * step_, (k + 1) * step_, {}, rows);
+        coast.push_back(model.sight(x.data(), none.data()).p);
+      }
+      seen_.push_back(model.sight(x.data(), none.data()));
+      if (team_.is_agent(body))
+        barriers_.emplace_back(model, abilities_[barriers_.size()].can, scenario.horizon.dt, counted);
     }
   }
 
@@ -71,12 +85,10 @@ class Guarantees {
     return team_.is_agent(a) && team_.is_agent(b) && ability(a).kind == ability(b).kind && !barrier(a).lags();
   }
   /// The speed that the barriers assume of an uncooperative body, and its true bound [m/s].
-  double assumed(BodyId body) const {
-    return options_.bodies[static_cast<std::size_t>(body.index)].speed_max;
-  }
+  double assumed(BodyId body) const { return options_.bodies[at(body)].speed_max; }
   double true_speed(BodyId body) const {
     if (const auto known = speeds_.find(body.index); known != speeds_.end()) return known->second;
-    const double at_start = norm(seen_[static_cast<std::size_t>(body.index)].v);
+    const double at_start = norm(seen_[at(body)].v);
     for (const UncooperativeBody& one : scenario_.uncooperative)
       if (one.body == body) return one.motion ? top_speed(*one.motion) : at_start;
     return at_start;
@@ -109,9 +121,10 @@ class Guarantees {
         return fmt::format("a body is up to {:.3g} m/s fast, beyond {} m/s", assumed(other), fastest);
       // The residual acceleration makes a body as fast, relative to the plan, as it makes the robot.
       const double w = options_.barrier_options.residual_acceleration;
-      if (w > 0 && can.drag > 0 && !together &&
-          assumed(other) + w / can.drag > barrier(robot).acceleration() / can.drag)
-        return "the residual acceleration leaves no plan that outruns the body";
+      const double plan = can.drag > 0 ? (barrier(robot).acceleration() - w) / can.drag : infinity;
+      if (!together && assumed(other) > plan)
+        return fmt::format("a body is up to {:.3g} m/s fast, beyond the {:.3g} m/s of a plan", assumed(other),
+                           plan);
       if (w > 0 && !together && team_.is_agent(other))
         return "the residual acceleration of a robot that moves by another law is not counted";
       if (team_.bodies() > 2) return "a robot that flies has more than one neighbour";
@@ -119,26 +132,35 @@ class Guarantees {
       if (scenario_.horizon.dt > usual_period && (can.thrust_count == 0 || can.free < 1 - 1e-6))
         return "plans are exact for periods of up to 0.01 s only";
     }
-    const Sight<double>& seen = seen_[static_cast<std::size_t>(other.index)];
-    const bool keeps =
-        barrier(robot).keeps(std::span(scenario_.x0)
-                                 .subspan(static_cast<std::size_t>(team_.state_offset(robot)),
-                                          static_cast<std::size_t>(team_.model(robot).nx())),
-                             {.p = seen.p,
-                              .v = seen.v,
-                              .d_hard = hard_distance(scenario_, robot, other).value_or(0.0),
-                              .speed_max = assumed(other),
-                              .tie = robot.index < other.index ? 1.0 : -1.0,
-                              .behavior = together ? Behavior::cooperative : Behavior::uncooperative});
-    if (!keeps) return "the start leaves no plan";
+    Neighbour neighbour = counted_neighbour(options_, robot, other, seen_[at(other)], team_.is_agent(other),
+                                            0.0, norm(options_.position_sigma, options_.position_sigma));
+    if (together) neighbour.behavior = Behavior::cooperative;
+    const auto x = std::span(x_).subspan(at(team_.state_offset(robot)), at(team_.model(robot).nx()));
+    if (!coasts_apart(robot, neighbour, other) || !barrier(robot).keeps(x, neighbour))
+      return "the start leaves no plan";
     return "";
+  }
+  /// Whether a robot keeps the distance until its first command acts.
+  bool coasts_apart(BodyId robot, const Neighbour& neighbour, BodyId other) const {
+    const BarrierOptions& o = options_.barrier_options;
+    for (std::size_t k = 0; k < coasts_[at(robot)].size(); ++k) {
+      const double t = step_ * static_cast<double>(k + 1),
+                   moved = team_.is_agent(other) ? 0.0 : neighbour.speed_max * t,
+                   pushed = o.residual_acceleration * t * t;  // of both
+      if (norm(coasts_[at(robot)][k] - coasts_[at(other)][k]) < neighbour.d_hard + o.margin + moved + pushed)
+        return false;
+    }
+    return true;
   }
 
   const ScenarioSpec& scenario_;
   const Team& team_;
   GuardOptions options_;
   std::vector<Ability> abilities_;
-  std::vector<Sight<double>> seen_;
+  std::vector<double> x_;            // where the first commands act; other bodies as at the start
+  std::vector<Sight<double>> seen_;  // there
+  double step_;                      // of the time until then [s]
+  std::vector<std::vector<Vec3<double>>> coasts_;  // of each body, positions after each step
   std::vector<Barrier> barriers_;
   std::map<int, double> speeds_;
 };
