@@ -382,6 +382,36 @@ TEST(ThrustLag, APlanThatTheSearchMissesIsKeptFromThePeriodBefore) {
   EXPECT_EQ(dot(kept.plan, kept.plan), 0.0);
 }
 
+TEST(ThrustLag, ATiltBeyondThatOfAnyCommandLeavesNoProvenPlan) {
+  const LaggingHoverMultirotor m;
+  const Barrier filter(m, lowest, highest, control_period);
+  LaggedVehicle robot(m);
+  const Neighbour n{.p = robot.p + Vec3<double>{9, 0, 0}, .d_hard = 0.5, .speed_max = 0.0};
+  robot.a = {m.b_f, m.b_s};
+  EXPECT_TRUE(filter.keeps(robot.state(), n));
+  robot.a = {1.01 * m.b_f, m.b_s};
+  EXPECT_FALSE(filter.keeps(robot.state(), n));
+}
+
+TEST(ThrustLag, ThePlanOfThePeriodBeforeIsFlownWhereNoneIsProvenThoughTheBodyIsFar) {
+  LaggingHoverMultirotor m;
+  m.a_f = m.a_s = -0.5;
+  const Barrier filter(m, lowest, highest, control_period);
+  const LaggedVehicle robot(m);
+  const double outrun = filter.acceleration() / -m.a_f;
+  Neighbour n{.p = robot.p + Vec3<double>{60, 0, 0}, .d_hard = 0.5, .speed_max = 0.6 * outrun};
+  const auto flown = [&] {
+    EvasiveManeuver kept{.plan = {-1, 0}};
+    VehicleInput u{};
+    (void)filter.filter(robot.state(), {&n, 1}, lowest, highest, u, kept);
+    return u[0];
+  };
+  EXPECT_EQ(flown(), 0.0);
+  n.speed_max = 1.1 * outrun;
+  EXPECT_FALSE(filter.keeps(robot.state(), n));
+  EXPECT_NEAR(flown(), -0.9, 1e-6);
+}
+
 /// One sample ahead of states at the edge of the safe set, with hostile commands, the worst neighbour and pushes.
 TEST(ThrustLag, NoSampleLeavesTheSafeSet) {
   Random random(4);

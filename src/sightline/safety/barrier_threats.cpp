@@ -148,7 +148,8 @@ void prove_plan(const BarrierLaw& law, BarrierPeriod& now) {
     return;
   }
   now.proven = keeps(law.proven_least());
-  if (now.proven && is_far) threat.reserve = std::nextafter(law.ample, 0.0);  // its commands are checked
+  const double checked = std::nextafter(law.ample, 0.0);  // the most of which commands are checked
+  if (now.proven && is_far) threat.reserve = checked;
   const Vec2<double>& along = now.plan_before;
   if (now.proven || dot(along, along) == 0 || threat.tube.growth != 0) return;
   constexpr double rounding = 1e-5;  // [m]
@@ -156,7 +157,7 @@ void prove_plan(const BarrierLaw& law, BarrierPeriod& now) {
   if (kept.reserve() < law.proven_least() - rounding)
     return;  // a body or the robot moved otherwise than assumed
   threat.plan = kept;
-  threat.reserve = kept.reserve();
+  threat.reserve = std::min(kept.reserve(), checked);
   now.proven = true;
 }
 
