@@ -100,8 +100,9 @@ py::array_t<double> covariance(const SeenBody& seen) {
 }
 
 void bind_detection(py::module_& module) {
-  py::class_<SeenBody>(module, "Detection",
-                       "A body seen by a camera: its pose in the camera's frame S, x along the axis.")
+  py::class_<SeenBody>(
+      module, "Detection",
+      "A body seen by a camera: its pose in the frame S of the observer's first camera, x along the axis.")
       .def_readonly("observer", &SeenBody::observer)
       .def_readonly("target", &SeenBody::target)
       .def_property_readonly(

@@ -115,7 +115,8 @@ struct SensorMount {
                       KeyText{"offset", "-5 to 5 m",
                               "lever arm in the frame: [ahead, left, up], or a number ahead", "0.17"},
                       parameter("sigmas", &M::sigmas, "", {0.0, 6.0, "0 to 6"},
-                                "standard deviations of the observed position by which views shrink")};
+                                "standard deviations of the observed position by which views shrink; 0 of a "
+                                "further sensor")};
   }
   bool operator==(const SensorMount&) const = default;
 

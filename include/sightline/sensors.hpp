@@ -210,8 +210,9 @@ struct RobotCamera {
   BodyId observer{};
   SensorMount mount{};
   Camera camera{};
-  bool render = false;  ///< render pictures and search them for tags; else draw detections
-  std::string frame{};  ///< optical frame of a real camera in /tf
+  bool render = false;   ///< render pictures and search them for tags; else draw detections
+  std::string frame{};   ///< optical frame of a real camera in /tf
+  std::string sensor{};  ///< SENSOR of [agent.NAME.sensors.SENSOR]; empty: of [agent.NAME.sensor]
 };
 struct BodyTags {
   BodyId body{};

@@ -63,6 +63,22 @@ TEST(ViewBand, EachCameraThatLooksAtTagsHasOneAndEqualOnesAreFlownOnce) {
   EXPECT_THAT(text, HasSubstr("it is served best from "));
 }
 
+TEST(ViewBand, EachSensorThatLooksAtATargetHasItsOwn) {
+  std::string text(observer_text);
+  text += "[agent.a.sensors.left]\nyaw = 0.3\ncamera = { height = 480, width = 640 }\n";
+  for (const char* sensor : {"", "sensor = \"left\"\n"})
+    text += std::string(
+                "[[couple]]\npotential = { bearing = {} }\nbetween = [\"a\", \"c\"]\nfelt_by = [\"a\"]\n") +
+            sensor;
+  const Scenario scenario = test::scenario_of(text);
+  const std::vector<ViewBand> bands = view_bands(scenario, 1);
+  ASSERT_EQ(bands.size(), 2U);
+  EXPECT_FALSE(bands[1].same_as);
+  EXPECT_THAT(to_string(bands[0], scenario.team), HasSubstr("a sees the tags of c"));
+  EXPECT_THAT(to_string(bands[1], scenario.team), HasSubstr("a left sees the tags of c"));
+  EXPECT_GT(bands[1].rows.back().distance, bands[0].rows.back().distance) << "it has more pixels";
+}
+
 TEST(ViewBand, TagsThatAreTooSmallServeNowhere) {
   std::string text = std::string(observer_text) + std::string(view_text);
   text.replace(text.find("tags = {}"), 9, "tags = { size = 0.01 }");

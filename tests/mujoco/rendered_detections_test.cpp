@@ -120,6 +120,19 @@ TEST(RenderedDetections, AreTheSameBytesAgainAndShowTheTag) {
   EXPECT_LT(*std::min_element(picture.begin(), picture.end()), 40) << "and its black";
 }
 
+TEST(RenderedDetections, CamerasOfARobotHaveErrorsOfTheirOwn) {
+  Pictured scene;
+  scene.options.cameras.push_back(scene.options.cameras[0]);
+  RenderedDetections rendered(scene.team, scene.options);
+  std::vector<Detection> other(1);
+  ASSERT_EQ(rendered.find(scene.exposure(), scene.found), 1U);
+  Exposure further = scene.exposure();
+  further.camera = 1;
+  ASSERT_EQ(rendered.find(further, other), 1U);
+  EXPECT_NE(scene.found[0].p.x, other[0].p.x);
+  EXPECT_LT(norm(scene.found[0].p - other[0].p), 0.05);
+}
+
 TEST(RenderedDetections, CamerasThatDoNotRenderSeeAsTheModelSays) {
   Pictured scene;
   scene.options.cameras[0].render = false;

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "tests/support/folder.hpp"
+#include "tests/support/keeping_sink.hpp"
 
 namespace sightline {
 namespace {
@@ -85,6 +87,22 @@ TEST(CameraLog, EachCameraIsSaidOnceInItsOpticalFrame) {
     EXPECT_NEAR(camera->focal(), scenario.vision.cameras.at(0).camera.focal(), 1e-9);
   });
   EXPECT_EQ(messages, 1);
+}
+
+TEST(CameraLog, EachFurtherCameraOfARobotIsSaidOnATopicOfItsSensor) {
+  Scenario scenario = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/two_cameras.toml");
+  scenario.vision.cameras.at(1).camera.width = 640;
+  test::KeepingSink sink;
+  CameraLog log(scenario, sink);
+  log.add(0.0);
+  ASSERT_EQ(sink.messages.size(), 2U);
+  EXPECT_EQ(sink.messages[0].topic, "/uav0/camera_info");
+  EXPECT_EQ(sink.messages[1].topic, "/uav0/right/camera_info");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto read = decode_camera_info(std::as_bytes(std::span(sink.messages[i].bytes)));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->width, i == 0 ? 320 : 640);
+  }
 }
 
 }  // namespace

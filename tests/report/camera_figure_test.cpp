@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sightline/log.hpp"
 #include "sightline/report/run_figures.hpp"
 #include "sightline/scenario.hpp"
@@ -55,6 +57,20 @@ TEST(CameraFigure, AnAttitudeThatNobodyKnowsAndAPlateThatIsTooNearAreNoPlates) {
   r.bodies[0].sighted[0].q = no_attitude;
   EXPECT_THAT(camera_figures(r).at(0).svg, HasSubstr("<circle cx=\"160.0\" cy=\"120.0\""));
   EXPECT_THAT(camera_figures(facing(0.1)).at(0).svg, Not(HasSubstr("<polygon")));
+}
+
+TEST(CameraFigure, WhatAFurtherCameraSawIsLeftOut) {
+  Recording r = facing(2.0);
+  r.bodies[0].sighted.push_back(r.bodies[0].sighted[0]);
+  r.bodies[0].sighted[1].p = {0.0, -2.0, 0.0};
+  const Figure figure = camera_figures(r).at(0);
+  EXPECT_THAT(figure.caption, HasSubstr("1 of its 1 detections"));
+  EXPECT_THAT(figure.svg, Not(HasSubstr("translate(252.0 0.0)")));
+  // The middle of a body is out of the picture, some of its tags are in it.
+  r.bodies[0].sighted[1] = {1.25, 1, {0.5, -0.4, 0.0}, {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)}};
+  EXPECT_THAT(camera_figures(r).at(0).caption, HasSubstr("2 of its 2 detections"));
+  r.bodies[0].sighted = {{1.25, 1, {-2.0, 0.0, 0.0}, no_attitude}};
+  EXPECT_TRUE(camera_figures(r).empty());
 }
 
 TEST(CameraFigure, AFlightShowsSixOfItsPicturesAsItsLogHasThem) {

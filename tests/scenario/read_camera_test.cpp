@@ -16,6 +16,7 @@ namespace {
 
 using test::scenario_of;
 using test::scenario_refusal;
+using testing::AllOf;
 using testing::HasSubstr;
 
 const std::string facing_pair = R"toml([agent.a]
@@ -65,6 +66,31 @@ TEST(ReadCamera, CamerasAndTagsHaveTheNamesThatTfCallsThemBy) {
   EXPECT_THAT(scenario_refusal(with("", "frames = [\"front\", \"front\"]\n")),
               HasSubstr("agent.b.tags.frames"));
   EXPECT_THAT(scenario_refusal(with("", "frames = [\"front\"]\n")), HasSubstr("agent.b.tags.frames"));
+}
+
+TEST(ReadCamera, ACameraOfANamedSensorHasAFrameOfItsOwnAndIsCalledByIt) {
+  const auto with = [&](const std::string& rest) {
+    return facing_pair + "[agent.a.sensors.left]\ncamera = { correlation_time = 0.5 }\n" + rest;
+  };
+  const Scenario alone = scenario_of(with(""));
+  ASSERT_EQ(alone.vision.cameras.size(), 1U);
+  EXPECT_EQ(alone.vision.cameras[0].camera.correlation_time, 0.5) << "one camera may have it";
+  EXPECT_EQ(alone.vision.cameras[0].frame, "a_left_camera_optical_frame");
+  EXPECT_EQ(camera_name(alone.vision.cameras[0], alone.team), "a left");
+  const Scenario two = scenario_of(facing_pair + "[agent.a.camera]\n[agent.a.sensors.left.camera]\n");
+  EXPECT_THAT(camera_words(two),
+              AllOf(HasSubstr("camera      a: 320"), HasSubstr("camera      a left: 320")));
+  EXPECT_THAT(scenario_refusal(facing_pair + "[agent.a.sensors.\"le ft\".camera]\n"),
+              HasSubstr("optical_frame is missing, expected a frame of its own on /tf, of 1 to 128 bytes, "
+                        "\"a_le ft_camera_optical_frame\" is none"));
+  constexpr std::string_view another =
+      "[agent.a_left]\nrobot = \"multirotor\"\nstart = { p = [5.0, 0.0, 1.0], heading = 0.0 }\n"
+      "sensor = {}\n";
+  EXPECT_THAT(scenario_refusal(with(fmt::format("{}camera = {{}}\n", another))),
+              HasSubstr("agent.a_left.camera.optical_frame is missing"));
+  EXPECT_EQ(scenario_of(with(fmt::format("{}camera = {{ optical_frame = \"cam\" }}\n", another)))
+                .vision.cameras.size(),
+            2U);
 }
 
 TEST(ReadCamera, ACameraSeesTagsFromTheMountOfItsSensor) {

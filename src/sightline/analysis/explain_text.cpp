@@ -170,8 +170,8 @@ std::string explain_text(const Scenario& scenario) {
       continue;
     }
     const ViewBand& other = views[*view.same_as];
-    text += fmt::format("{} sees the tags of {}: as {} those of {}\n", team.name(view.observer),
-                        team.name(view.target), team.name(other.observer), team.name(other.target));
+    text += fmt::format("{} sees the tags of {}: as {} those of {}\n", view.camera, team.name(view.target),
+                        other.camera, team.name(other.target));
   }
   for (const CertifiedView& view : scenario.certified_views) text += describe(view, team);
   for (const std::string& sentence : unobservable_robots(scenario)) text += sentence + "\n";

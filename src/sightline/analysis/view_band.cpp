@@ -8,6 +8,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/scenario/reach.hpp"
+#include "sightline/scenario/read_camera.hpp"
 #include "sightline/scenario/read_estimate.hpp"
 #include "sightline/world.hpp"
 
@@ -89,14 +90,17 @@ FilterOptions filter_beside(const Scenario& scenario, BodyId robot) {
 std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
   std::vector<ViewBand> all;
   std::vector<ViewFlight> flown;
-  std::set<std::pair<int, int>> pairs;
+  std::set<std::pair<const RobotCamera*, int>> pairs;
   const auto take = [&](const Coupling& coupling) {
     const auto& [observer, target] = coupling.between;
     const RobotCamera* const camera = scenario.vision.camera_of(observer, coupling.term.potential.mount());
     const BodyTags* const tags = scenario.vision.tags_of(target);
     if (coupling.term.potential.mount() == nullptr || camera == nullptr || tags == nullptr) return;
-    if (!pairs.emplace(observer.index, target.index).second) return;
-    ViewBand band{.observer = observer, .target = target, .speed = meant_speed(scenario, target)};
+    if (!pairs.emplace(camera, target.index).second) return;
+    ViewBand band{.observer = observer,
+                  .target = target,
+                  .camera = camera_name(*camera, scenario.team),
+                  .speed = meant_speed(scenario, target)};
     const ViewFlight flight{.camera = camera->camera,
                             .mount = camera->mount,
                             .tags = tags->tags,
@@ -118,8 +122,8 @@ std::vector<ViewBand> view_bands(const Scenario& scenario, int flights) {
 }
 
 std::string to_string(const ViewBand& band, const Team& team) {
-  std::string text = fmt::format("{} sees the tags of {}, which moves at up to {:.2g} m/s",
-                                 team.name(band.observer), team.name(band.target), band.speed);
+  std::string text = fmt::format("{} sees the tags of {}, which moves at up to {:.2g} m/s", band.camera,
+                                 team.name(band.target), band.speed);
   if (band.rows.empty()) return text + ": at no distance\n";
   text += "\n  distance  found  error of its place  view lost for 0.5 s\n";
   for (const auto& [distance, figures] : band.rows) {

@@ -20,7 +20,8 @@ struct ViewAtDistance {
 /// A camera and the tags that it observes.
 struct ViewBand {
   BodyId observer{}, target{};
-  double speed = 0.0;  ///< greatest speed of the target's reference or motion [m/s]
+  std::string camera{};  ///< "uav0", or "uav0 left" with the name of its sensor
+  double speed = 0.0;    ///< greatest speed of the target's reference or motion [m/s]
   std::optional<std::size_t>
       same_as{};  ///< index of an earlier band with equal camera, tags and speed, hence equal figures
   std::vector<ViewAtDistance> rows{};  ///< ascending, up to the distance where almost nothing is detected

@@ -136,8 +136,13 @@ CameraLog::CameraLog(const Scenario& scenario, MessageSink& to) : cameras_(scena
   if (cameras_.empty()) return;
   constexpr LogTopic topic = log_topic("/OBSERVER/camera_info");
   const SchemaId schema = topic.add_schema(to, camera_info_schema().text);
-  for (const RobotCamera& one : cameras_)
-    channels_.push_back(topic.open(to, schema, scenario.team.name(one.observer)));
+  constexpr LogTopic further = log_topic("/OBSERVER/SENSOR/camera_info");
+  for (const RobotCamera& one : scenario.vision.cameras) {
+    const std::string_view name = scenario.team.name(one.observer);
+    const bool first = scenario.vision.camera_of(one.observer) == &one;
+    channels_.push_back(first ? topic.open(to, schema, name)
+                              : further.open(to, schema, fmt::format("{}/{}", name, one.sensor)));
+  }
 }
 
 void CameraLog::add(double time) {

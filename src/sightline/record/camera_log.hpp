@@ -1,7 +1,8 @@
 /// Camera intrinsics of a run in the log: topic, message encoding and writer.
 ///
-///     /OBSERVER/camera_info   sensor_msgs/CameraInfo in the optical frame, once, in the first
-///                             period: with its distortion
+///     /OBSERVER/camera_info           sensor_msgs/CameraInfo of the first camera of a robot, in the
+///                                     optical frame, once, in the first period: with its distortion
+///     /OBSERVER/SENSOR/camera_info    of each further camera
 #pragma once
 
 #include <array>
@@ -37,7 +38,7 @@ void encode_camera_info(std::vector<std::byte>& bytes, std::string_view frame, s
 /// no such message, or of an unknown distortion.
 std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes);
 
-/// Writes the topic above.
+/// Writes the topics above.
 class CameraLog {
  public:
   /// @param to  receives the messages; must outlive this object

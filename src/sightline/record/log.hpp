@@ -23,7 +23,8 @@ namespace sightline {
 ///                                              delay change it
 ///                   /AGENT/attitude            true attitude of vehicles, or as links receive it; from the
 ///                                              model for other robots with a body-fixed camera
-///                   /AGENT/camera_info         sensor_msgs/CameraInfo of a camera, once
+///                   /AGENT/camera_info         sensor_msgs/CameraInfo of the first camera, once
+///                   /AGENT/SENSOR/camera_info  of each further one
 ///                   /AGENT/input               {time, u, raw}: applied, and before the solver's
 ///                                              clamp
 ///                   /AGENT/path                the prediction, if the sample has one

@@ -9,14 +9,14 @@
 
 namespace sightline {
 
-/// A topic; BODY, ROBOT and OBSERVER stand for the names of bodies.
+/// A topic; BODY, ROBOT and OBSERVER stand for the names of bodies, SENSOR for that of a sensor.
 struct LogTopic {
   std::string_view topic, schema;
   std::string_view fields;  ///< of a message in JSON, after its `time`: "number, list[], word: string"
   std::string_view meaning;
 
   constexpr std::string_view encoding() const { return schema.starts_with("sightline.") ? "json" : "cdr"; }
-  /// The topic of a body, or of none.
+  /// The topic of a body, of its sensor BODY/SENSOR, or of none.
   std::string of(std::string_view body = {}) const {
     return std::string(body.empty() ? "" : "/").append(body).append(topic.substr(topic.rfind('/')));
   }
@@ -30,7 +30,7 @@ struct LogTopic {
   }
 };
 
-inline constexpr std::array<LogTopic, 23> log_topics = {
+inline constexpr std::array<LogTopic, 24> log_topics = {
     {{"/BODY/state", "sightline.State", "x[]", "true state"},
      {"/BODY/pose", "geometry_msgs/msg/PoseStamped", "", "true pose in G"},
      {"/BODY/twist", "geometry_msgs/msg/TwistStamped", "", "true velocity in G, yaw rate"},
@@ -69,7 +69,10 @@ inline constexpr std::array<LogTopic, 23> log_topics = {
       "stamp, arrival, target: string, tags, p[], q[], covariance[]",
       "times of exposure and arrival [s], number of tags, position [m] and attitude (w, x, y, z; zeros: "
       "unknown) of the target in the camera frame, upper triangle of the covariance of position and turn"},
-     {"/OBSERVER/camera_info", "sensor_msgs/msg/CameraInfo", "", "once, with its distortion"},
+     {"/OBSERVER/camera_info", "sensor_msgs/msg/CameraInfo", "",
+      "of its first camera, once, with its distortion"},
+     {"/OBSERVER/SENSOR/camera_info", "sensor_msgs/msg/CameraInfo", "",
+      "of each further camera, at [agent.OBSERVER.sensors.SENSOR]"},
      {"/solver", "sightline.Solver", "status: string, residual, iterations: integer, pairs: integer, cost",
       "of an update, `pairs` with [[keep_apart]]; of several controllers /controllerN/solver"},
      {"/events", "sightline.Event", "kind: string, controller: integer, value",

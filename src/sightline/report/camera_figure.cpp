@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "sightline/report/page.hpp"
 #include "sightline/report/run_figures.hpp"
@@ -43,6 +45,13 @@ std::string plates_of(const Camera& camera, const Recording::Sighted& seen, cons
   return plates;
 }
 
+/// Whether the picture shows any of it; what a further camera of the robot detects may lie beyond.
+bool is_in_picture(const Recording& r, const Camera& camera, const Recording::Sighted& seen) {
+  if (camera.sees(seen.p, camera.widest())) return true;
+  const std::optional<Tags>& tags = r.bodies[seen.target].tags;
+  return tags && seen.q != no_attitude && !plates_of(camera, seen, *tags).empty();
+}
+
 /// One figure in its own pixels, with its caption below.
 std::string picture_of(const Recording& r, const Camera& camera, const Recording::Sighted& seen) {
   const Recording::Body& target = r.bodies[seen.target];
@@ -62,8 +71,10 @@ std::string picture_of(const Recording& r, const Camera& camera, const Recording
                            escaped(shortened(target.name, 16)), norm(seen.p));
 }
 
-Figure pictures_of(const Recording& r, const Recording::Body& observer, const Camera& camera) {
-  const std::size_t count = std::min(pictures_shown, observer.sighted.size());
+/// @param detections  not empty
+Figure pictures_of(const Recording& r, const Recording::Body& observer, const Camera& camera,
+                   const std::vector<Recording::Sighted>& detections) {
+  const std::size_t count = std::min(pictures_shown, detections.size());
   const double height = width_on_page * camera.height / camera.width;
   const std::size_t rows = (count + in_a_row - 1) / in_a_row;
   std::string svg = fmt::format(
@@ -71,8 +82,8 @@ Figure pictures_of(const Recording& r, const Recording::Body& observer, const Ca
       in_a_row * (width_on_page + gap_between) - gap_between,
       static_cast<double>(rows) * (height + words_below + gap_between) - gap_between);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t last = observer.sighted.size() - 1;
-    const Recording::Sighted& seen = observer.sighted[count > 1 ? i * last / (count - 1) : 0];
+    const std::size_t last = detections.size() - 1;
+    const Recording::Sighted& seen = detections[count > 1 ? i * last / (count - 1) : 0];
     svg += fmt::format("<g transform=\"translate({:.1f} {:.1f}) scale({:.5f})\">\n{}</g>\n",
                        static_cast<double>(i % in_a_row) * (width_on_page + gap_between),
                        static_cast<double>(i / in_a_row) * (height + words_below + gap_between),
@@ -83,7 +94,7 @@ Figure pictures_of(const Recording& r, const Recording::Body& observer, const Ca
       fmt::format(
           "{} of its {} detections, each as it says that the tags were, without their code, in a picture of "
           "{} x {} pixels.",
-          count, observer.sighted.size(), camera.width, camera.height),
+          count, detections.size(), camera.width, camera.height),
       svg + "</svg>"};
 }
 
@@ -92,8 +103,11 @@ Figure pictures_of(const Recording& r, const Recording::Body& observer, const Ca
 std::vector<Figure> camera_figures(const Recording& recording) {
   std::vector<Figure> figures;
   for (const Recording::Body& body : recording.bodies) {
-    if (!body.camera || body.sighted.empty() || figures.size() == cameras_shown) continue;
-    figures.push_back(pictures_of(recording, body, *body.camera));
+    if (!body.camera || figures.size() == cameras_shown) continue;
+    std::vector<Recording::Sighted> detections;
+    for (const Recording::Sighted& one : body.sighted)
+      if (is_in_picture(recording, *body.camera, one)) detections.push_back(one);
+    if (!detections.empty()) figures.push_back(pictures_of(recording, body, *body.camera, detections));
   }
   return figures;
 }

@@ -37,9 +37,9 @@ bool is_tf_frame(const std::string& name) {
 /// Name in /tf of the optical frame of a robot's camera.
 std::string read_optical_frame(const TomlTable& at, std::string frame, const CameraOptions& vision) {
   constexpr std::string_view key = "optical_frame";
-  if (!at.has(key)) return frame;
-  const std::string expected = fmt::format("a frame of its own on /tf, of 1 to {} bytes", tf_frame_max);
-  frame = at.text(key, expected);
+  const std::string own = fmt::format("a frame of its own on /tf, of 1 to {} bytes", tf_frame_max);
+  const std::string expected = at.has(key) ? own : fmt::format("{}, \"{}\" is none", own, frame);
+  if (at.has(key)) frame = at.text(key, expected);
   const bool taken = std::any_of(vision.cameras.begin(), vision.cameras.end(),
                                  [&](const RobotCamera& one) { return one.frame == frame; });
   if (taken || !is_tf_frame(frame)) at.throw_invalid(key, expected);
@@ -89,12 +89,12 @@ SensorMount read_mounting(const TomlTable& at, std::span<const std::string_view>
   return mount;
 }
 
-/// Reads a camera whose optical frame has this name unless it states another.
-void read_one_camera(const TomlTable& camera, BodyId robot, const SensorMount& mount, std::string frame,
+/// Reads the camera of a sensor, whose name is empty for [agent.NAME.sensor].
+void read_one_camera(const TomlTable& camera, BodyId robot, const NamedSensor& sensor,
                      ScenarioSpec& scenario) {
   constexpr std::array<std::string_view, 2> beside = {"render", "optical_frame"};
   RobotCamera read{
-      .observer = robot, .mount = mount, .camera = read_part<Camera>(TableSource(camera), beside)};
+      .observer = robot, .mount = sensor.mount, .camera = read_part<Camera>(TableSource(camera), beside)};
   camera.checked([&] { read.camera.check(); });
   if (camera.has("field_of_view") && camera.has("focal_length"))
     camera.throw_invalid("field_of_view", "no such key beside focal_length");
@@ -104,7 +104,11 @@ void read_one_camera(const TomlTable& camera, BodyId robot, const SensorMount& m
   if (read.render && read.camera.correlation_time > 0)
     camera.throw_invalid("correlation_time",
                          "0 s of a rendered camera, whose errors are those of its pictures");
-  read.frame = read_optical_frame(camera, std::move(frame), scenario.vision);
+  const std::string_view name = scenario.team.name(robot);
+  read.sensor = sensor.name;
+  read.frame = read_optical_frame(
+      camera, fmt::format("{}{}{}_camera_optical_frame", name, sensor.name.empty() ? "" : "_", sensor.name),
+      scenario.vision);
   scenario.vision.cameras.push_back(read);
 }
 
@@ -137,19 +141,18 @@ std::vector<NamedSensor> read_sensors(const TomlTable& agent) {
 
 void read_sight(const TomlTable& at, BodyId body, const Observer& sensors, ScenarioSpec& scenario) {
   CameraOptions& vision = scenario.vision;
-  const std::string_view name = scenario.team.name(body);
   if (at.has("camera")) {
     const TomlTable camera = at.table("camera");
     if (!sensors.mount)
       at.throw_invalid("camera", fmt::format("a robot with a mounting for it, [{}.sensor]", at.path()));
-    read_one_camera(camera, body, *sensors.mount, fmt::format("{}_camera_optical_frame", name), scenario);
+    read_one_camera(camera, body, {"", *sensors.mount}, scenario);
   }
   for (const NamedSensor& sensor : sensors.sensors) {
     const TomlTable mounted = at.table("sensors").table(sensor.name);
     if (!mounted.has("camera")) continue;
-    read_one_camera(mounted.table("camera"), body, sensor.mount,
-                    fmt::format("{}_{}_camera_optical_frame", name, sensor.name), scenario);
-    check_beside_first(mounted, *vision.camera_of(body), vision.cameras.back());
+    read_one_camera(mounted.table("camera"), body, sensor, scenario);
+    const RobotCamera &first = *vision.camera_of(body), &last = vision.cameras.back();
+    if (&first != &last) check_beside_first(mounted, first, last);
   }
   if (at.has("tags")) {
     const TomlTable table = at.table("tags");
@@ -201,6 +204,10 @@ std::vector<TagReading> tag_readings(const ScenarioSpec& scenario) {
   return all;
 }
 
+std::string camera_name(const RobotCamera& camera, const Team& team) {
+  return fmt::format("{}{}{}", team.name(camera.observer), camera.sensor.empty() ? "" : " ", camera.sensor);
+}
+
 std::string camera_words(const ScenarioSpec& scenario) {
   const Team& team = scenario.team;
   std::string text;
@@ -208,7 +215,7 @@ std::string camera_words(const ScenarioSpec& scenario) {
     const Camera& c = one.camera;
     fmt::format_to(std::back_inserter(text),
                    "camera      {}: {} x {} px, focal length {:.1f} px{}, {} Hz, latency {} to {} s, {}{}\n",
-                   team.name(one.observer), c.width, c.height, c.focal(), lens_words(c), c.rate, c.latency[0],
+                   camera_name(one, team), c.width, c.height, c.focal(), lens_words(c), c.rate, c.latency[0],
                    c.latency[1], one.render ? "rendered" : "detections drawn by their noise",
                    c.correlation_time > 0 ? fmt::format(", correlated over {} s", c.correlation_time) : "");
   }

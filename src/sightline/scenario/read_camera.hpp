@@ -39,6 +39,9 @@ struct TagReading {
 /// In the order of the couplings; d_min before d_max.
 std::vector<TagReading> tag_readings(const ScenarioSpec& scenario);
 
+/// "uav0", or "uav0 left" of a camera at [agent.uav0.sensors.left].
+std::string camera_name(const RobotCamera& camera, const Team& team);
+
 /// "camera      uav0: 320 x 240 px, ...", a line for each camera, body with tags and distance.
 std::string camera_words(const ScenarioSpec& scenario);
 

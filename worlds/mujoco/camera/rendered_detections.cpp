@@ -16,9 +16,10 @@ RenderedDetections::RenderedDetections(const Team& team, const CameraOptions& op
       numbers_(number_tags(options)),
       synthetic_(team, options),
       scene_(team, options, surroundings, finder_) {
-  for (const RobotCamera& one : options_.cameras) {
-    pictures_.emplace_back(one.camera.width, one.camera.height);
-    chance_.emplace_back(options_.seed, StreamId::picture, one.observer.index);
+  for (std::size_t i = 0; i < options_.cameras.size(); ++i) {
+    const Camera& camera = options_.cameras[i].camera;
+    pictures_.emplace_back(camera.width, camera.height);
+    chance_.emplace_back(options_.seed, StreamId::picture, stream_of(options_, i));
   }
 }
 
