@@ -120,26 +120,11 @@ std::string apply(const RemoveBody& remove, const TeamChange& change) {
 
 bool is_view_set(const Coupling& c) { return c.ramp.lasts() && c.name.starts_with(name_of_view_sets); }
 
-/// Fades out the sets of views whose pair no coupling observes any more.
-void end_unobserved_sets(const TeamChange& change) {
-  auto& couplings = change.now.couplings;
-  for (std::size_t i = 0; i < couplings.size(); ++i) {
-    const auto observes_pair = [&](const Coupling& c) {
-      return c.ramp.lasts() && c.between.first == couplings[i].between.first &&
-             c.between.second == couplings[i].between.second && observes(c.term.potential);
-    };
-    if (is_view_set(couplings[i]) && std::none_of(couplings.begin(), couplings.end(), observes_pair))
-      change.fade_out(couplings, i);
-  }
-}
-
 std::string apply(const RemoveTerm& remove, const TeamChange& change) {
-  std::string refusal = change.edit_term(remove.name, [&](auto& terms, std::size_t i) {
+  return change.edit_term(remove.name, [&](auto& terms, std::size_t i) {
     change.fade_out(terms, i);
     return std::string();
   });
-  if (refusal.empty()) end_unobserved_sets(change);
-  return refusal;
 }
 
 std::string apply(const AddBody& add, const TeamChange& change) {
@@ -290,7 +275,6 @@ std::string apply(const Observe& observe, const TeamChange& change) {
       change.replace(couplings, i, std::move(next));
     }
   }
-  end_unobserved_sets(change);
   return {};
 }
 
@@ -345,10 +329,26 @@ std::string apply(const InjectFault& inject, const TeamChange& change) {
   return {};
 }
 
+/// Fades out the sets of views whose pair no coupling observes any more.
+void end_unobserved_sets(const TeamChange& change) {
+  auto& couplings = change.now.couplings;
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
+    const auto observes_pair = [&](const Coupling& c) {
+      return c.ramp.lasts() && c.between.first == couplings[i].between.first &&
+             c.between.second == couplings[i].between.second && observes(c.term.potential);
+    };
+    if (is_view_set(couplings[i]) && std::none_of(couplings.begin(), couplings.end(), observes_pair))
+      change.fade_out(couplings, i);
+  }
+}
+
 }  // namespace
 
 std::string apply_action(const Action& action, TeamState& now, double t, double ramp) {
-  return std::visit([&](const auto& it) { return apply(it, {now, t, ramp}); }, action);
+  const TeamChange change = {now, t, ramp};
+  std::string refusal = std::visit([&](const auto& it) { return apply(it, change); }, action);
+  if (refusal.empty()) end_unobserved_sets(change);
+  return refusal;
 }
 
 }  // namespace sightline
