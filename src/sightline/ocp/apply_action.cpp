@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "sightline/potential/protection.hpp"
@@ -217,8 +218,9 @@ std::string apply(const Observe& observe, const TeamChange& change) {
   const BodyId target = observe.target;
   if (observer == target) return fmt::format("\"{}\" cannot observe itself", change.name(observer));
   auto& couplings = change.now.couplings;
+  std::optional<SensorMount> through = observe.through;
   const auto is_through = [&](const Potential& potential) {
-    return !observe.through || potential.mount() == nullptr || *potential.mount() == *observe.through;
+    return !through || potential.mount() == nullptr || *potential.mount() == *through;
   };
   const auto looks = std::find_if(couplings.begin(), couplings.end(), [&](const Coupling& c) {
     return c.ramp.lasts() && c.between.first == observer && observes(c.term.potential) &&
@@ -234,6 +236,7 @@ std::string apply(const Observe& observe, const TeamChange& change) {
     return fmt::format("\"{}\" observes \"{}\" already, expected another", change.name(observer),
                        change.name(target));
   }
+  if (const SensorMount* const mount = looks->term.potential.mount()) through = *mount;
   for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
     if (!couplings[i].ramp.lasts() || !joins(couplings[i], observer, before)) continue;
     if (is_view_set(couplings[i])) continue;

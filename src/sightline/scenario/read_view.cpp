@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -44,10 +44,14 @@ ViewLimits limits_of(const std::vector<Coupling>& couplings, BodyId observer, Bo
   return limits;
 }
 
-bool is_observed(const std::vector<Coupling>& couplings, BodyId observer, BodyId target) {
-  return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
-    return c.between.first == observer && c.between.second == target && observes(c.term.potential);
-  });
+/// Whether the observer observes the target by this coupling.
+bool is_of_view(const Coupling& c, BodyId observer, BodyId target) {
+  return c.between.first == observer && c.between.second == target && observes(c.term.potential);
+}
+
+bool is_observed(std::span<const Coupling> couplings, BodyId observer, BodyId target) {
+  return std::any_of(couplings.begin(), couplings.end(),
+                     [&](const Coupling& c) { return is_of_view(c, observer, target); });
 }
 
 /// The couplings of the start, or after the first event by which the observer observes the target.
@@ -64,17 +68,46 @@ std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const Cert
   return {};
 }
 
+/// The couplings that an action adds.
+std::span<const Coupling> added_by(const Action& action) {
+  if (const auto* add = std::get_if<AddCoupling>(&action)) return {&add->coupling, 1};
+  if (const auto* hand_over = std::get_if<HandOver>(&action)) return hand_over->couplings;
+  return {};
+}
+
+/// Whether an action turns the observer to the target.
+bool turns_to(const Action& action, const CertifiedView& view) {
+  const auto* observe = std::get_if<Observe>(&action);
+  return observe != nullptr && observe->observer == view.observer && observe->target == view.target;
+}
+
 /// Whether the observer may observe the target by this action, which it did not before.
 bool begins_view(const Action& action, const CertifiedView& view) {
-  const auto is_of_view = [&](const Coupling& c) {
-    return c.between.first == view.observer && c.between.second == view.target && observes(c.term.potential);
+  return turns_to(action, view) || is_observed(added_by(action), view.observer, view.target);
+}
+
+/// Whether the observer observes the target through two sensors in the scenario; at one time or not.
+bool has_two_sensors(const ScenarioSpec& scenario, const CertifiedView& view) {
+  const SensorMount* first = nullptr;
+  const auto is_another = [&](const SensorMount* mount) {
+    if (first == nullptr) first = mount;
+    return mount != nullptr && *mount != *first;
   };
-  if (const auto* observe = std::get_if<Observe>(&action))
-    return observe->observer == view.observer && observe->target == view.target;
-  if (const auto* add = std::get_if<AddCoupling>(&action)) return is_of_view(add->coupling);
-  const auto* hand_over = std::get_if<HandOver>(&action);
-  return hand_over != nullptr &&
-         std::any_of(hand_over->couplings.begin(), hand_over->couplings.end(), is_of_view);
+  const auto have_another = [&](std::span<const Coupling> couplings) {
+    return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
+      return is_of_view(c, view.observer, view.target) && is_another(c.term.potential.mount());
+    });
+  };
+  if (have_another(scenario.team.couplings())) return true;
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      if (have_another(added_by(action))) return true;
+      if (!turns_to(action, view)) continue;
+      const auto& through = std::get<Observe>(action).through;
+      if (through && is_another(&*through)) return true;
+    }
+  }
+  return false;
 }
 
 /// Adds the sets of the views to the costs: at the start, and at the end of the events that begin a
@@ -109,6 +142,9 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
                    [](const Potential& limit) { return observes(limit); }))
     at.throw_invalid("target",
                      fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
+  if (has_two_sensors(scenario, view))
+    at.throw_invalid("target", fmt::format("a body that {} observes through one sensor in the whole scenario",
+                                           team.name(view.observer)));
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
     const ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
