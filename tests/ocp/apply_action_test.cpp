@@ -221,6 +221,25 @@ TEST(Observe, AViewThatTheTargetAloneFeltEndsWithIt) {
   EXPECT_EQ(then.couplings()[0].between.second, lamp);
 }
 
+TEST(Observe, OfTwoSensorsOnOneTargetOnlyTheFirstTurnsUnlessOneIsNamed) {
+  const SensorMount left{.yaw = 1.5}, right{.yaw = -1.5};
+  for (const bool is_named : {false, true}) {
+    Team team = event_team(2, 2);
+    const AgentId observer = team.add(Multirotor{}, {.name = "uav2"});
+    for (const SensorMount& mount : {left, right})
+      team.couple({1.0, Potential(Bearing{}).seen_from(mount)}, {observer, BodyId{1}}, {observer});
+    ActiveTeam active_team(team);
+    const auto through = is_named ? std::optional(right) : std::nullopt;
+    EXPECT_THAT(active_team.apply(Observe{observer, BodyId{0}, through}, 0.0, 0.0), IsEmpty());
+    const Team then = active_team.team(0.0);
+    for (const Coupling& c : then.couplings()) {
+      if (c.between.first != observer) continue;
+      const bool turned = *c.term.potential.mount() == (is_named ? right : left);
+      EXPECT_EQ(c.between.second, BodyId{turned ? 0 : 1}) << is_named;
+    }
+  }
+}
+
 TEST(RemoveBody, WhatOthersFeltOfOneThatVanishedFadesAway) {
   ActiveTeam active_team(event_team(3));
   EXPECT_THAT(active_team.apply(RemoveBody{BodyId{1}}, 1.0, 0.5), IsEmpty());

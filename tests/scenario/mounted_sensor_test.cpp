@@ -457,6 +457,20 @@ TEST(SeveralSensors, ByEventsChangeOneAtATime) {
   EXPECT_EQ(views[0].mount, left_mount);
   EXPECT_EQ(views[1].target, BodyId{3});
   EXPECT_EQ(views[1].mount, right_mount);
+  // Both may turn at one time, in one event or in two.
+  const std::string both = "[target.other]\np = [1.5, 0.0, 1.0]\n";
+  const std::string left = "{ observer = \"uav0\", target = \"other\", sensor = \"left\" }",
+                    right = "{ observer = \"uav0\", target = \"ball\", sensor = \"right\" }";
+  views = views_after(both + "[[event]]\nat = 1.0\nobserve = [" + left + ", " + right + "]");
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views[0].target, BodyId{3});
+  EXPECT_EQ(views[0].mount, left_mount);
+  EXPECT_EQ(views[1].target, ball);
+  EXPECT_EQ(views[1].mount, right_mount);
+  const std::string at = "\n[[event]]\nat = 1.0\nobserve = ";
+  EXPECT_EQ(test::scenario_refusal(two_way_watcher(both + at + left + at + right)), "");
+  EXPECT_NE(test::scenario_refusal(two_way_watcher(both + at + left + at + left)).find("is changed twice"),
+            std::string::npos);
   // Two of one pair are two views.
   views = views_after(
       "[[event]]\nat = 1.0\nadd = { couple = { potential = { bearing = { alpha = 2.0 } }, "

@@ -8,6 +8,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sightline/events.hpp"
@@ -352,6 +353,113 @@ observe = { observer = "uav0", target = "there", sensor = "back" }
       lasting.push_back(fmt::format("{} {}", c.term.potential.name(), scenario.team.name(c.between.second)));
   std::sort(lasting.begin(), lasting.end());
   EXPECT_EQ(lasting, (std::vector<std::string>{"bearing there", "certified_view ball", "sensor_cone ball"}));
+}
+
+/// The limits of a view; the keys `last` are of the coupling that observes.
+std::string views_of(const std::string& robot, const std::string& target, const std::string& last) {
+  std::string couples;
+  for (const char* potential :
+       {"cohesion = { d_max = 3.0 }", "keep_out = { d_min = 0.8 }", "sensor_cone = { alpha = 0.6 }"})
+    couples += fmt::format("[[couple]]\npotential = {{ {} }}\nbetween = [\"{}\", \"{}\"]\n", potential, robot,
+                           target);
+  return couples + last;
+}
+
+/// Two robots on opposite sides of a ball and of a cube, with certified views of these pairs.
+std::string two_observers(const std::string& rest, const std::vector<std::array<const char*, 2>>& views) {
+  std::string text =
+      "[simulation]\nduration = 1.0\n[target.ball]\np = [0.0, 0.0, 1.1]\n[target.cube]\np = [0.0, 0.4, "
+      "1.1]\n";
+  for (const auto& [name, x, heading] : {std::tuple("uav0", -1.6, 0.0), std::tuple("uav1", 1.6, 3.14)})
+    text += fmt::format(R"([agent.{}]
+robot = "multirotor"
+start = {{ p = [{}, 0.0, 1.4], heading = {} }}
+sensor = {{ pitch = 0.2, offset = 0.17 }}
+)",
+                        name, x, heading);
+  for (const auto& [observer, target] : views)
+    text += fmt::format("[[certify_view]]\nobserver = \"{}\"\ntarget = \"{}\"\nspeed_max = 0.1\n", observer,
+                        target);
+  return text + rest;
+}
+
+/// The pairs of the sets in the cost after the events with these ends of their names.
+std::vector<std::string> sets_after(const std::string& text, const std::vector<std::string>& names) {
+  const Scenario scenario = test::scenario_of(text);
+  ActiveTeam active(scenario.team, scenario.presence);
+  std::size_t happened = 0;
+  for (const std::string& name : names) {
+    for (const TeamEvent& event : scenario.script.events) {
+      if (!event.name.ends_with(name)) continue;
+      ++happened;
+      for (const Action& action : event.actions) EXPECT_EQ(active.apply(action, 1.0, 0.5), "") << name;
+    }
+  }
+  EXPECT_EQ(happened, names.size());
+  std::vector<std::string> sets;
+  const Team team = active.team(3.0);
+  for (const Coupling& c : team.couplings())
+    if (c.term.potential.name() == "certified_view")
+      sets.push_back(fmt::format("{} {}", team.name(c.between.first), team.name(c.between.second)));
+  std::sort(sets.begin(), sets.end());
+  return sets;
+}
+
+// The first action of each event ends a view before the next one begins another.
+TEST(CertifyView, TheSetsOfAnEventAreThoseOfThePairsObservedAfterIt) {
+  const std::string couples = views_of("uav0", "ball", "name = \"sees\"\n") + views_of("uav1", "cube", "");
+  using Sets = std::vector<std::string>;
+  const auto after = [&](const std::string& actions, const std::vector<std::array<const char*, 2>>& begun) {
+    std::vector<std::array<const char*, 2>> views = {{"uav0", "ball"}, {"uav1", "cube"}};
+    views.insert(views.end(), begun.begin(), begun.end());
+    return sets_after(two_observers(couples + "[[event]]\nname = \"turn\"\nat = 1.0\n" + actions, views),
+                      {"turn"});
+  };
+  const std::string remove = "remove = { couple = \"sees\" }\n";
+  EXPECT_EQ(after(remove, {}), Sets{"uav1 cube"});
+  EXPECT_EQ(after(remove + "add = { couple = { potential = { bearing = { alpha = 0.5 } }, "
+                           "between = [\"uav0\", \"ball\"] } }\n",
+                  {}),
+            (Sets{"uav0 ball", "uav1 cube"}));
+  EXPECT_EQ(after("observe = [{ observer = \"uav0\", target = \"cube\" }, "
+                  "{ observer = \"uav1\", target = \"ball\" }]\n",
+                  {{"uav0", "cube"}, {"uav1", "ball"}}),
+            (Sets{"uav0 cube", "uav1 ball"}));
+}
+
+TEST(CertifyView, TheSetOfARelayIsThatOfItsObserver) {
+  const std::string text = two_observers(R"([[shape]]
+nearest = { target = "ball", observers = ["uav0", "uav1"] }
+potentials = [{ sensor_cone = { alpha = 0.6 } }, { cohesion = { d_max = 3.0 } }, { keep_out = { d_min = 0.8 } }]
+)",
+                                         {{"uav0", "ball"}, {"uav1", "ball"}});
+  EXPECT_EQ(sets_after(text, {}), std::vector<std::string>{"uav0 ball"});
+  EXPECT_EQ(sets_after(text, {"uav1 takes over from uav0"}), std::vector<std::string>{"uav1 ball"});
+}
+
+TEST(CertifyView, ASetStaysWhereAnotherTargetOfItsObserverChanges) {
+  const std::string first =
+      "[[couple]]\npotential = { bearing = { alpha = 0.8 } }\nbetween = [\"uav0\", \"cube\"]\n";
+  const std::string turn = R"([target.post]
+p = [0.0, 0.8, 1.1]
+[[event]]
+name = "turn"
+at = 1.0
+observe = { observer = "uav0", target = "post" }
+)";
+  const std::string choice = R"([agent.uav0.camera]
+[target.cube.tags]
+[target.post]
+p = [0.0, 0.8, 1.1]
+tags = {}
+[[shape]]
+best = { target = ["cube", "post"], observers = ["uav0"] }
+potential = { bearing = { alpha = 0.8 } }
+)";
+  const std::string couples = views_of("uav0", "ball", "");
+  const std::vector<std::string> sets = {"uav0 ball"};
+  EXPECT_EQ(sets_after(two_observers(first + couples + turn, {{"uav0", "ball"}}), {"turn"}), sets);
+  EXPECT_EQ(sets_after(two_observers(couples + choice, {{"uav0", "ball"}}), {"uav0 turns to post"}), sets);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "sightline/potential/protection.hpp"
@@ -120,26 +121,11 @@ std::string apply(const RemoveBody& remove, const TeamChange& change) {
 
 bool is_view_set(const Coupling& c) { return c.ramp.lasts() && c.name.starts_with(name_of_view_sets); }
 
-/// Fades out the sets of views whose pair no coupling observes any more.
-void end_unobserved_sets(const TeamChange& change) {
-  auto& couplings = change.now.couplings;
-  for (std::size_t i = 0; i < couplings.size(); ++i) {
-    const auto observes_pair = [&](const Coupling& c) {
-      return c.ramp.lasts() && c.between.first == couplings[i].between.first &&
-             c.between.second == couplings[i].between.second && observes(c.term.potential);
-    };
-    if (is_view_set(couplings[i]) && std::none_of(couplings.begin(), couplings.end(), observes_pair))
-      change.fade_out(couplings, i);
-  }
-}
-
 std::string apply(const RemoveTerm& remove, const TeamChange& change) {
-  std::string refusal = change.edit_term(remove.name, [&](auto& terms, std::size_t i) {
+  return change.edit_term(remove.name, [&](auto& terms, std::size_t i) {
     change.fade_out(terms, i);
     return std::string();
   });
-  if (refusal.empty()) end_unobserved_sets(change);
-  return refusal;
 }
 
 std::string apply(const AddBody& add, const TeamChange& change) {
@@ -232,8 +218,9 @@ std::string apply(const Observe& observe, const TeamChange& change) {
   const BodyId target = observe.target;
   if (observer == target) return fmt::format("\"{}\" cannot observe itself", change.name(observer));
   auto& couplings = change.now.couplings;
+  std::optional<SensorMount> through = observe.through;
   const auto is_through = [&](const Potential& potential) {
-    return !observe.through || potential.mount() == nullptr || *potential.mount() == *observe.through;
+    return !through || potential.mount() == nullptr || *potential.mount() == *through;
   };
   const auto looks = std::find_if(couplings.begin(), couplings.end(), [&](const Coupling& c) {
     return c.ramp.lasts() && c.between.first == observer && observes(c.term.potential) &&
@@ -249,6 +236,7 @@ std::string apply(const Observe& observe, const TeamChange& change) {
     return fmt::format("\"{}\" observes \"{}\" already, expected another", change.name(observer),
                        change.name(target));
   }
+  if (const SensorMount* const mount = looks->term.potential.mount()) through = *mount;
   for (std::size_t i = 0, n = couplings.size(); i < n; ++i) {
     if (!couplings[i].ramp.lasts() || !joins(couplings[i], observer, before)) continue;
     if (is_view_set(couplings[i])) continue;
@@ -290,7 +278,6 @@ std::string apply(const Observe& observe, const TeamChange& change) {
       change.replace(couplings, i, std::move(next));
     }
   }
-  end_unobserved_sets(change);
   return {};
 }
 
@@ -345,10 +332,26 @@ std::string apply(const InjectFault& inject, const TeamChange& change) {
   return {};
 }
 
+/// Fades out the sets of views whose pair no coupling observes any more.
+void end_unobserved_sets(const TeamChange& change) {
+  auto& couplings = change.now.couplings;
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
+    const auto observes_pair = [&](const Coupling& c) {
+      return c.ramp.lasts() && c.between.first == couplings[i].between.first &&
+             c.between.second == couplings[i].between.second && observes(c.term.potential);
+    };
+    if (is_view_set(couplings[i]) && std::none_of(couplings.begin(), couplings.end(), observes_pair))
+      change.fade_out(couplings, i);
+  }
+}
+
 }  // namespace
 
 std::string apply_action(const Action& action, TeamState& now, double t, double ramp) {
-  return std::visit([&](const auto& it) { return apply(it, {now, t, ramp}); }, action);
+  const TeamChange change = {now, t, ramp};
+  std::string refusal = std::visit([&](const auto& it) { return apply(it, change); }, action);
+  if (refusal.empty()) end_unobserved_sets(change);
+  return refusal;
 }
 
 }  // namespace sightline

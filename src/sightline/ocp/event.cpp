@@ -20,9 +20,6 @@ std::string of_body(const Team& all, BodyId body) { return fmt::format("\"{}\"",
 std::string of_term(std::string_view name) {
   return name.empty() ? std::string() : fmt::format("the coupling or constraint \"{}\"", name);
 }
-std::string target_of(const Team& all, AgentId observes) {
-  return fmt::format("the target of {}", of_body(all, observes));
-}
 
 std::string subject(const RemoveBody& it, const Team& all) { return of_body(all, it.body); }
 std::string subject(const RemoveTerm& it, const Team& /*all*/) { return of_term(it.name); }
@@ -33,7 +30,16 @@ std::string subject(const RetuneAgent& it, const Team& all) {
   return fmt::format("the tuning of {}", of_body(all, it.agent));
 }
 std::string subject(const RetuneTerm& it, const Team& /*all*/) { return of_term(it.name); }
-std::string subject(const Observe& it, const Team& all) { return target_of(all, it.observer); }
+std::string subject(const Observe& it, const Team& all) {
+  std::string target = fmt::format("the target of {}", of_body(all, it.observer));
+  if (!it.through) return target;
+  const SensorMount& mount = *it.through;
+  return fmt::format(
+      "{} through the sensor of yaw = {}, pitch = {}, roll = {}, offset = [{}, {}, {}], frame = {}, "
+      "sigmas = {}",
+      target, mount.yaw, mount.pitch, mount.roll, mount.offset.x, mount.offset.y, mount.offset.z,
+      mount_frames[static_cast<std::size_t>(mount.frame)], mount.sigmas);
+}
 std::string subject(const SetReference& it, const Team& all) {
   return fmt::format("the reference of {}", of_body(all, it.agent));
 }

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -79,6 +81,10 @@ Action read_observe(const EventText& observe, std::string_view /*kind*/) {
   Observe read{observe.robot("observer"), observe.body("target", "the name of a body")};
   if (read.observer == read.target) observe.throw_invalid("target", "another body than observer");
   const Observer observer = observe.observer("observer");
+  if (!observer.mount)
+    observe.throw_invalid(
+        "sensor",
+        fmt::format("a sensor of [agent.{0}.sensors], there is no [agent.{0}.sensor]", observer.name));
   if (!observer.sensors.empty()) read.through = observer.mount;
   return read;
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -44,10 +44,14 @@ ViewLimits limits_of(const std::vector<Coupling>& couplings, BodyId observer, Bo
   return limits;
 }
 
-bool is_observed(const std::vector<Coupling>& couplings, BodyId observer, BodyId target) {
-  return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
-    return c.between.first == observer && c.between.second == target && observes(c.term.potential);
-  });
+/// Whether the observer observes the target by this coupling.
+bool is_of_view(const Coupling& c, BodyId observer, BodyId target) {
+  return c.between.first == observer && c.between.second == target && observes(c.term.potential);
+}
+
+bool is_observed(std::span<const Coupling> couplings, BodyId observer, BodyId target) {
+  return std::any_of(couplings.begin(), couplings.end(),
+                     [&](const Coupling& c) { return is_of_view(c, observer, target); });
 }
 
 /// The couplings of the start, or after the first event by which the observer observes the target.
@@ -64,60 +68,61 @@ std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const Cert
   return {};
 }
 
-/// The views that an action ends and begins. A set leaves by itself with the last coupling that
-/// observes its pair (apply_action()).
-struct ViewTurn {
-  BodyId observer{};
-  std::optional<BodyId> ends{};  // none: all of the observer
-  std::vector<BodyId> begins{};
-};
-
-std::optional<ViewTurn> turn_of(const Action& action) {
-  if (const auto* observe = std::get_if<Observe>(&action)) {
-    const auto ends = observe->through ? std::optional(observe->target) : std::nullopt;
-    return ViewTurn{observe->observer, ends, {observe->target}};
-  }
-  if (const auto* hand_over = std::get_if<HandOver>(&action)) {
-    ViewTurn turn = {hand_over->observer};
-    for (const Coupling& c : hand_over->couplings)
-      if (observes(c.term.potential)) turn.begins.push_back(c.between.second);
-    return turn;
-  }
-  if (const auto* add = std::get_if<AddCoupling>(&action); add && observes(add->coupling.term.potential)) {
-    const auto [observer, target] = add->coupling.between;
-    return ViewTurn{observer, target, {target}};
-  }
-  return std::nullopt;
+/// The couplings that an action adds.
+std::span<const Coupling> added_by(const Action& action) {
+  if (const auto* add = std::get_if<AddCoupling>(&action)) return {&add->coupling, 1};
+  if (const auto* hand_over = std::get_if<HandOver>(&action)) return hand_over->couplings;
+  return {};
 }
 
-/// Adds the sets of the views to the costs: at the start, and by the events that turn an observer.
+/// Whether an action turns the observer to the target.
+bool turns_to(const Action& action, const CertifiedView& view) {
+  const auto* observe = std::get_if<Observe>(&action);
+  return observe != nullptr && observe->observer == view.observer && observe->target == view.target;
+}
+
+/// Whether the observer may observe the target by this action, which it did not before.
+bool begins_view(const Action& action, const CertifiedView& view) {
+  return turns_to(action, view) || is_observed(added_by(action), view.observer, view.target);
+}
+
+/// Whether the observer observes the target through two sensors in the scenario; at one time or not.
+bool has_two_sensors(const ScenarioSpec& scenario, const CertifiedView& view) {
+  const SensorMount* first = nullptr;
+  const auto is_another = [&](const SensorMount* mount) {
+    if (first == nullptr) first = mount;
+    return mount != nullptr && *mount != *first;
+  };
+  const auto have_another = [&](std::span<const Coupling> couplings) {
+    return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
+      return is_of_view(c, view.observer, view.target) && is_another(c.term.potential.mount());
+    });
+  };
+  if (have_another(scenario.team.couplings())) return true;
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      if (have_another(added_by(action))) return true;
+      if (!turns_to(action, view)) continue;
+      const auto& through = std::get<Observe>(action).through;
+      if (through && is_another(&*through)) return true;
+    }
+  }
+  return false;
+}
+
+/// Adds the sets of the views to the costs: at the start, and at the end of the events that begin a
+/// view. A set leaves by itself with the last coupling that observes its pair (apply_action()).
 /// @param sets  of each view; of weight 0: none
 void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views, std::vector<Coupling> sets,
                  const std::vector<std::string>& places) {
   for (TeamEvent& event : scenario.script.events) {
-    std::vector<HandOver> changes;  // one of each observer: two of one subject would contradict each other
-    for (const Action& action : event.actions) {
-      const std::optional<ViewTurn> turn = turn_of(action);
-      if (!turn) continue;
-      auto change = std::find_if(changes.begin(), changes.end(),
-                                 [&](const HandOver& one) { return BodyId(one.observer) == turn->observer; });
-      if (change == changes.end())
-        change = changes.insert(change, HandOver{.observer = AgentId{turn->observer}});
-      for (std::size_t k = 0; k < views.size(); ++k) {
-        if (views[k].observer != turn->observer || sets[k].term.weight == 0) continue;
-        const std::string& name = sets[k].name;
-        if ((!turn->ends || *turn->ends == views[k].target) &&
-            std::find(change->names.begin(), change->names.end(), name) == change->names.end())
-          change->names.push_back(name);
-        const bool begins =
-            std::find(turn->begins.begin(), turn->begins.end(), views[k].target) != turn->begins.end();
-        if (begins && std::none_of(change->couplings.begin(), change->couplings.end(),
-                                   [&](const Coupling& one) { return one.name == name; }))
-          change->couplings.push_back(sets[k]);
-      }
+    std::vector<Action>& actions = event.actions;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      const bool begins = std::any_of(actions.begin(), actions.end(),
+                                      [&](const Action& action) { return begins_view(action, views[k]); });
+      if (begins && sets[k].term.weight > 0)
+        actions.push_back(HandOver{AgentId{views[k].observer}, {sets[k].name}, {sets[k]}});
     }
-    std::erase_if(changes, [](const HandOver& one) { return one.names.empty(); });
-    event.actions.insert(event.actions.begin(), changes.begin(), changes.end());
   }
   for (std::size_t k = 0; k < views.size(); ++k) {
     const bool at_start = is_observed(scenario.team.couplings(), views[k].observer, views[k].target);
@@ -137,6 +142,9 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
                    [](const Potential& limit) { return observes(limit); }))
     at.throw_invalid("target",
                      fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
+  if (has_two_sensors(scenario, view))
+    at.throw_invalid("target", fmt::format("a body that {} observes through one sensor in the whole scenario",
+                                           team.name(view.observer)));
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
     const ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,

@@ -43,6 +43,17 @@ constexpr std::array<std::string_view, 27> agent_keys = {
     "feed_forward", "R_rate",     "camera",  "tags",   "hull",     "localization",
     "observes",     "estimate",   "sensors"};
 
+/// Rejects two sensors of a robot with one mount, by which couplings and events tell them apart.
+void check_mounts(const TomlTable& at, const Observer& robot) {
+  std::vector<SensorMount> others;
+  if (robot.mount) others.push_back(*robot.mount);
+  for (const NamedSensor& one : robot.sensors) {
+    if (std::find(others.begin(), others.end(), one.mount) != others.end())
+      at.table("sensors").throw_invalid(one.name, "another mount than that of another sensor of the robot");
+    others.push_back(one.mount);
+  }
+}
+
 /// Fills a ScenarioSpec from a document, section by section; sections that others refer to come first.
 class Reader {
  public:
@@ -196,6 +207,7 @@ class Reader {
       scenario_.x0.insert(scenario_.x0.end(), start.begin(), start.end());
 
       observers_.push_back({name, read_mount(at), read_sensors(at)});
+      check_mounts(at, observers_.back());
       std::optional<RobotVehicle> vehicle = read_vehicle(at, model, scenario_.world);
       if (vehicle && model.sight(start.data(), agent.u_ref.data()).p.z < 0)
         at.table("start").throw_invalid(place_key(at), "a place at or above the ground, whose height is 0 m");
