@@ -9,6 +9,7 @@
 #include "bridges/dds/fleet/link.hpp"
 #include "bridges/dds/fleet/link_fault.hpp"
 #include "cli/arguments.hpp"
+#include "sightline/analysis/localization/rig_filter.hpp"
 #include "sightline/estimate/team_filter.hpp"
 #include "sightline/estimator.hpp"
 #include "sightline/judge/summary_keys.hpp"
@@ -97,7 +98,8 @@ std::string reference() {
          section("Estimates", {keys("[estimate], [agent.NAME.estimate]", FilterOptions{}),
                                keys("[estimate.broadcast] simulated", Radio{}),
                                keys("[estimate.broadcast] received", BroadcastOptions{}),
-                               keys("[localize] of recorded teams", TeamNoise{})}) +
+                               keys("[localize] of recorded teams", TeamNoise{}),
+                               keys("[localize] of camera rigs", RigNoise{})}) +
          section("Loop and log", {keys("[loop]", LoopKeys{}), keys("[log]", LogOptions{})}) +
          section("Campaign",
                  {keys("[campaign]", CampaignPlan{}), keys("[campaign.evasion]", EvasionPlan{})}) +

@@ -62,12 +62,14 @@ Execute describe_localize(CLI::App& app) {
       ->capture_default_str();
   app.add_flag("!--no-identities", options.identities, "Ignore which body a sighting shows");
   app.add_option("--noise", options.noise,
-                 "File with a table [localize] (TOML), as --identify-noise writes it");
+                 "File with a table [localize] (TOML), as noise.toml of the results");
   app.add_option("--set", options.set, "KEY=VALUE of [localize], range_noise=0.1; may be repeated")
       ->allow_extra_args(false);
-  app.add_flag("--identify-noise", options.identify_noise,
-               "First fit noise and correlation times to the recording");
-  app.add_option("--seed", options.seed, "Seed of the noise of known poses")
+  app.add_flag(
+      "--identify-noise", options.identify_noise,
+      "First fit noise and correlation times to the recording of a team; the random walks of a rig are "
+      "fitted unless --noise is given or --set has one");
+  app.add_option("--seed", options.seed, "Seed of the noise of known poses of a team")
       ->check(CLI::Range(std::uint64_t{0}, seed_max))
       ->capture_default_str();
   app.add_flag("--json", command->json, "JSON instead of a table");

@@ -15,6 +15,7 @@ namespace sightline::test {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -93,7 +94,9 @@ TEST(LocalizeCommand, RefusesInOneSentence) {
   const fs::path folder = fresh_folder(), place = recording_in(folder, 2.0);
   const std::string at = place.string();
   const auto of = [&](const std::string& command) { return refused("localize " + command, folder); };
-  EXPECT_THAT(of((folder / "none").string()), HasSubstr("/none: not there, expected a folder of MRCLAM"));
+  EXPECT_THAT(
+      of((folder / "none").string()),
+      AllOf(HasSubstr("/none: not there, expected a folder of MRCLAM"), HasSubstr("PREFIX_tagslam.yaml")));
   EXPECT_THAT(of("scenarios/localize.toml"), HasSubstr("no recording of a known kind"));
   EXPECT_THAT(of(at + " --anchor robot9"),
               HasSubstr("--anchor = robot9, expected one of robot1, robot2, robot3"));
@@ -170,7 +173,56 @@ TEST(LocalizeCommand, LocalizesACameraRig) {
   EXPECT_TRUE(log.visit([&](const McapMessage& one) { ++messages[std::string(one.topic)]; })) << log.error();
   for (const char* topic : {"/rig/estimate", "/rig_smoothed/estimate", "/rig/pose"})
     EXPECT_EQ(messages[topic], static_cast<int>(rig.recording.reference.size())) << topic;
-  EXPECT_THAT(sightline(at + " --anchor robot1", folder).err, HasSubstr("--anchor = robot1, expected none"));
+}
+
+TEST(LocalizeCommand, FitsTheWalksOfARigUnlessTheyAreGiven) {
+  const fs::path folder = fresh_folder(), place = folder / "walk", out = folder / "out";
+  write_rig(SyntheticRig({.seconds = 3.0}).recording, place.string() + "_");
+  const auto summary = [&](const std::string& options) {
+    const auto done =
+        sightline("localize " + place.string() + " --json -o " + out.string() + options, folder);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return json::parse(done.out);
+  };
+  const json corners = summary(" --set corner_noise=2");
+  EXPECT_TRUE(corners.at("identified").get<bool>());
+  EXPECT_EQ(corners.at("noise").at("corner_noise"), 2.0);
+  EXPECT_NE(corners.at("noise").at("position_walk"), RigNoise{}.position_walk);
+  const json walk = summary(" --set position_walk=0.03 --set corner_noise=2");
+  EXPECT_FALSE(walk.at("identified").get<bool>());
+  EXPECT_EQ(walk.at("noise").at("position_walk"), 0.03);
+  EXPECT_EQ(walk.at("noise").at("rotation_walk"), RigNoise{}.rotation_walk);
+  EXPECT_FALSE(summary(" --noise " + (out / "noise.toml").string()).at("identified").get<bool>());
+}
+
+TEST(LocalizeCommand, RefusesARigBeforeItMakesAFolder) {
+  const fs::path folder = fresh_folder(), place = folder / "walk", out = folder / "out";
+  RigRecording recording = SyntheticRig({.seconds = 1.0}).recording;
+  write_rig(recording, place.string() + "_");
+  const auto of = [&](const std::string& options) {
+    return refused("localize " + place.string() + " -o " + out.string() + options, folder);
+  };
+  for (const char* option :
+       {"--anchor robot1", "--landmarks none", "--robots none", "--start unknown", "--seed 2"}) {
+    const std::string words = option, name = words.substr(0, words.find(' '));
+    EXPECT_THAT(of(" " + words), HasSubstr(name + " = " + words.substr(name.size() + 1) + ", expected none"));
+  }
+  for (const char* option : {"--no-identities", "--identify-noise"})
+    EXPECT_THAT(of(fmt::format(" {}", option)), HasSubstr(fmt::format("{} = given, expected none", option)));
+  // No tag with a known pose is seen.
+  std::erase_if(recording.sightings,
+                [&](const RigRecording::Sighting& z) { return recording.tags[z.tag].known; });
+  write_rig(recording, place.string() + "_");
+  EXPECT_THAT(of(""), HasSubstr(place.string() + ": no view of a tag with a known pose"));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(LocalizeCommand, RefusesATeamBeforeItMakesAFolder) {
+  const fs::path folder = fresh_folder(), place = recording_in(folder, 2.0), out = folder / "out";
+  std::ofstream(place / "Robot2_Groundtruth.dat") << "";
+  EXPECT_THAT(refused("localize " + place.string() + " -o " + out.string(), folder),
+              HasSubstr(place.string() + ": the pose of robot2 at the start is unknown"));
+  EXPECT_FALSE(fs::exists(out));
 }
 
 }  // namespace

@@ -64,6 +64,29 @@ void read_noise(const LocalizeOptions& options, Noise& noise) {
   noise.check();
 }
 
+/// Whether the options give a random walk of a rig's motion; a file of --noise does.
+bool give_walk(const LocalizeOptions& options) {
+  return !options.noise.empty() ||
+         std::any_of(options.set.begin(), options.set.end(), [](const std::string& one) {
+           const TomlDocument document = parse_toml(one, "--set " + one);
+           const TomlTable numbers(document);
+           return numbers.size() > (numbers.has("corner_noise") ? 1U : 0U);
+         });
+}
+
+/// Seconds that a run takes. Done before a folder is made: a recording that cannot be localized leaves none.
+template <class Run>
+double timed(const std::filesystem::path& place, const Run& run) {
+  using Steady = std::chrono::steady_clock;
+  const auto begun = Steady::now();
+  try {
+    (void)run();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", place.native(), error.what()));
+  }
+  return std::chrono::duration<double>(Steady::now() - begun).count();
+}
+
 /// The folder of the results, locked.
 FolderLock folder_for(const std::filesystem::path& place, const std::filesystem::path& chosen) {
   const auto named = place.filename().empty() ? place.parent_path().filename() : place.filename();
@@ -106,19 +129,15 @@ TeamRun team_run(const TeamRecording& recording, const LocalizeOptions& options)
 LocalizedFiles localize_recording(const std::filesystem::path& place, const LocalizeOptions& options,
                                   const std::filesystem::path& folder, const std::string& command) {
   namespace fs = std::filesystem;
-  using Steady = std::chrono::steady_clock;
   const TeamRecording recording = read_team_recording(place);
   TeamRun run = team_run(recording, options);
+  const double wall = timed(place, [&] { return localize_team(recording, run); });
   const FolderLock lock = folder_for(place, folder);
   std::optional<IdentifiedNoise> identified;
   if (options.identify_noise) {
     identified = identify_noise(recording, run);
     run.noise = identified->noise;
   }
-  const auto begun = Steady::now();
-  (void)localize_team(recording, run);
-  const double wall = std::chrono::duration<double>(Steady::now() - begun).count();
-
   const fs::path log_file = lock.folder() / "localize.mcap";
   EstimateLog log(beside(log_file), recording,
                   {{"version", std::string(version)},
@@ -149,7 +168,6 @@ LocalizedFiles localize_recording(const RigRecording& recording, const std::file
                                   const LocalizeOptions& options, const std::filesystem::path& folder,
                                   const std::string& command) {
   namespace fs = std::filesystem;
-  using Steady = std::chrono::steady_clock;
   const LocalizeOptions none;
   const auto refuse = [&](std::string_view option, std::string_view value) {
     throw std::invalid_argument(
@@ -160,14 +178,14 @@ LocalizedFiles localize_recording(const RigRecording& recording, const std::file
   if (!options.anchor.empty()) refuse("--anchor", options.anchor);
   if (options.start != none.start) refuse("--start", options.start);
   if (!options.identities) refuse("--no-identities", "given");
+  if (options.identify_noise) refuse("--identify-noise", "given");
+  if (options.seed != none.seed) refuse("--seed", fmt::format("{}", options.seed));
   RigNoise noise{.corner_noise = recording.corner_noise};
   read_noise(options, noise);
+  const double wall = timed(place, [&] { return localize_rig(recording, noise, false); });
   const FolderLock lock = folder_for(place, folder);
-  const bool identified = options.identify_noise || (options.noise.empty() && options.set.empty());
+  const bool identified = !give_walk(options);
   if (identified) noise = identify_motion(recording, noise).noise;
-  const auto begun = Steady::now();
-  (void)localize_rig(recording, noise, false);
-  const double wall = std::chrono::duration<double>(Steady::now() - begun).count();
   const RigLocalization result = localize_rig(recording, noise);
   const LocalizedRig localized{.place = place.native(),
                                .command = command,

@@ -19,7 +19,7 @@ struct LocalizeOptions {
   std::filesystem::path noise{};   ///< TOML with [localize]; empty: the noise of the kind
   std::vector<std::string> set{};  ///< KEY=VALUE of [localize], over the file
   std::uint64_t seed = 1;
-  bool identify_noise = false;  ///< first fit the noise to the recording
+  bool identify_noise = false;  ///< first fit the noise to the recording of a team
 };
 
 /// @throws std::invalid_argument naming option, value and what was expected; ScenarioError for keys
@@ -32,8 +32,8 @@ struct LocalizedFiles {
   std::vector<std::filesystem::path> files{};
 };
 
-/// Localizes a recording and writes summary.json, report.html, localize.mcap and, with
-/// `identify_noise`, noise.toml.
+/// Localizes a recording and writes summary.json, report.html, localize.mcap and, where the noise is
+/// identified, noise.toml.
 /// @param folder   empty: out/RECORDING/localize
 /// @param command  for the summary
 /// @throws std::invalid_argument and ScenarioError for bad input, before anything is written; another
@@ -41,8 +41,8 @@ struct LocalizedFiles {
 LocalizedFiles localize_recording(const std::filesystem::path& recording, const LocalizeOptions& options,
                                   const std::filesystem::path& folder, const std::string& command);
 
-/// The same for a camera rig: options of teams are refused. Without `noise` and `set`, and with
-/// `identify_noise`, the random walks of the motion are identified first.
+/// The same for a camera rig: options of teams, `seed` and `identify_noise` are refused. The random
+/// walks of the motion are identified first, unless `noise` is given or `set` has one of them.
 /// @param place  of the recording, for messages and the name of the folder
 LocalizedFiles localize_recording(const RigRecording& recording, const std::filesystem::path& place,
                                   const LocalizeOptions& options, const std::filesystem::path& folder,

@@ -47,7 +47,8 @@ std::optional<PlanarPose> TeamRecording::truth(int robot, double t) const {
 
 TeamRecording read_team_recording(const fs::path& place) {
   const std::string expected =
-      "expected a folder of MRCLAM (Robot1_Odometry.dat, ...) or files of MURP (NAME_base-1_targ-2.csv)";
+      "expected a folder of MRCLAM (Robot1_Odometry.dat, ...), files of MURP (NAME_base-1_targ-2.csv), or a "
+      "camera rig (folder with tagslam.yaml, PREFIX of PREFIX_tagslam.yaml)";
   std::error_code error;
   const fs::file_status status = fs::status(place, error);
   if (!fs::exists(status))
