@@ -172,17 +172,21 @@ TEST(RigRecording, FilesGiveWhatTheyHold) {
   }
 }
 
+void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to) {
+  std::ifstream in(file);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t at = text.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  std::ofstream(file) << text;
+}
+
 TEST(RigRecording, RefusalsNameFileKeyAndValue) {
   const test::SyntheticRig rig({.seconds = 0.3});
   const std::filesystem::path folder = test::fresh_folder();
   const auto refused = [&](const char* file, const std::string& from, const std::string& to) {
     test::write_rig(rig.recording, (folder / "").string());
-    std::ifstream in(folder / file);
-    std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-    std::ofstream(folder / file) << text;
+    replace_in(folder / file, from, to);
     return refusal_of<std::exception>([&] { read_rig_recording(folder); });
   };
   EXPECT_THAT(refused("cameras.yaml", "equidistant", "fov"),
@@ -201,9 +205,94 @@ TEST(RigRecording, RefusalsNameFileKeyAndValue) {
   EXPECT_THAT(refused("reference.csv", "odom,/reference,1000.000000,", "odom,/reference,now,"),
               HasSubstr("reference.csv:1: t = now, expected a number"));
   test::write_rig(rig.recording, (folder / "").string());
+  for (const char* camera : {"cam0", "cam1"})
+    replace_in(folder / "cameras.yaml", std::string("/") + camera + "/tags", "/seen");
+  EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(folder); }),
+              HasSubstr("no row of a tag by a camera of the rig, expected tag,/seen,..."));
+  EXPECT_THAT(refused("tag_detections.csv", "tag,", "t\x1b[1mag,"), HasSubstr(":1: row t?[1mag, expected"));
+  const std::string wall = " - wall:\n     is_static: true\n     default_tag_size: 0.3\n";
+  EXPECT_THAT(
+      refused("tagslam.yaml", "bodies:\n", "bodies:\n" + wall),
+      HasSubstr("bodies[0].wall.pose is missing, expected its pose, as there is another static body"));
+  EXPECT_THAT(
+      refused("tagslam.yaml", " - room:\n", " - room:\n     ignore_tags: [10, 11, 12, 13, 14, 15]\n"),
+      HasSubstr("tag_detections.csv: every row by a camera of the rig is of an unknown or ignored tag"));
+  EXPECT_THAT(refused("tagslam.yaml", "default_body: room", "default_body: rooms"),
+              HasSubstr("default_body = rooms, expected a body, the nearest is \"room\""));
+  EXPECT_THAT(refused("tagslam.yaml", " - room:\n", " - room:\n     type: board\n"),
+              HasSubstr("bodies[0].room.type = board, expected simple"));
+  EXPECT_EQ(refused("tagslam.yaml", " - room:\n", " - room:\n     type: simple\n"), "");
+  EXPECT_THAT(refused("tagslam.yaml", " - rig:", " - \"rig\\e[1m\":"),
+              HasSubstr("expected a body with a name of letters, digits, _ and -"));
+  EXPECT_THAT(refused("tagslam.yaml", "bodies:\n", "squash:\n - {tags: [1]}\nbodies:\n"),
+              HasSubstr("squash = [... 1 items], expected a file without this key"));
+  const std::string remap = "tag_id_remap:\n - {id: 10, remaps: [{remap_id: 11, start_time: 0, end_time: 1";
+  EXPECT_EQ(refused("tagslam.yaml", "bodies:\n", remap + "}]}\nbodies:\n"), "");
+  EXPECT_THAT(refused("tagslam.yaml", "bodies:\n", remap + ", camera: cam0}]}\nbodies:\n"),
+              HasSubstr("camera = cam0, expected a remap of all cameras"));
+  EXPECT_THAT(refused("tagslam.yaml", "/odom", "/odon"),
+              HasSubstr("odom_topic = /odon, expected one, the nearest is \"/odom\""));
+  test::write_rig(rig.recording, (folder / "").string());
+  std::ofstream(folder / "cameras.yaml") << "{}\n";
+  EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(folder); }),
+              HasSubstr("cam0 is missing, expected a camera"));
   std::filesystem::remove(folder / "camera_poses.yaml");
   EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(folder); }),
               HasSubstr("camera_poses.yaml"));
+}
+
+TEST(RigRecording, RefusesSightingsAndReferencesThatDoNotFit) {
+  const test::SyntheticRig rig({.seconds = 2.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  const auto refused = [&](const RigRecording& recording) {
+    test::write_rig(recording, (folder / "").string());
+    return refusal_of<std::exception>([&] { read_rig_recording(folder); });
+  };
+  RigRecording other = rig.recording;
+  for (RigRecording::TimedPose& one : other.reference) one.t -= 900.0;
+  EXPECT_THAT(refused(other), HasSubstr("reference.csv: t = 100.000 to 102.000 s, expected times of the "
+                                        "sightings, 1000.000 to 1002.000 s"));
+  other = rig.recording;
+  for (std::size_t k = other.tags.size(); k <= 500; ++k)
+    other.tags.push_back({.id = static_cast<int>(10 + k)});
+  const RigRecording::Sighting first = other.sightings.front();
+  for (const std::size_t tags : {500, 501}) {
+    other.sightings.assign(tags, first);
+    for (std::size_t k = 0; k < tags; ++k) other.sightings[k].tag = k;
+    EXPECT_EQ(refused(other).empty(), tags == 500) << tags;
+  }
+  EXPECT_THAT(refused(other), HasSubstr("sightings of 501 tags, expected at most 500"));
+}
+
+TEST(RigRecording, ReferencesDoNotExtendIt) {
+  const test::SyntheticRig rig({.seconds = 2.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  RigRecording longer = rig.recording;
+  longer.reference.push_back({longer.end + 600.0, longer.reference.back().pose});
+  test::write_rig(longer, (folder / "").string());
+  const RigRecording read = read_rig_recording(folder);
+  EXPECT_NEAR(read.end, rig.recording.end, 1e-6);
+  EXPECT_EQ(read.reference.size(), rig.recording.reference.size());
+}
+
+TEST(RigRecording, TagsWithoutABodyAreOfTheDefaultBodyAlone) {
+  const test::SyntheticRig rig({.seconds = 2.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  test::write_rig(rig.recording, (folder / "").string());
+  EXPECT_EQ(read_rig_recording(folder).left_out, 0U);
+  replace_in(folder / "tagslam.yaml", "default_body: room\n", "");
+  const RigRecording listed = read_rig_recording(folder);
+  EXPECT_EQ(listed.tags.size(), 2U);
+  EXPECT_EQ(listed.left_out + listed.sightings.size(), rig.recording.sightings.size());
+}
+
+TEST(RigRecording, RowsWithoutATopicAreNoOdometry) {
+  const test::SyntheticRig rig({.seconds = 2.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  test::write_rig(rig.recording, (folder / "").string());
+  replace_in(folder / "tagslam.yaml", "     odom_topic: /odom\n", "");
+  std::ofstream(folder / "tag_detections.csv", std::ios::app) << "odom,,1001,0,0,0,0,0,0,1\n";
+  EXPECT_TRUE(read_rig_recording(folder).odometry.empty());
 }
 
 TEST(LocalizeRig, KeepsItsAccuracyOnTagSlam) {

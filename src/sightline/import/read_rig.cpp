@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <system_error>
 
+#include "sightline/base/nearest.hpp"
 #include "sightline/import/kinds.hpp"
 #include "sightline/import/yaml_value.hpp"
 #include "sightline/readers/packed_file.hpp"
@@ -22,6 +24,7 @@ constexpr Range of_rig_place = {-1e5, 1e5, "-1e5 to 1e5 m"}, of_rig_turn = {-100
 constexpr Range of_rig_tag = {1e-3, 10, "0.001 to 10 m"};
 constexpr Range of_rig_place_sigma = {0, 1e4, "0 to 1e4 m"}, of_rig_turn_sigma = {0, 1e4, "0 to 1e4 rad"};
 constexpr std::int64_t id_max = 1'000'000;
+constexpr std::size_t tags_max = 500;  // of sightings: the filter's time grows with their cube
 // Deviations below these are those of rounding: the filter would hold them for exact.
 constexpr double least_place_sigma = 1e-4, least_turn_sigma = 1e-4;  // [m], [rad]
 
@@ -108,19 +111,41 @@ void read_static_body(const YamlValue& body, RigBodies& all) {
   }
 }
 
+void read_remaps(const YamlValue& document, RigBodies& all) {
+  const auto list = document.find("tag_id_remap");
+  if (!list) return;
+  for (const YamlValue& one : list->items("a list of numbers of tags with their remaps")) {
+    const auto id = static_cast<int>(one.at("id", "the number of the tag").integer(0, id_max));
+    for (const YamlValue& to : one.at("remaps", "a list of remaps").items("a list of remaps")) {
+      if (const auto camera = to.find("camera")) camera->throw_invalid("a remap of all cameras");
+      const auto number = to.at("remap_id", "the other number").integer(0, id_max);
+      const double start = to.at("start_time", "a time in s").number({-1e10, 1e10, "a time in s"});
+      const double end = to.at("end_time", "a time in s").number({-1e10, 1e10, "a time in s"});
+      all.remaps.push_back({id, static_cast<int>(number), start, end});
+    }
+  }
+}
+
 RigBodies read_bodies(const YamlValue& document) {
   RigBodies all;
-  std::string general;
-  if (const auto word = document.find("default_body")) general = word->text("the name of a body");
+  const auto general = document.find("default_body");
+  const std::string of_unlisted = general ? general->text("the name of a body") : "";
+  std::vector<std::string> names;
+  std::vector<YamlValue> fixed;
   const YamlValue bodies = document.at("bodies", "a list of bodies");
   for (const YamlValue& item : bodies.items("a list of bodies")) {
     for (const auto& [name, body] : item.entries("a body by its name")) {
+      if (!is_robot_name(name)) body.throw_invalid("a body with a name of letters, digits, _ and -");
+      names.push_back(name);
+      if (const auto type = body.find("type"); type && type->text("simple") != "simple")
+        type->throw_invalid("simple");
       if (const auto list = body.find("ignore_tags"))
         for (const YamlValue& id : list->items("a list of numbers of tags"))
           all.ignored.insert(static_cast<int>(id.integer(0, id_max)));
       if (body.at("is_static", "true or false").boolean()) {
+        fixed.push_back(body);
         read_static_body(body, all);
-        if (const auto size = body.find("default_tag_size"); size && (general.empty() || name == general))
+        if (const auto size = body.find("default_tag_size"); size && name == of_unlisted)
           all.default_size = size->number(of_rig_tag);
         continue;
       }
@@ -137,22 +162,20 @@ RigBodies read_bodies(const YamlValue& document) {
       }
     }
   }
+  if (all.recording.name.empty()) bodies.throw_invalid("a body that moves, is_static: false");
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  if (general && std::find(names.begin(), names.end(), of_unlisted) == names.end())
+    general->throw_invalid("a body" + hint(of_unlisted, known));
+  // A body alone may be the frame of the places itself.
+  if (fixed.size() > 1)
+    for (const YamlValue& body : fixed) (void)body.at("pose", "its pose, as there is another static body");
   if (const auto noise = document.find_path({"tagslam_parameters", "pixel_noise"}))
     all.recording.corner_noise = noise->number({0.01, 100, "0.01 to 100 px"});
-  if (all.recording.name.empty()) bodies.throw_invalid("a body that moves, is_static: false");
   const auto& tags = all.recording.tags;
   if (std::none_of(tags.begin(), tags.end(), [](const RigRecording::Tag& tag) { return tag.known; }))
     bodies.throw_invalid("a tag with a pose on a body that does not move");
-  if (const auto list = document.find("tag_id_remap"))
-    for (const YamlValue& one : list->items("a list of numbers of tags with their remaps")) {
-      const auto id = static_cast<int>(one.at("id", "the number of the tag").integer(0, id_max));
-      for (const YamlValue& to : one.at("remaps", "a list of remaps").items("a list of remaps")) {
-        const auto number = to.at("remap_id", "the other number").integer(0, id_max);
-        const double start = to.at("start_time", "a time in s").number({-1e10, 1e10, "a time in s"});
-        const double end = to.at("end_time", "a time in s").number({-1e10, 1e10, "a time in s"});
-        all.remaps.push_back({id, static_cast<int>(number), start, end});
-      }
-    }
+  if (const auto squash = document.find("squash")) squash->throw_invalid("a file without this key");
+  read_remaps(document, all);
   return all;
 }
 
@@ -171,6 +194,7 @@ void read_cameras(const fs::path& place, RigRecording& recording) {
          .mounting = read_pose(poses.at(name, "the pose of this camera on the body")
                                    .at("pose", "the position and the rotation vector"))});
   }
+  if (recording.cameras.empty()) (void)cameras.at("cam0", "a camera");
 }
 
 template <class Timed>
@@ -180,11 +204,14 @@ void sort_by_time(std::vector<Timed>& list) {
 
 RigRows read_rows(const fs::path& file) { return parse_rig_rows(file.native(), read_packed_file(file)); }
 
+auto camera_of(const RigRows::TagRow& row, const RigRecording& recording) {
+  return std::find_if(recording.cameras.begin(), recording.cameras.end(),
+                      [&](const RigRecording::RigCamera& one) { return one.topic == row.topic; });
+}
+
 void add_sighting(const RigRows::TagRow& row, RigBodies& all) {
   RigRecording& recording = all.recording;
-  const auto camera =
-      std::find_if(recording.cameras.begin(), recording.cameras.end(),
-                   [&](const RigRecording::RigCamera& one) { return one.topic == row.topic; });
+  const auto camera = camera_of(row, recording);
   int id = row.id;
   for (const RigBodies::Remap& one : all.remaps)
     if (one.id == row.id && row.t >= one.start && row.t <= one.end) id = one.to;
@@ -205,6 +232,65 @@ void add_sighting(const RigRows::TagRow& row, RigBodies& all) {
                                  .corners = row.corners});
 }
 
+void add_sightings(const std::string& file, const std::vector<RigRows::TagRow>& rows, RigBodies& all) {
+  RigRecording& recording = all.recording;
+  for (const RigRows::TagRow& row : rows) add_sighting(row, all);
+  if (recording.sightings.empty()) {
+    const auto seen = std::find_if(rows.begin(), rows.end(), [&](const RigRows::TagRow& row) {
+      return camera_of(row, recording) != recording.cameras.end();
+    });
+    if (seen == rows.end())
+      throw std::invalid_argument(
+          fmt::format("{}: no row of a tag by a camera of the rig, expected tag,{},...", file,
+                      recording.cameras.front().topic));
+    throw std::invalid_argument(fmt::format(
+        "{}: every row by a camera of the rig is of an unknown or ignored tag, the first has id = {}, "
+        "expected tags of a static body",
+        file, seen->id));
+  }
+  std::set<std::size_t> tags;
+  for (const RigRecording::Sighting& one : recording.sightings) tags.insert(one.tag);
+  if (tags.size() > tags_max)
+    throw std::invalid_argument(
+        fmt::format("{}: sightings of {} tags, expected at most {}", file, tags.size(), tags_max));
+  sort_by_time(recording.sightings);
+}
+
+void add_odometry(const std::string& file, const std::vector<RigRows::PoseRow>& rows, RigBodies& all) {
+  if (all.odometry_topic.empty()) return;
+  const RigidPose to_odometry = inverse(all.odometry_frame);
+  std::set<std::string> topics;
+  for (const RigRows::PoseRow& row : rows) {
+    topics.insert(one_line(shortened(row.topic, name_size_max)));
+    if (row.topic == all.odometry_topic)
+      all.recording.odometry.push_back({row.at.t, row.at.pose * to_odometry});
+  }
+  if (all.recording.odometry.empty()) {
+    const std::vector<std::string_view> known(topics.begin(), topics.end());
+    throw std::invalid_argument(fmt::format("{}: no row of odometry by odom_topic = {}, expected one{}", file,
+                                            all.odometry_topic, hint(all.odometry_topic, known)));
+  }
+  sort_by_time(all.recording.odometry);
+}
+
+/// Poses beyond the sightings and the odometry are left out: an estimate there would be a guess.
+void add_reference(const std::string& file, const std::vector<RigRows::PoseRow>& rows,
+                   RigRecording& recording) {
+  std::vector<RigRecording::TimedPose> all;
+  for (const RigRows::PoseRow& row : rows) all.push_back(row.at);
+  sort_by_time(all);
+  const double first = recording.sightings.front().t, last = recording.sightings.back().t;
+  if (!all.empty() && std::none_of(all.begin(), all.end(), [&](const RigRecording::TimedPose& one) {
+        return one.t >= first && one.t <= last;
+      }))
+    throw std::invalid_argument(
+        fmt::format("{}: t = {:.3f} to {:.3f} s, expected times of the sightings, {:.3f} to {:.3f} s", file,
+                    all.front().t, all.back().t, first, last));
+  std::copy_if(
+      all.begin(), all.end(), std::back_inserter(recording.reference),
+      [&](const RigRecording::TimedPose& one) { return one.t >= recording.start && one.t <= recording.end; });
+}
+
 }  // namespace
 
 bool is_rig_recording(const fs::path& place) {
@@ -218,23 +304,13 @@ RigRecording read_rig_recording(const fs::path& place) {
   read_cameras(place, recording);
   const fs::path detections = file_of(place, "tag_detections.csv");
   const RigRows rows = read_rows(detections);
-  for (const RigRows::TagRow& row : rows.tags) add_sighting(row, all);
-  if (recording.sightings.empty())
-    throw std::invalid_argument(fmt::format("{}: no row of a tag by a camera of the rig, expected tag,{},...",
-                                            detections.native(), recording.cameras.front().topic));
-  const RigidPose to_odometry = inverse(all.odometry_frame);
-  for (const RigRows::PoseRow& row : rows.poses)
-    if (row.topic == all.odometry_topic) recording.odometry.push_back({row.at.t, row.at.pose * to_odometry});
-  std::error_code none;
-  if (const fs::path file = file_of(place, "reference.csv"); fs::exists(file, none)) {
-    for (const RigRows::PoseRow& row : read_rows(file).poses) recording.reference.push_back(row.at);
-    sort_by_time(recording.reference);
-  }
-  sort_by_time(recording.sightings);
-  sort_by_time(recording.odometry);
+  add_sightings(detections.native(), rows.tags, all);
+  add_odometry(detections.native(), rows.poses, all);
   recording.start = recording.sightings.front().t, recording.end = recording.sightings.back().t;
-  for (const auto* list : {&recording.odometry, &recording.reference})
-    if (!list->empty()) recording.end = std::max(recording.end, list->back().t);
+  if (!recording.odometry.empty()) recording.end = std::max(recording.end, recording.odometry.back().t);
+  std::error_code none;
+  if (const fs::path file = file_of(place, "reference.csv"); fs::exists(file, none))
+    add_reference(file.native(), read_rows(file).poses, recording);
   return std::move(all.recording);
 }
 

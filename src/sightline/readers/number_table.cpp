@@ -19,14 +19,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(around) - first + 1);
 }
 
-/// A field as it is shown in a message: printable, and not too long.
-std::string printable(std::string_view field) {
-  std::string shown(field.substr(0, shown_max));
-  std::replace_if(
-      shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
-  return shown + (field.size() > shown_max ? "..." : "");
-}
-
 }  // namespace
 
 std::optional<double> finite_number(std::string_view text) {
@@ -35,6 +27,13 @@ std::optional<double> finite_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
   return value;
+}
+
+std::string printable(std::string_view field) {
+  std::string shown(field.substr(0, shown_max));
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+  return shown + (field.size() > shown_max ? "..." : "");
 }
 
 NumberTable::NumberTable(std::string file, std::string_view text) : file_(std::move(file)), rest_(text) {

@@ -21,6 +21,8 @@ struct NumberColumn {
 
 /// The finite number that a text is, perhaps with a sign; empty if it is none.
 std::optional<double> finite_number(std::string_view text);
+/// A field as it is shown in a message: printable, and not too long.
+std::string printable(std::string_view field);
 
 /// Reads the rows of a text one by one. Commas or semicolons separate the fields of a row; in a row
 /// without them, blanks do. Quotes around a field are left out. Blank lines are left out, and so are

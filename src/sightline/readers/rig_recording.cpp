@@ -29,7 +29,7 @@ RigRows parse_rig_rows(const std::string& file, std::string_view text) {
     const std::span<const std::string_view> fields = table.fields();
     const bool tag = fields[0] == "tag";
     if (!tag && fields[0] != "odom")
-      table.refuse(fmt::format("row {}, expected tag or odom", fields[0].substr(0, 40)));
+      table.refuse(fmt::format("row {}, expected tag or odom", printable(fields[0])));
     const std::size_t count = fields.size();
     if (tag && count != fields_of_tag)
       table.refuse(fmt::format("{} fields, expected 12: tag, topic, t, id, 8 coordinates of corners", count));
