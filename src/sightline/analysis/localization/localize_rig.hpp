@@ -35,7 +35,8 @@ struct RigLocalization {
 
   RigAccuracy of_filter{}, in_view{}, of_smoother{};  ///< in_view: of the filter, a tag seen within 1 s
   RigidPose alignment{};                              ///< applied to the reference
-  std::size_t accepted = 0, rejected = 0, waiting = 0, restarts = 0, places = 0;
+  std::size_t accepted = 0, rejected = 0, waiting = 0, restarts = 0;
+  std::size_t places = 0;  ///< tags with an accepted sighting
   double innovation =
       no_value;  ///< mean of the squared normalised innovations of a coordinate; 1 is consistent
   double longest_unseen = 0.0;  ///< [s]
