@@ -221,6 +221,21 @@ TEST(LocalizeRig, LongestTimeWithoutATagReachesTheEnd) {
   EXPECT_NEAR(localize_rig(rig.recording, {}).longest_unseen, rig.recording.end - all.back().t, 1e-9);
 }
 
+TEST(LocalizeRig, FastOdometryGivesAHundredEstimatesASecondAndTheSameLastOne) {
+  test::SyntheticRig rig({.seconds = 3.0, .rate = 400.0});
+  std::vector<RigRecording::Sighting>& all = rig.recording.sightings;
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [&](const auto& z) { return z.t > rig.recording.start + 0.5; }),
+      all.end());
+  const RigLocalization whole = localize_rig(rig.recording, {});
+  rig.recording.reference.clear();
+  const RigLocalization fewer = localize_rig(rig.recording, {});
+  EXPECT_NEAR(static_cast<double>(fewer.filter.size()), 200 + 250, 2);
+  EXPECT_EQ(whole.filter.size(), 1201U);
+  EXPECT_EQ(whole.filter.back().t, fewer.filter.back().t);
+  EXPECT_LT(distance(whole.filter.back().pose, fewer.filter.back().pose), 1e-9);
+}
+
 TEST(LocalizeRig, IdentifiesTheWalkOfTheOdometry) {
   test::RecordedRig of{.seconds = 40.0, .rate = 5.0};
   of.noise.position_walk = 0.08, of.noise.rotation_walk = 0.04;

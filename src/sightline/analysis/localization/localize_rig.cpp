@@ -13,8 +13,9 @@
 namespace sightline {
 namespace {
 
-constexpr double in_view_within = 1.0;  // [s]
-constexpr double outlier_cost = 60.0;   // of eight coordinates that may be anywhere
+constexpr double in_view_within = 1.0;   // [s]
+constexpr double outlier_cost = 60.0;    // of eight coordinates that may be anywhere
+constexpr double least_period = 0.0095;  // of estimates at samples of odometry [s], which jitter about 100 Hz
 
 /// Poses between those of a list in order of time; beyond its ends, the nearest motion goes on for one
 /// sample.
@@ -336,7 +337,9 @@ std::vector<double> shown_times(const RigRecording& recording) {
   for (const auto& one : recording.reference) times.push_back(one.t);
   if (times.empty()) {
     for (const auto& one : recording.sightings) times.push_back(one.t);
-    for (const auto& one : recording.odometry) times.push_back(one.t);
+    double last = -infinity;
+    for (const auto& one : recording.odometry)
+      if (one.t - last > least_period) times.push_back(last = one.t);
   }
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());

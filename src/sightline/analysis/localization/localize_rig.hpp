@@ -50,7 +50,7 @@ struct RigLocalization {
 Mat<3, 3> position_covariance(const RigLocalization::Estimate& of);
 
 /// Runs the filter, and with `smooth` a smoother backwards over its steps. Estimates are at the times
-/// of the reference, else at those of the sightings and of the odometry. The reference is aligned with
+/// of the reference, else at those of the sightings and, 100 a second, of the odometry. The reference is aligned with
 /// the filter's estimates first: by the rigid motion that fits positions and, at arms of 1 m, axes
 /// best. Deterministic.
 /// @throws std::invalid_argument if no view of a known tag gives a first pose
