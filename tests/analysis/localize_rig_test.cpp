@@ -3,6 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
 #include "sightline/analysis/localization/consistency.hpp"
 #include "sightline/import/read_rig.hpp"
 #include "tests/support/folder.hpp"
@@ -119,15 +125,42 @@ TEST(LocalizeRig, TagsMovedTogetherMoveTheEstimates) {
   }
 }
 
+/// The tag `tag` hangs in turn at its place and at that of `other`, which is never seen itself.
+void swap_places(RigRecording& recording, std::size_t tag, std::size_t other, double period) {
+  std::vector<RigRecording::Sighting> kept;
+  for (RigRecording::Sighting z : recording.sightings) {
+    const bool moved = std::fmod(z.t - recording.start, 2 * period) > period;
+    if (z.tag == (moved ? tag : other)) continue;
+    if (z.tag == other) z.tag = tag;
+    kept.push_back(z);
+  }
+  recording.sightings = kept;
+}
+
+void expect_smoother_more_certain(const RigLocalization& result) {
+  EXPECT_EQ(distance(result.filter.back().pose, result.smoothed.back().pose), 0.0);
+  for (std::size_t k = 0; k < result.filter.size(); ++k)
+    EXPECT_LE(trace(position_covariance(result.smoothed[k])),
+              trace(position_covariance(result.filter[k])) * (1 + 1e-3) + 1e-9)
+        << k;
+}
+
 TEST(LocalizeRig, SmootherEndsAsTheFilterAndIsNeverLessCertain) {
   for (const bool odometry : {true, false}) {
     const test::SyntheticRig rig({.odometry = odometry, .seconds = 6.0});
-    const RigLocalization result = localize_rig(rig.recording, {});
-    EXPECT_EQ(distance(result.filter.back().pose, result.smoothed.back().pose), 0.0);
-    for (std::size_t k = 0; k < result.filter.size(); ++k)
-      EXPECT_LE(trace(position_covariance(result.smoothed[k])),
-                trace(position_covariance(result.filter[k])) * (1 + 1e-3) + 1e-9)
-          << k;
+    expect_smoother_more_certain(localize_rig(rig.recording, {}));
+    // Also where the pose starts anew after a gap, and where places are given up.
+    test::SyntheticRig lost({.odometry = odometry, .seconds = 24.0});
+    std::vector<RigRecording::Sighting>& all = lost.recording.sightings;
+    swap_places(lost.recording, 5, 4, 2.0);
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](const RigRecording::Sighting& z) {
+                               return std::abs(z.t - lost.recording.start - 10.0) < 4.0;
+                             }),
+              all.end());
+    const RigLocalization result = localize_rig(lost.recording, {.position_walk = 1.5});
+    EXPECT_GT(result.restarts, 0U);
+    expect_smoother_more_certain(result);
   }
 }
 
@@ -140,6 +173,67 @@ TEST(LocalizeRig, RejectsWrongCornersAndKeepsItsAccuracy) {
   const RigLocalization result = localize_rig(rig.recording, {});
   EXPECT_GE(result.rejected, wrong * 9 / 10);
   EXPECT_LT(result.of_filter.rmse, 1.5 * before);
+}
+
+/// Greatest distance of the last estimate from the truth, in the frame of the tags.
+double last_error(const RigRecording& recording, const RigLocalization& result) {
+  return norm(recording.reference.back().pose.p - result.filter.back().pose.p);
+}
+
+TEST(LocalizeRig, OneWrongKnownTagDoesNotCaptureTheMapWhereverItIsListed) {
+  for (std::size_t wrong = 0; wrong < 3; ++wrong) {
+    test::SyntheticRig rig({.known = 3, .seconds = 10.0});
+    rig.recording.tags[wrong].pose.p.x += 1.0;
+    const RigLocalization result = localize_rig(rig.recording, {});
+    EXPECT_LT(last_error(rig.recording, result), 0.1) << wrong;
+    EXPECT_LT(result.of_filter.rmse, 0.1) << wrong;
+    std::array<std::size_t, 3> accepted{};
+    for (std::size_t k = 0; k < result.fits.size(); ++k)
+      if (const std::size_t tag = rig.recording.sightings[k].tag; tag < 3)
+        accepted[tag] += result.fits[k].verdict != TagVerdict::rejected ? 1 : 0;
+    for (std::size_t tag = 0; tag < 3; ++tag) EXPECT_EQ(accepted[tag] == 0, tag == wrong) << tag << wrong;
+  }
+}
+
+TEST(LocalizeRig, TagThatMovesOftenIsOneTagOfOnePlace) {
+  test::SyntheticRig rig({.seconds = 30.0});
+  swap_places(rig.recording, 5, 4, 3.0);
+  RigFilter filter(rig.recording, {});
+  const RigLocalization result = localize_rig(rig.recording, {});
+  EXPECT_EQ(result.places, 5U);
+  EXPECT_GT(std::count_if(result.fits.begin(), result.fits.end(),
+                          [](const TagFit& fit) { return fit.verdict == TagVerdict::introduced; }),
+            5);
+  std::vector<TagFit> fits(rig.recording.sightings.size());
+  for (std::size_t k = 0; k < fits.size();) {
+    std::size_t end = k;
+    while (end < fits.size() && rig.recording.sightings[end].t == rig.recording.sightings[k].t) ++end;
+    filter.take({rig.recording.sightings.data() + k, end - k}, {fits.data() + k, end - k});
+    k = end;
+  }
+  EXPECT_LE(filter.places().size(), 6U);
+}
+
+TEST(LocalizeRig, LongestTimeWithoutATagReachesTheEnd) {
+  test::SyntheticRig rig({.seconds = 6.0});
+  std::vector<RigRecording::Sighting>& all = rig.recording.sightings;
+  while (all.back().t > rig.recording.start + 2.0) all.pop_back();
+  EXPECT_NEAR(localize_rig(rig.recording, {}).longest_unseen, rig.recording.end - all.back().t, 1e-9);
+}
+
+TEST(LocalizeRig, FastOdometryGivesAHundredEstimatesASecondAndTheSameLastOne) {
+  test::SyntheticRig rig({.seconds = 3.0, .rate = 400.0});
+  std::vector<RigRecording::Sighting>& all = rig.recording.sightings;
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [&](const auto& z) { return z.t > rig.recording.start + 0.5; }),
+      all.end());
+  const RigLocalization whole = localize_rig(rig.recording, {});
+  rig.recording.reference.clear();
+  const RigLocalization fewer = localize_rig(rig.recording, {});
+  EXPECT_NEAR(static_cast<double>(fewer.filter.size()), 200 + 250, 2);
+  EXPECT_EQ(whole.filter.size(), 1201U);
+  EXPECT_EQ(whole.filter.back().t, fewer.filter.back().t);
+  EXPECT_LT(distance(whole.filter.back().pose, fewer.filter.back().pose), 1e-9);
 }
 
 TEST(LocalizeRig, IdentifiesTheWalkOfTheOdometry) {

@@ -4,15 +4,18 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "sightline/analysis/localization/consistency.hpp"
+#include "sightline/base/symmetric.hpp"
 #include "sightline/world/rigid_motion.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr double in_view_within = 1.0;  // [s]
-constexpr double outlier_cost = 60.0;   // of eight coordinates that may be anywhere
+constexpr double in_view_within = 1.0;   // [s]
+constexpr double outlier_cost = 60.0;    // of eight coordinates that may be anywhere
+constexpr double least_period = 0.0095;  // of estimates at samples of odometry [s], which jitter about 100 Hz
 
 /// Poses between those of a list in order of time; beyond its ends, the nearest motion goes on for one
 /// sample.
@@ -34,15 +37,74 @@ class OdometryTrack {
   std::size_t next_ = 0;
 };
 
-/// What a smoother needs of one instant.
+/// One instant of the filter.
 struct Instant {
+  double t = 0.0;
+  bool started = false, shown = false, anew = false;
+  std::size_t first = 0;       ///< of its sightings
+  std::vector<TagFit> fits{};  ///< of its sightings
+  // For a smoother.
   RigFilter::Step step{};  ///< that led to it
   RigidPose pose{};        ///< estimate after its sightings
   Column<6> velocity{};
   std::vector<RigidPose> places{};
-  std::size_t estimate = 0;  ///< of RigLocalization::filter, if `shown`
-  bool shown = false, anew = false;
+  std::vector<RigFilter::Forgotten> forgotten{};
   GrowingCovariance before_restart{0};  ///< P after the instant before, if the pose was started anew
+};
+
+/// The way of a filter through a recording. A copy goes on from where it is.
+class RigRun {
+ public:
+  /// @param shown  times of the estimates; both must outlive this object
+  RigRun(const RigRecording& recording, const RigNoise& noise, const std::vector<double>& shown)
+      : recording_(recording), shown_(shown), filter_(recording, noise), track_(recording.odometry) {}
+
+  bool done() const { return next_seen_ >= recording_.sightings.size() && next_shown_ >= shown_.size(); }
+  const RigFilter& filter() const { return filter_; }
+
+  Instant next(bool smooth) {
+    const std::vector<RigRecording::Sighting>& all = recording_.sightings;
+    const double seen = next_seen_ < all.size() ? all[next_seen_].t : infinity;
+    const double due = next_shown_ < shown_.size() ? shown_[next_shown_] : infinity;
+    Instant instant{.t = std::min(seen, due), .shown = due <= seen, .first = next_seen_};
+    while (next_seen_ < all.size() && all[next_seen_].t == instant.t) ++next_seen_;
+    if (instant.shown) ++next_shown_;
+    const bool was_started = filter_.started();
+    // A restart makes the step that led to it void.
+    GrowingCovariance before(0);
+    if (smooth && was_started && seen == instant.t) before = filter_.covariance();
+    if (was_started) instant.step = propagate(instant.t, smooth);
+    last_ = instant.t;
+    if (seen == instant.t) {
+      instant.fits.resize(next_seen_ - instant.first);
+      instant.anew =
+          filter_.take({all.data() + instant.first, instant.fits.size()}, instant.fits) && was_started;
+      if (filter_.started() && !was_started && !filter_.has_velocity()) odometry_ = track_.at(instant.t);
+      if (smooth) instant.forgotten = filter_.forgotten();
+      if (instant.anew) instant.before_restart = std::move(before);
+    }
+    instant.started = filter_.started();
+    instant.pose = filter_.pose(), instant.velocity = filter_.velocity();
+    if (smooth) instant.places = filter_.places();
+    return instant;
+  }
+
+ private:
+  RigFilter::Step propagate(double t, bool smooth) {
+    const double dt = t - last_;
+    if (filter_.has_velocity()) return filter_.coast(dt, smooth);
+    const RigidPose there = track_.at(t), motion = inverse(odometry_) * there;
+    odometry_ = there;
+    return filter_.move(motion, dt, smooth);
+  }
+
+  const RigRecording& recording_;
+  const std::vector<double>& shown_;
+  RigFilter filter_;
+  OdometryTrack track_;
+  double last_ = 0.0;
+  RigidPose odometry_{};
+  std::size_t next_seen_ = 0, next_shown_ = 0;
 };
 
 /// Backward pass: d is the smoothed state in the frame of the prediction, and S its covariance.
@@ -50,40 +112,100 @@ class Smoother {
  public:
   Smoother(const RigFilter& last, RigLocalization& result)
       : result_(result),
+        shown_(result.smoothed.size()),
         rig_(last.rig_order()),
         P_(last.covariance()),
         X_(last.pose()),
         v_(last.velocity()),
         places_(last.places()) {}
 
-  void run(const std::vector<Instant>& all) {
-    for (std::size_t k = all.size(); k-- > 0;) {
-      if (all[k].shown) {
-        RigLocalization::Estimate& to = result_.smoothed[all[k].estimate];
-        to.pose = X_, to.P = P_.block(0, 0);
+  /// Goes back over the instants of a run, of which only the starts of its pieces are there.
+  void run(std::vector<RigRun> starts, std::size_t piece) {
+    std::optional<Instant> after;
+    for (; !starts.empty(); starts.pop_back()) {
+      std::vector<Instant> all;
+      for (RigRun run = starts.back(); all.size() < piece && !run.done();) all.push_back(run.next(true));
+      for (; !all.empty() && all.back().started; all.pop_back()) {
+        if (after) back(*after, all.back());
+        if (all.back().shown) {
+          RigLocalization::Estimate& to = result_.smoothed[--shown_];
+          to.pose = X_, to.P = P_.block(0, 0);
+        }
+        after = std::move(all.back());
       }
-      if (k > 0) back(all[k], all[k - 1]);
     }
   }
 
  private:
-  void back(const Instant& to, const Instant& from) {
-    const int n = to.step.n;
+  /// Leaves out what came after an estimate of n numbers.
+  void shrink(int n) {
     P_ = P_.resized(n);
     places_.resize(size((n - rig_) / 6));
+  }
+
+  /// Error of the smoothed state in the frame of an estimate.
+  std::vector<double> error_from(const RigidPose& pose, const Column<6>& velocity,
+                                 const std::vector<RigidPose>& places) const {
+    std::vector<double> d(size(P_.order()));
+    const auto put = [&](int row, const Column<6>& twist) {
+      for (int i = 0; i < 6; ++i) d[size(row + i)] = twist(i, 0);
+    };
+    put(0, log_of(X_ * inverse(pose)));
+    if (rig_ > 6) put(6, v_ - velocity);
+    for (std::size_t k = 0; k < places_.size(); ++k)
+      put(rig_ + 6 * static_cast<int>(k), log_of(places_[k] * inverse(places[k])));
+    return d;
+  }
+
+  /// The place as it was: what is after it speaks of it through the other numbers alone,
+  ///
+  ///   d_T = K d,   P_T. = K P,   P_TT = P_TT' - K P_.T' + K P K^T,   K = P_T.' P'^-1,
+  ///
+  /// with ' of the filter.
+  void remember(const RigFilter::Forgotten& was) {
+    const int n = was.P.order(), row = rig_ + 6 * static_cast<int>(was.place), others = n - 6;
+    shrink(n);
+    const auto other = [&](int i) { return i < row ? i : i + 6; };
+    Symmetric P(size(others));
+    for (int i = 0; i < others; ++i)
+      for (int j = 0; j <= i; ++j) P.at(size(i), size(j)) = was.P(other(i), other(j));
+    P.factor();
+    const std::vector<double> d = error_from(was.pose, was.velocity, was.places);
+    Column<6> xi;
+    Mat<6, 6> P_TT = was.P.block(row, row);
+    std::vector<std::vector<double>> K, KP;
+    for (int i = 0; i < 6; ++i) {
+      std::vector<double> with(size(others)), smoothed(size(others));
+      for (int j = 0; j < others; ++j) with[size(j)] = was.P(row + i, other(j));
+      const std::vector<double> gain = P.solve(std::move(with));
+      for (int j = 0; j < others; ++j) {
+        xi(i, 0) += gain[size(j)] * d[size(other(j))];
+        for (int k = 0; k < others; ++k) smoothed[size(j)] += gain[size(k)] * P_(other(k), other(j));
+      }
+      K.push_back(gain), KP.push_back(smoothed);
+    }
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j)
+        for (int k = 0; k < others; ++k)
+          P_TT(i, j) +=
+              KP[size(i)][size(k)] * K[size(j)][size(k)] - K[size(i)][size(k)] * was.P(other(k), row + j);
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < others; ++j) P_(row + i, other(j)) = P_(other(j), row + i) = KP[size(i)][size(j)];
+    make_symmetric(P_TT);
+    P_.set(row, row, P_TT);
+    places_[was.place] = exp_of(xi) * was.places[was.place];
+  }
+
+  void back(const Instant& to, const Instant& from) {
     if (to.anew) {
       // The start says nothing about the poses before it; what is known of the tags stays out.
       X_ = from.pose, v_ = from.velocity, P_ = to.before_restart, places_ = from.places;
       return;
     }
-    std::vector<double> d(size(n));
-    const auto put = [&](int row, const Column<6>& twist) {
-      for (int i = 0; i < 6; ++i) d[size(row + i)] = twist(i, 0);
-    };
-    put(0, log_of(X_ * inverse(to.step.predicted)));
-    if (rig_ > 6) put(6, v_ - to.step.velocity);
-    for (std::size_t k = 0; k < places_.size(); ++k)
-      put(rig_ + 6 * static_cast<int>(k), log_of(places_[k] * inverse(from.places[k])));
+    for (auto was = to.forgotten.rbegin(); was != to.forgotten.rend(); ++was) remember(*was);
+    const int n = to.step.n;
+    shrink(n);
+    std::vector<double> d = error_from(to.step.predicted, to.step.velocity, from.places);
     const auto G = [&](int i, int j) { return to.step.G[size(i * n + j)]; };
     const auto Q = [&](int i, int j) { return to.step.Q[size(i * rig_ + j)]; };
     std::vector<double> less(size(rig_));
@@ -136,6 +258,7 @@ class Smoother {
   }
 
   RigLocalization& result_;
+  std::size_t shown_;
   const int rig_;
   GrowingCovariance P_;
   RigidPose X_;
@@ -214,7 +337,9 @@ std::vector<double> shown_times(const RigRecording& recording) {
   for (const auto& one : recording.reference) times.push_back(one.t);
   if (times.empty()) {
     for (const auto& one : recording.sightings) times.push_back(one.t);
-    for (const auto& one : recording.odometry) times.push_back(one.t);
+    double last = -infinity;
+    for (const auto& one : recording.odometry)
+      if (one.t - last > least_period) times.push_back(last = one.t);
   }
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
@@ -250,67 +375,41 @@ Mat<3, 3> position_covariance(const RigLocalization::Estimate& of) {
 
 RigLocalization localize_rig(const RigRecording& recording, const RigNoise& noise, bool smooth) {
   RigLocalization result;
-  RigFilter filter(recording, noise);
-  OdometryTrack track(recording.odometry);
   const std::vector<double> shown = shown_times(recording);
-  const std::vector<RigRecording::Sighting>& all = recording.sightings;
-  result.fits.resize(all.size());
-  std::vector<Instant> instants;
-  std::optional<double> last, seen_at;
-  RigidPose odometry{};
-  std::size_t next_seen = 0, next_shown = 0;
-  while (next_seen < all.size() || next_shown < shown.size()) {
-    const double seen = next_seen < all.size() ? all[next_seen].t : infinity;
-    const double due = next_shown < shown.size() ? shown[next_shown] : infinity;
-    const double now = std::min(seen, due);
-    const std::size_t first = next_seen;
-    while (next_seen < all.size() && all[next_seen].t == now) ++next_seen;
-    Instant instant;
-    if (filter.started()) {
-      const double dt = now - *last;
-      if (filter.has_velocity()) {
-        instant.step = filter.coast(dt, smooth);
-      } else {
-        const RigidPose there = track.at(now);
-        instant.step = filter.move(inverse(odometry) * there, dt, smooth);
-        odometry = there;
-      }
+  const std::size_t sightings = recording.sightings.size(), tags = recording.tags.size();
+  result.fits.reserve(sightings), result.filter.reserve(shown.size());
+  // The smoother's gains are as large as the state, at each instant. So the filter goes over a piece again for
+  // the smoother; the copies of the filter, (6 tags)^2 numbers each, take about the memory of a piece.
+  const auto piece =
+      static_cast<std::size_t>(sqrt(static_cast<double>((sightings + shown.size()) * tags))) + 1;
+  std::vector<RigRun> starts;
+  RigRun run(recording, noise, shown);
+  std::optional<double> seen_at;
+  std::vector<bool> mapped(tags);
+  for (std::size_t k = 0; !run.done(); ++k) {
+    if (smooth && k % piece == 0) starts.push_back(run);
+    const Instant instant = run.next(false);
+    if (instant.anew) ++result.restarts;
+    bool any = false;
+    for (std::size_t i = 0; i < instant.fits.size(); ++i) {
+      const TagFit& fit = instant.fits[i];
+      result.fits.push_back(fit);
+      if (fit.verdict == TagVerdict::waiting || fit.verdict == TagVerdict::rejected) continue;
+      any = mapped[recording.sightings[instant.first + i].tag] = true;
     }
-    last = now;
-    if (seen == now) {
-      const bool was_started = filter.started();
-      const GrowingCovariance before = smooth && was_started ? filter.covariance() : GrowingCovariance(0);
-      const std::span<TagFit> fits(result.fits.data() + first, next_seen - first);
-      instant.anew = filter.take({all.data() + first, next_seen - first}, fits) && was_started;
-      if (instant.anew) ++result.restarts, instant.before_restart = before;
-      if (filter.started() && !was_started && !filter.has_velocity()) odometry = track.at(now);
-      const bool any = std::any_of(fits.begin(), fits.end(), [](const TagFit& fit) {
-        return fit.verdict != TagVerdict::waiting && fit.verdict != TagVerdict::rejected;
-      });
-      if (any) {
-        if (seen_at) result.longest_unseen = std::max(result.longest_unseen, now - *seen_at);
-        seen_at = now;
-      }
-    }
-    if (due == now) ++next_shown;
-    if (!filter.started()) continue;
-    if (due == now) {
-      instant.shown = true, instant.estimate = result.filter.size();
-      result.filter.push_back(
-          {now, filter.pose(), filter.covariance().block(0, 0), seen_at ? now - *seen_at : infinity});
-    }
-    if (smooth) {
-      instant.pose = filter.pose(), instant.velocity = filter.velocity(), instant.places = filter.places();
-      instants.push_back(std::move(instant));
-    }
+    if (seen_at) result.longest_unseen = std::max(result.longest_unseen, instant.t - *seen_at);
+    if (any) seen_at = instant.t;
+    if (instant.started && instant.shown)
+      result.filter.push_back({instant.t, instant.pose, run.filter().covariance().block(0, 0),
+                               seen_at ? instant.t - *seen_at : infinity});
   }
-  if (!filter.started())
+  if (!run.filter().started())
     throw std::invalid_argument(
         "no view of a tag with a known pose gives a first pose, expected one sighting of such a tag");
-  result.places = filter.places().size();
+  result.places = static_cast<std::size_t>(std::count(mapped.begin(), mapped.end(), true));
   if (smooth) {
     result.smoothed = result.filter;
-    Smoother(filter, result).run(instants);
+    Smoother(run.filter(), result).run(std::move(starts), piece);
   }
   count(result);
   result.seconds = recording.end - recording.start;

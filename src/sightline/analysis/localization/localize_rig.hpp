@@ -35,7 +35,8 @@ struct RigLocalization {
 
   RigAccuracy of_filter{}, in_view{}, of_smoother{};  ///< in_view: of the filter, a tag seen within 1 s
   RigidPose alignment{};                              ///< applied to the reference
-  std::size_t accepted = 0, rejected = 0, waiting = 0, restarts = 0, places = 0;
+  std::size_t accepted = 0, rejected = 0, waiting = 0, restarts = 0;
+  std::size_t places = 0;  ///< tags with an accepted sighting
   double innovation =
       no_value;  ///< mean of the squared normalised innovations of a coordinate; 1 is consistent
   double longest_unseen = 0.0;  ///< [s]
@@ -49,7 +50,7 @@ struct RigLocalization {
 Mat<3, 3> position_covariance(const RigLocalization::Estimate& of);
 
 /// Runs the filter, and with `smooth` a smoother backwards over its steps. Estimates are at the times
-/// of the reference, else at those of the sightings and of the odometry. The reference is aligned with
+/// of the reference, else at those of the sightings and, 100 a second, of the odometry. The reference is aligned with
 /// the filter's estimates first: by the rigid motion that fits positions and, at arms of 1 m, axes
 /// best. Deterministic.
 /// @throws std::invalid_argument if no view of a known tag gives a first pose

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sightline/base/symmetric.hpp"
 #include "sightline/world/rigid_motion.hpp"
@@ -77,27 +78,55 @@ RigFilter::RigFilter(const RigRecording& recording, const RigNoise& noise)
   for (std::size_t tag = 0; tag < recording.tags.size(); ++tag) {
     const RigRecording::Tag& of = recording.tags[tag];
     if (!of.known || !seen[tag]) continue;
-    add_place(tag, of.pose);
-    // Position errors along G, d p = rho + theta x p; turns about the tag's axes.
-    const Mat<3, 3> R = matrix(of.pose.R);
-    Mat<6, 6> L, D;
-    set_block(L, 0, 0, identity<3>());
-    set_block(L, 0, 3, cross_matrix(of.pose.p) * R);
-    set_block(L, 3, 3, R);
-    const std::array sigma = {of.p_sigma.x,    of.p_sigma.y,    of.p_sigma.z,
-                              of.turn_sigma.x, of.turn_sigma.y, of.turn_sigma.z};
-    for (int i = 0; i < 6; ++i) D(i, i) = square(sigma[static_cast<std::size_t>(i)]);
-    const int row = row_of(places_.size() - 1);
-    P_.set(row, row, L * D * transposed(L));
+    set_known(add_place(tag, of.pose));
   }
 }
 
-void RigFilter::add_place(std::size_t tag, const RigidPose& at) {
-  place_of_tag_[tag] = static_cast<int>(places_.size());
-  places_.push_back(at);
-  tag_of_place_.push_back(tag);
-  refused_at_.push_back(0);
-  P_ = P_.resized(row_of(places_.size()));
+void RigFilter::set_known(std::size_t place) {
+  const RigRecording::Tag& of = recording_.tags[tag_of_place_[place]];
+  places_[place] = of.pose;
+  // Position errors along G, d p = rho + theta x p; turns about the tag's axes.
+  const Mat<3, 3> R = matrix(of.pose.R);
+  Mat<6, 6> L, D;
+  set_block(L, 0, 0, identity<3>());
+  set_block(L, 0, 3, cross_matrix(of.pose.p) * R);
+  set_block(L, 3, 3, R);
+  const std::array sigma = {of.p_sigma.x,    of.p_sigma.y,    of.p_sigma.z,
+                            of.turn_sigma.x, of.turn_sigma.y, of.turn_sigma.z};
+  for (int i = 0; i < 6; ++i) D(i, i) = square(sigma[static_cast<std::size_t>(i)]);
+  const int row = row_of(place);
+  for (int j = 0; j < P_.order(); ++j)
+    for (int i = 0; i < 6; ++i) P_(row + i, j) = P_(j, row + i) = 0.0;
+  P_.set(row, row, L * D * transposed(L));
+}
+
+std::size_t RigFilter::add_place(std::size_t tag, const RigidPose& at) {
+  std::size_t place = places_.size();
+  if (free_.empty()) {
+    places_.push_back(at), tag_of_place_.push_back(tag), refused_at_.push_back(0);
+    P_ = P_.resized(row_of(places_.size()));
+  } else {
+    place = free_.back();
+    free_.pop_back();
+    keep_forgotten(place);
+    places_[place] = at, tag_of_place_[place] = tag, refused_at_[place] = 0;
+  }
+  place_of_tag_[tag] = static_cast<int>(place);
+  return place;
+}
+
+void RigFilter::keep_forgotten(std::size_t place) { forgotten_.push_back({place, X_, v_, places_, P_}); }
+
+void RigFilter::give_up(std::size_t place) {
+  const std::size_t tag = tag_of_place_[place];
+  refused_at_[place] = 0;
+  if (recording_.tags[tag].known) {
+    keep_forgotten(place);
+    set_known(place);
+  } else {
+    place_of_tag_[tag] = -1;
+    free_.push_back(place);
+  }
 }
 
 RigFilter::Step RigFilter::finish(Step step, bool smooth) {
@@ -293,12 +322,13 @@ bool RigFilter::introduce(const RigRecording::Sighting& z) {
   const Candidate& chosen = *std::min_element(now.begin(), now.end(), [&](const auto& a, const auto& b) {
     return turned(all[0], a) < turned(all[0], b);
   });
-  add_place(z.tag, chosen.pose);
   // The place follows the rig's error, and is wide until its first update.
-  const int row = row_of(places_.size() - 1);
-  for (int j = 0; j < row; ++j)
+  const int row = row_of(add_place(z.tag, chosen.pose));
+  for (int j = 0; j < P_.order(); ++j) {
+    if (j >= row && j < row + 6) continue;
     for (int i = 0; i < 6; ++i) P_(row + i, j) = P_(j, row + i) = P_(i, j);
-  const Mat<6, 6> A = adjoint(places_.back());
+  }
+  const Mat<6, 6> A = adjoint(chosen.pose);
   P_.set(row, row, P_.block(0, 0) + A * diagonal(new_place, new_turn) * transposed(A));
   pending = {};
   return true;
@@ -391,11 +421,24 @@ bool RigFilter::take(std::span<const RigRecording::Sighting> sightings, std::spa
   const bool lost = refused_ >= refusals_max || P_B(0, 0) + P_B(1, 1) + P_B(2, 2) > square(lost_place) ||
                     P_B(3, 3) + P_B(4, 4) + P_B(5, 5) > square(lost_turn);
   const bool anew = (!started_ || lost) && start(sightings);
+  forgotten_.clear();
   if (!started_) return false;
+  std::vector<std::size_t> order(sightings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (anew) {
+    // The first update of a wide pose passes no gate, so it is that of the view which this pose explains best.
+    const auto cost = [&](std::size_t k) {
+      const int place = place_of_tag_[sightings[k].tag];
+      return place < 0 ? infinity : cost_of(sightings[k], X_, places_[size(place)]);
+    };
+    std::iter_swap(order.begin(),
+                   std::min_element(order.begin(), order.end(),
+                                    [&](std::size_t a, std::size_t b) { return cost(a) < cost(b); }));
+  }
   bool any = false, all_refused = true, accepted_before = false;
   gain_is_new_ = false;
   for (const bool known : {true, false})
-    for (std::size_t k = 0; k < sightings.size(); ++k) {
+    for (const std::size_t k : order) {
       const RigRecording::Sighting& z = sightings[k];
       if ((fits[k].verdict != TagVerdict::waiting) || (known && place_of_tag_[z.tag] < 0)) continue;
       const bool fresh = place_of_tag_[z.tag] < 0;
@@ -406,8 +449,8 @@ bool RigFilter::take(std::span<const RigRecording::Sighting> sightings, std::spa
       const bool accepted = fits[k].verdict == TagVerdict::accepted;
       int& refused = refused_at_[size(place)];
       refused = accepted ? 0 : refused + 1;
-      // It was mirrored, or it was moved: its place is given up, and it is as one that is new.
-      if (refused >= refusals_max && accepted_before) place_of_tag_[z.tag] = -1;
+      // It was mirrored, or it was moved.
+      if (refused >= refusals_max && accepted_before) give_up(size(place));
       accepted_before = accepted_before || accepted;
       if (accepted && wide) fits[k].verdict = fresh ? TagVerdict::introduced : TagVerdict::started;
       any = true, all_refused = all_refused && !accepted;

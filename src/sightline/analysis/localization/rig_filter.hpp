@@ -113,8 +113,16 @@ class RigFilter {
   int rig_order() const { return rig_; }
   /// Places of the tags with a state, in the order of their rows in the covariance.
   const std::vector<RigidPose>& places() const { return places_; }
-  /// The tag of each place.
-  const std::vector<std::size_t>& tags() const { return tag_of_place_; }
+  /// The filter just before it forgot a place, and took another tag or the known pose for it.
+  struct Forgotten {
+    std::size_t place = 0;
+    RigidPose pose{};
+    Column<6> velocity{};
+    std::vector<RigidPose> places{};
+    GrowingCovariance P{0};
+  };
+  /// In the last take(), in order.
+  const std::vector<Forgotten>& forgotten() const { return forgotten_; }
 
   /// Corners of a tag's picture for a pose of the tag in the optical frame, and their derivatives by a
   /// twist on its left, (8 x 6); none if the camera does not see them.
@@ -141,7 +149,11 @@ class RigFilter {
   bool start(std::span<const RigRecording::Sighting> sightings);
   bool introduce(const RigRecording::Sighting& z);
   TagFit update(const RigRecording::Sighting& z, std::size_t place, bool gated);
-  void add_place(std::size_t tag, const RigidPose& at);
+  void set_known(std::size_t place);
+  std::size_t add_place(std::size_t tag, const RigidPose& at);
+  void keep_forgotten(std::size_t place);
+  /// A known tag is back at its pose; another is as one that is new, and leaves its rows to the next.
+  void give_up(std::size_t place);
 
   const RigRecording& recording_;
   RigNoise noise_;
@@ -153,8 +165,10 @@ class RigFilter {
   GrowingCovariance P_;
   std::vector<RigidPose> places_{};
   std::vector<std::size_t> tag_of_place_{};
-  std::vector<int> refused_at_{};  // sightings in sequence, of each place
-  std::vector<int> place_of_tag_;  // -1: none
+  std::vector<int> refused_at_{};    // sightings in sequence, of each place
+  std::vector<int> place_of_tag_;    // -1: none
+  std::vector<std::size_t> free_{};  // places of tags that were given up
+  std::vector<Forgotten> forgotten_{};
   std::vector<Pending> pending_;
   std::vector<double> widest_{};
   std::vector<double> gain_{};  // B of finish()
