@@ -9,7 +9,7 @@ namespace sightline::test {
 
 /// A recording of the data sets; empty, with a line on stdout, where it is not there.
 inline std::filesystem::path of_data(const std::string& name) {
-  const std::filesystem::path place = std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "../shared/data" / name;
+  std::filesystem::path place = std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "../shared/data" / name;
   if (std::filesystem::exists(place)) return place;
   std::printf("data not there: %s\n", place.c_str());
   return {};
