@@ -17,7 +17,7 @@ constexpr std::size_t most_nodes = ViewSection::distances;
 
 constexpr std::array sideward_speeds = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7};  // [m/s]
 constexpr std::array turn_shares = {0.015, 0.02, 0.03, 0.045, 0.07, 0.12, 0.25, 0.45, 0.7, 1.0};
-constexpr std::array climb_shares = {0.5, 0.7, 1.0};    // of the vertical speed; above: of the yaw rate
+constexpr std::array climb_shares = {0.5, 0.7, 1.0};         // of the vertical speed; above: of the yaw rate
 constexpr std::array across_shares = {0.7, 0.5, 0.25, 0.1};  // of the thrust, if two commands share it
 
 /// Greatest distance of a target from its estimate. The estimate moves by `step` in a period
