@@ -27,7 +27,7 @@ class Checked:
         """A sentence each."""
 
 class Detection:
-    """A body seen by a camera: its pose in the camera's frame S, x along the axis."""
+    """A body seen by a camera: its pose in the frame S of the observer's first camera, x along the axis."""
     @property
     def arrival(self) -> float:
         """When the observer has it [s]."""

@@ -124,11 +124,8 @@ TEST(TeamRecording, PlacesThatHoldNoneAreRefused) {
               HasSubstr("no recording of a known kind, expected a folder of MRCLAM"));
   EXPECT_THAT(refusal_of([&] { read_team_recording(folder / "none"); }), HasSubstr("not there"));
   std::ofstream(folder / "x.ulg") << "ULog\x01\x12\x35";
-  EXPECT_EQ(
-      refusal_of([&] { read_team_recording(folder / "x.ulg"); }),
-      (folder / "x.ulg").native() +
-          ": this is a PX4 ULog, expected a folder of MRCLAM (Robot1_Odometry.dat, ...) or files of MURP "
-          "(NAME_base-1_targ-2.csv)");
+  EXPECT_THAT(refusal_of([&] { read_team_recording(folder / "x.ulg"); }),
+              HasSubstr("x.ulg: this is a PX4 ULog, expected a folder of MRCLAM"));
   const std::filesystem::path archive = folder / "MRCLAM.tar.gz";
   std::ofstream(archive) << "x";
   EXPECT_THAT(refusal_of([&] { read_team_recording(archive); }), HasSubstr("expected its folder: tar xzf"));
