@@ -350,7 +350,7 @@ TEST(RigRecording, RefusesSightingsAndReferencesThatDoNotFit) {
   for (std::size_t k = other.tags.size(); k <= 500; ++k)
     other.tags.push_back({.id = static_cast<int>(10 + k)});
   const RigRecording::Sighting first = other.sightings.front();
-  for (const std::size_t tags : {500, 501}) {
+  for (const std::size_t tags : {std::size_t{500}, std::size_t{501}}) {
     other.sightings.assign(tags, first);
     for (std::size_t k = 0; k < tags; ++k) other.sightings[k].tag = k;
     EXPECT_EQ(refused(other).empty(), tags == 500) << tags;

@@ -146,7 +146,7 @@ TEST(LocalizeCommand, KeepsItsAccuracyOnMurp) {
       sightline("localize " + place.string() + " --json -o " + (folder / "out").string(), folder);
   ASSERT_EQ(done.code, 0) << done.err;
   const json summary = json::parse(done.out), relative = summary.at("relative");
-  for (const std::size_t agent : {1, 2}) {
+  for (const std::size_t agent : {std::size_t{1}, std::size_t{2}}) {
     EXPECT_GE(summary.at("robots").at(agent).at("anees").get<double>(), 2.0);
     EXPECT_LE(summary.at("robots").at(agent).at("anees").get<double>(), 5.0);
   }

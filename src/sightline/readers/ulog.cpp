@@ -140,8 +140,8 @@ class ULog::Parser {
   explicit Parser(ULog& log) : log_(log), topic_of_id_(message_max + 1, none) {}
 
   void run() {
-    const std::string_view head(log_.bytes_.data(), std::min(log_.bytes_.size(), ulog_magic.size()));
-    if (head != ulog_magic.substr(0, head.size()) || head.empty())
+    const std::string_view magic(log_.bytes_.data(), std::min(log_.bytes_.size(), ulog_magic.size()));
+    if (magic != ulog_magic.substr(0, magic.size()) || magic.empty())
       refuse(0, "the file does not begin as ULogs do");
     if (log_.bytes_.size() < file_header) {
       log_.truncated_ = true;

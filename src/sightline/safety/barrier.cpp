@@ -110,11 +110,11 @@ double Barrier::reserve(std::span<const double> x, const Neighbour& neighbour) c
 
 bool Barrier::keeps(std::span<const double> x, const Neighbour& neighbour) const noexcept {
   if (law_->can.thrust_lag == 0) return reserve(x, neighbour) >= 0;
-  constexpr double rounding = 1e-4;  // [m/s^2] of the differences that give the limit
+  constexpr double difference_error = 1e-4;  // [m/s^2] of the differences that give the limit
   const std::array<double, most_inputs> at_rest{};
   BarrierPeriod now = begin(*law_, x, at_rest, {&neighbour, 1});
   // What settles is bounded for tilts that commands can give.
-  if (norm(now.lagging.a.x, now.lagging.a.y) > law_->can.thrust_most + rounding) return false;
+  if (norm(now.lagging.a.x, now.lagging.a.y) > law_->can.thrust_most + difference_error) return false;
   return find_threats(*law_, now) && (now.threats.empty() || now.proven);
 }
 

@@ -437,8 +437,8 @@ RigLocalization localize_rig(const RigRecording& recording, const RigNoise& nois
 }
 
 IdentifiedMotion identify_motion(const RigRecording& recording, RigNoise noise) {
-  constexpr double first_factor = 2.0, last_factor = 1.15, least_gain = 0.5;
-  constexpr int runs_max = 80;
+  constexpr double widest_factor = 2.0, finest_factor = 1.15, least_decrease = 0.5;
+  constexpr int trials_max = 80;
   const bool velocity = recording.odometry.empty();
   const std::array members = {velocity ? &RigNoise::acceleration_walk : &RigNoise::position_walk,
                               velocity ? &RigNoise::turn_acceleration_walk : &RigNoise::rotation_walk};
@@ -448,14 +448,14 @@ IdentifiedMotion identify_motion(const RigRecording& recording, RigNoise noise) 
     return localize_rig(recording, tried, false).cost;
   };
   double best = cost_with(noise);
-  for (double factor = first_factor; factor > last_factor && found.runs < runs_max;) {
+  for (double factor = widest_factor; factor > finest_factor && found.runs < trials_max;) {
     bool better = false;
     for (double RigNoise::*const member : members)
       for (const double by : {factor, 1 / factor}) {
         RigNoise tried = found.noise;
         tried.*member *= by;
         const double cost = cost_with(tried);
-        if (!(cost < best - least_gain)) continue;
+        if (!(cost < best - least_decrease)) continue;
         best = cost, found.noise = tried, better = true;
         break;
       }
