@@ -20,7 +20,7 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 fs::path recording_in(const fs::path& folder, double seconds = 30.0) {
-  const fs::path place = folder / "recording";
+  fs::path place = folder / "recording";
   write_mrclam(recorded({.seconds = seconds, .noise = noise_of_recordings(), .seed = 3, .start = 1000.0}),
                place);
   return place;
@@ -145,7 +145,8 @@ TEST(LocalizeCommand, KeepsItsAccuracyOnMurp) {
   const auto done =
       sightline("localize " + place.string() + " --json -o " + (folder / "out").string(), folder);
   ASSERT_EQ(done.code, 0) << done.err;
-  const json summary = json::parse(done.out), relative = summary.at("relative");
+  const json summary = json::parse(done.out);
+  const json& relative = summary.at("relative");
   for (const std::size_t agent : {std::size_t{1}, std::size_t{2}}) {
     EXPECT_GE(summary.at("robots").at(agent).at("anees").get<double>(), 2.0);
     EXPECT_LE(summary.at("robots").at(agent).at("anees").get<double>(), 5.0);
