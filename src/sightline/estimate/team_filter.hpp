@@ -176,6 +176,12 @@ enum class RobotState {
   bearing_scale
 };
 inline constexpr int robot_states = 15;
+/// Names of its constants in the same order, the last states; TeamNoise has their deviations by them.
+inline constexpr std::array<std::string_view, 12> robot_constants = {
+    "speed_scale", "turn_scale",  "turn_loss",   "yaw_rate_bias", "clock_offset", "wheel_turn",
+    "sensor_turn", "range_scale", "range_depth", "axis_turn",     "range_offset", "bearing_scale"};
+inline constexpr int first_constant = robot_states - static_cast<int>(robot_constants.size());
+static_assert(first_constant == static_cast<int>(RobotState::speed_scale));
 
 /// Extended Kalman filter of all robots at once, so no information is counted twice. Its state is
 ///

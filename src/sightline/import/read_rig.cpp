@@ -13,6 +13,7 @@
 #include "sightline/import/kinds.hpp"
 #include "sightline/import/yaml_value.hpp"
 #include "sightline/readers/packed_file.hpp"
+#include "sightline/readers/recorded_motion.hpp"
 #include "sightline/world/rigid_motion.hpp"
 
 namespace sightline {
@@ -195,11 +196,6 @@ void read_cameras(const fs::path& place, RigRecording& recording) {
                                    .at("pose", "the position and the rotation vector"))});
   }
   if (recording.cameras.empty()) (void)cameras.at("cam0", "a camera");
-}
-
-template <class Timed>
-void sort_by_time(std::vector<Timed>& list) {
-  std::stable_sort(list.begin(), list.end(), [](const Timed& a, const Timed& b) { return a.t < b.t; });
 }
 
 RigRows read_rows(const fs::path& file) { return parse_rig_rows(file.native(), read_packed_file(file)); }

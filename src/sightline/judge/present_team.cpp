@@ -35,13 +35,11 @@ std::vector<Observation> observations(std::span<const Coupling> couplings) {
     const Potential& potential = c.term.potential;
     if (!observes(potential) || potential.violation({}, {}) == -std::numeric_limits<double>::infinity())
       continue;
-    if (std::any_of(found.begin(), found.end(), [&](const Observation& o) {
-          return same(o, a, b) && share_sensor(o.potential, potential);
-        }))
-      continue;
     const SensorMount mount = potential.mount() != nullptr ? *potential.mount() : SensorMount{};
-    found.push_back(
-        {a, b, potential, mount, potential.alpha().value_or(no_value), no_value, no_value, c.third});
+    const Observation one = {a,        b,        potential, mount, potential.alpha().value_or(no_value),
+                             no_value, no_value, c.third};
+    if (std::none_of(found.begin(), found.end(), [&](const Observation& o) { return is_same_view(o, one); }))
+      found.push_back(one);
   }
   // Distance limits count in both directions. fmax and fmin ignore NaN.
   for (const Coupling& c : couplings) {

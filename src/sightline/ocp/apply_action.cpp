@@ -337,8 +337,7 @@ void end_unobserved_sets(const TeamChange& change) {
   auto& couplings = change.now.couplings;
   for (std::size_t i = 0; i < couplings.size(); ++i) {
     const auto observes_pair = [&](const Coupling& c) {
-      return c.ramp.lasts() && c.between.first == couplings[i].between.first &&
-             c.between.second == couplings[i].between.second && observes(c.term.potential);
+      return c.ramp.lasts() && is_view_of(c, couplings[i].between);
     };
     if (is_view_set(couplings[i]) && std::none_of(couplings.begin(), couplings.end(), observes_pair))
       change.fade_out(couplings, i);
@@ -346,6 +345,11 @@ void end_unobserved_sets(const TeamChange& change) {
 }
 
 }  // namespace
+
+bool is_view_of(const Coupling& coupling, Between pair) {
+  return coupling.between.first == pair.first && coupling.between.second == pair.second &&
+         observes(coupling.term.potential);
+}
 
 std::string apply_action(const Action& action, TeamState& now, double t, double ramp) {
   const TeamChange change = {now, t, ramp};

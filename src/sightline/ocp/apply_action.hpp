@@ -12,6 +12,9 @@ namespace sightline {
 /// as another coupling observes its pair.
 inline constexpr std::string_view name_of_view_sets = "certify_view[";
 
+/// Whether the first of a pair observes the second by this coupling.
+bool is_view_of(const Coupling& coupling, Between pair);
+
 /// Applies an action at time t [s]; weights are blended over `ramp` [s].
 /// @return the reason of a rejection, a sentence, with nothing changed; else empty
 std::string apply_action(const Action& action, TeamState& now, double t, double ramp);

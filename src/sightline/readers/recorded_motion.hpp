@@ -1,6 +1,7 @@
 /// Motion and commands of a body as a recording has them, in the frame G.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,13 @@ struct VelocityCommand {
 /// The attitude by a quaternion of any length; empty if that is not finite or is 0, as of a body of which
 /// only the position is measured.
 std::optional<Rotation> recorded_attitude(const Quaternion& q);
+
+/// Sorts samples with a time t; equal times keep their order.
+template <class Sample>
+void sort_by_time(std::vector<Sample>& samples) {
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& a, const Sample& b) { return a.t < b.t; });
+}
 
 /// Appends a sample; one that is not after the last, or has no finite position, is left out. The
 /// heading is unwrapped.

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sightline/readers/number_table.hpp"
+#include "sightline/readers/recorded_motion.hpp"
 #include "sightline/world.hpp"
 
 namespace sightline {
@@ -60,8 +61,7 @@ RigRows parse_rig_rows(const std::string& file, std::string_view text) {
     const double length = std::sqrt(n[3] * n[3] + n[4] * n[4] + n[5] * n[5] + n[6] * n[6]);
     if (!(std::abs(length - 1) < 0.01))
       table.refuse(fmt::format("|quaternion| = {:.3g}, expected 1", length));
-    const RigidPose pose = {{n[0], n[1], n[2]},
-                            rotation({n[6] / length, n[3] / length, n[4] / length, n[5] / length})};
+    const RigidPose pose = {{n[0], n[1], n[2]}, *recorded_attitude({n[6], n[3], n[4], n[5]})};
     rows.poses.push_back({std::move(topic), {t, pose}});
   }
   return rows;

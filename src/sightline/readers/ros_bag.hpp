@@ -37,8 +37,8 @@ struct BagCamera {
 /// A bag without its end is read up to the last complete chunk. Every other fault is refused.
 class RosBag {
  public:
-  /// @throws std::invalid_argument for a folder without MCAP; for a bag in SQLite (.db3) or of packed
-  ///   files it says how to convert it
+  /// @throws std::invalid_argument for a folder without MCAP; for a bag in SQLite (.db3) or of packed files
+  ///   with the command that converts it
   explicit RosBag(const std::filesystem::path& place);
 
   /// @throws std::invalid_argument naming the file, the byte and the fault

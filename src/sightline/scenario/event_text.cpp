@@ -4,10 +4,21 @@
 
 #include <algorithm>
 
-#include "sightline/potential/protection.hpp"
+#include "sightline/ocp/apply_action.hpp"
 #include "sightline/scenario/read_region.hpp"
 
 namespace sightline {
+namespace {
+
+/// The first `wanted` potential by which the first of a pair observes the second; null if there is none.
+template <class Wanted>
+const Potential* first_view(const std::vector<Coupling>& couplings, Between pair, const Wanted& wanted) {
+  for (const Coupling& c : couplings)
+    if (is_view_of(c, pair) && wanted(c.term.potential)) return &c.term.potential;
+  return nullptr;
+}
+
+}  // namespace
 AgentId EventText::robot(std::string_view key) const {
   return AgentId{scope_->team.find(read_name(*this, key, scope_->team, Among::robots, "a robot"))};
 }
@@ -86,12 +97,8 @@ Observer EventText::observer(std::string_view key) const {
 SensorMount EventText::sensor_of(Between ends, std::string_view key) const {
   const Observer observer = read_looking(*this, observer_of(scope_->team, scope_->observers, ends.first));
   if (!has("sensor")) {
-    for (const Coupling& c : scope_->couplings) {
-      const Potential& potential = c.term.potential;
-      if (c.between.first == ends.first && c.between.second == ends.second && observes(potential) &&
-          potential.mount() != nullptr)
-        return *potential.mount();
-    }
+    const auto has_mount = [](const Potential& potential) { return potential.mount() != nullptr; };
+    if (const Potential* const view = first_view(scope_->couplings, ends, has_mount)) return *view->mount();
   }
   if (!observer.mount) {
     throw_invalid(
@@ -103,16 +110,11 @@ SensorMount EventText::sensor_of(Between ends, std::string_view key) const {
 const Potential* EventText::limit_of_view(Between ends) const {
   const bool is_chosen = has("sensor");
   const Observer observer = read_looking(*this, observer_of(scope_->team, scope_->observers, ends.first));
-  for (const Coupling& c : scope_->couplings) {
-    const Potential& potential = c.term.potential;
+  return first_view(scope_->couplings, ends, [&](const Potential& potential) {
     const bool through =
         !is_chosen || (potential.mount() != nullptr && *potential.mount() == *observer.mount);
-    if (c.between.first == ends.first && c.between.second == ends.second && through && observes(potential) &&
-        potential.violation({}, {}) != -std::numeric_limits<double>::infinity()) {
-      return &potential;
-    }
-  }
-  return nullptr;
+    return through && potential.violation({}, {}) != -std::numeric_limits<double>::infinity();
+  });
 }
 
 std::vector<std::string_view> EventText::signals() const {

@@ -44,14 +44,10 @@ ViewLimits limits_of(const std::vector<Coupling>& couplings, BodyId observer, Bo
   return limits;
 }
 
-/// Whether the observer observes the target by this coupling.
-bool is_of_view(const Coupling& c, BodyId observer, BodyId target) {
-  return c.between.first == observer && c.between.second == target && observes(c.term.potential);
-}
-
 bool is_observed(std::span<const Coupling> couplings, BodyId observer, BodyId target) {
-  return std::any_of(couplings.begin(), couplings.end(),
-                     [&](const Coupling& c) { return is_of_view(c, observer, target); });
+  return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
+    return is_view_of(c, {observer, target});
+  });
 }
 
 /// The couplings of the start, or after the first event by which the observer observes the target.
@@ -95,7 +91,7 @@ bool has_two_sensors(const ScenarioSpec& scenario, const CertifiedView& view) {
   };
   const auto have_another = [&](std::span<const Coupling> couplings) {
     return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
-      return is_of_view(c, view.observer, view.target) && is_another(c.term.potential.mount());
+      return is_view_of(c, {view.observer, view.target}) && is_another(c.term.potential.mount());
     });
   };
   if (have_another(scenario.team.couplings())) return true;

@@ -3,12 +3,9 @@
 
 #include "sightline/estimator.hpp"
 #include "sightline/world.hpp"
+#include "sightline/world/rigid_motion.hpp"
 
 namespace sightline {
-
-inline Mat<3, 3> matrix(const Rotation& R) noexcept {
-  return {{{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}}}};
-}
 
 /// Position of the target in S and, if the detection is oriented, its heading in V, with their
 /// joint covariance. The measured roll and pitch give the rotation from S to V. The target's own

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <tuple>
 
 #include "sightline/base.hpp"
 
@@ -19,9 +18,6 @@ struct NoiseNumber {
 
 /// The numbers that a recording shows something of.
 std::vector<NoiseNumber> numbers_of(const TeamRecording& recording, const TeamNoise& noise) {
-  constexpr std::array constants = {"speed_scale",  "turn_scale", "turn_loss",    "yaw_rate_bias",
-                                    "clock_offset", "wheel_turn", "sensor_turn",  "range_scale",
-                                    "range_depth",  "axis_turn",  "range_offset", "bearing_scale"};
   const auto shows = [&](Sighted missing) {
     return std::any_of(recording.sightings.begin(), recording.sightings.end(),
                        [&](const TeamSighting& z) { return z.of != missing; });
@@ -30,7 +26,8 @@ std::vector<NoiseNumber> numbers_of(const TeamRecording& recording, const TeamNo
   std::vector<NoiseNumber> numbers;
   const auto add = [&](const auto& p) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(noise.*p.member)>, double>) {
-      const bool constant = std::find(constants.begin(), constants.end(), p.key) != constants.end();
+      const bool constant =
+          std::find(robot_constants.begin(), robot_constants.end(), p.key) != robot_constants.end();
       const bool shown = p.key.starts_with("range") ? ranges : !p.key.starts_with("bearing") || bearings;
       if (!constant && shown && noise.*p.member > 0) numbers.push_back({p.key, p.unit, p.member});
     }

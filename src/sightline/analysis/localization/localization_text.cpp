@@ -18,12 +18,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-/// Names of RobotState, from the constants on.
-constexpr std::array<std::string_view, 12> constant_names = {
-    "speed_scale", "turn_scale",  "turn_loss",   "yaw_rate_bias", "clock_offset", "wheel_turn",
-    "sensor_turn", "range_scale", "range_depth", "axis_turn",     "range_offset", "bearing_scale"};
-constexpr int first_constant = robot_states - static_cast<int>(constant_names.size());
-
 Json as_json(const InnovationStatistics& of) {
   Json lags = Json::array();
   for (const InnovationStatistics::Lag& one : of.autocorrelation)
@@ -92,9 +86,9 @@ std::string to_json(const LocalizedRecording& localized) {
   for (std::size_t i = 0; i < recording.robots.size(); ++i) {
     const TeamLocalization::Robot& of = result.robots[i];
     Json constants;
-    for (std::size_t k = 0; k < constant_names.size(); ++k)
-      constants[std::string(constant_names[k])] = {{"value", of.states[first_constant + k]},
-                                                   {"sigma", of.sigmas[first_constant + k]}};
+    for (std::size_t k = 0; k < robot_constants.size(); ++k)
+      constants[std::string(robot_constants[k])] = {{"value", of.states[first_constant + k]},
+                                                    {"sigma", of.sigmas[first_constant + k]}};
     robots.push_back({{"name", recording.robots[i].name},
                       {"samples", of.samples},
                       {"rmse", of.rmse},

@@ -156,11 +156,10 @@ LocalizedFiles localize_recording(const std::filesystem::path& place, const Loca
                                      .identified = identified,
                                      .wall_seconds = wall};
   LocalizedFiles written{to_string(localized), to_json(localized)};
-  const auto write = [&](const char* name, const std::string& text) { add(written, lock, name, text); };
   written.files.push_back(log_file);
-  write("summary.json", written.json);
-  write("report.html", curves.html(localized));
-  if (identified) write("noise.toml", noise_text(identified->noise));
+  add(written, lock, "summary.json", written.json);
+  add(written, lock, "report.html", curves.html(localized));
+  if (identified) add(written, lock, "noise.toml", noise_text(identified->noise));
   return written;
 }
 
@@ -199,10 +198,9 @@ LocalizedFiles localize_recording(const RigRecording& recording, const std::file
   write_rig_log(beside(log_file), localized);
   fs::rename(beside(log_file), log_file);
   written.files.push_back(log_file);
-  const auto write = [&](const char* name, const std::string& text) { add(written, lock, name, text); };
-  write("summary.json", written.json);
-  write("report.html", to_html(localized));
-  if (identified) write("noise.toml", noise_text(noise));
+  add(written, lock, "summary.json", written.json);
+  add(written, lock, "report.html", to_html(localized));
+  if (identified) add(written, lock, "noise.toml", noise_text(noise));
   return written;
 }
 

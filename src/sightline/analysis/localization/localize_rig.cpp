@@ -157,7 +157,7 @@ class Smoother {
     return d;
   }
 
-  /// The place as it was: what is after it speaks of it through the other numbers alone,
+  /// The place as it was: what comes after depends on it through the other numbers alone,
   ///
   ///   d_T = K d,   P_T. = K P,   P_TT = P_TT' - K P_.T' + K P K^T,   K = P_T.' P'^-1,
   ///
@@ -198,7 +198,7 @@ class Smoother {
 
   void back(const Instant& to, const Instant& from) {
     if (to.anew) {
-      // The start says nothing about the poses before it; what is known of the tags stays out.
+      // The start has no information about the poses before it; that about the tags is left out.
       X_ = from.pose, v_ = from.velocity, P_ = to.before_restart, places_ = from.places;
       return;
     }
@@ -248,13 +248,7 @@ class Smoother {
   void undo_velocity(const Mat<6, 6>& F, std::vector<double>& d) {
     for (int i = 0; i < 6; ++i)
       for (int k = 0; k < 6; ++k) d[size(i)] -= F(i, k) * d[size(6 + k)];
-    for (int side = 0; side < 2; ++side)
-      for (int j = 0; j < P_.order(); ++j)
-        for (int i = 0; i < 6; ++i) {
-          double sum = 0.0;
-          for (int k = 0; k < 6; ++k) sum += F(i, k) * (side == 0 ? P_(6 + k, j) : P_(j, 6 + k));
-          (side == 0 ? P_(i, j) : P_(j, i)) -= sum;
-        }
+    P_.add_to_pose(-1.0 * F);
   }
 
   RigLocalization& result_;
@@ -363,17 +357,8 @@ void count(RigLocalization& result) {
   if (gated > 0) result.innovation = squares / (8 * static_cast<double>(gated));
 }
 
-}  // namespace
-
-Mat<3, 3> position_covariance(const RigLocalization::Estimate& of) {
-  // d p = rho + theta x p.
-  Mat<3, 6> L;
-  set_block(L, 0, 0, identity<3>());
-  set_block(L, 0, 3, -1.0 * cross_matrix(of.pose.p));
-  return L * of.P * transposed(L);
-}
-
-RigLocalization localize_rig(const RigRecording& recording, const RigNoise& noise, bool smooth) {
+/// Runs the filter, and the smoother, without a comparison with the reference.
+RigLocalization rig_estimates(const RigRecording& recording, const RigNoise& noise, bool smooth) {
   RigLocalization result;
   const std::vector<double> shown = shown_times(recording);
   const std::size_t sightings = recording.sightings.size(), tags = recording.tags.size();
@@ -412,6 +397,24 @@ RigLocalization localize_rig(const RigRecording& recording, const RigNoise& nois
     Smoother(run.filter(), result).run(std::move(starts), piece);
   }
   count(result);
+  return result;
+}
+
+}  // namespace
+
+Mat<6, 6> pose_covariance(const RigLocalization::Estimate& of) {
+  // d p = rho + theta x p.
+  Mat<6, 6> L = identity<6>();
+  set_block(L, 0, 3, -1.0 * cross_matrix(of.pose.p));
+  return L * of.P * transposed(L);
+}
+
+Mat<3, 3> position_covariance(const RigLocalization::Estimate& of) {
+  return block<3, 3>(pose_covariance(of), 0, 0);
+}
+
+RigLocalization localize_rig(const RigRecording& recording, const RigNoise& noise, bool smooth) {
+  RigLocalization result = rig_estimates(recording, noise, smooth);
   result.seconds = recording.end - recording.start;
   if (recording.reference.empty() || result.filter.empty()) return result;
   auto at = recording.reference.begin();
@@ -445,7 +448,7 @@ IdentifiedMotion identify_motion(const RigRecording& recording, RigNoise noise) 
   IdentifiedMotion found{noise, 0};
   const auto cost_with = [&](const RigNoise& tried) {
     ++found.runs;
-    return localize_rig(recording, tried, false).cost;
+    return rig_estimates(recording, tried, false).cost;
   };
   double best = cost_with(noise);
   for (double factor = widest_factor; factor > finest_factor && found.runs < trials_max;) {

@@ -46,6 +46,8 @@ struct RigLocalization {
   double cost = 0.0;
 };
 
+/// Covariance of the position and of the rotation about the axes of G [m], [rad].
+Mat<6, 6> pose_covariance(const RigLocalization::Estimate& of);
 /// Covariance of the position of an estimate [m^2].
 Mat<3, 3> position_covariance(const RigLocalization::Estimate& of);
 

@@ -8,6 +8,7 @@
 
 #include "sightline/analysis/localization/team_recording.hpp"
 #include "sightline/readers/number_table.hpp"
+#include "sightline/readers/recorded_motion.hpp"
 
 namespace sightline {
 namespace {
@@ -67,11 +68,6 @@ void each_timed(const MrclamFiles::Table& of, std::span<const NumberColumn> colu
                                row[0], recording_max, *first));
     take(row);
   }
-}
-
-template <class Timed>
-void sort_by_time(std::vector<Timed>& list) {
-  std::stable_sort(list.begin(), list.end(), [](const Timed& a, const Timed& b) { return a.t < b.t; });
 }
 
 struct CodedSighting {

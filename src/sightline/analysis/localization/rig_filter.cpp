@@ -64,6 +64,17 @@ void GrowingCovariance::set(int i, int j, const Mat<6, 6>& b) {
     for (int l = 0; l < 6; ++l) (*this)(i + k, j + l) = (*this)(j + l, i + k) = b(k, l);
 }
 
+void GrowingCovariance::add_to_pose(const Mat<6, 6>& F) {
+  // On the rows and then on the columns.
+  for (int side = 0; side < 2; ++side)
+    for (int j = 0; j < n_; ++j)
+      for (int i = 0; i < 6; ++i) {
+        double sum = 0.0;
+        for (int k = 0; k < 6; ++k) sum += F(i, k) * (side == 0 ? (*this)(6 + k, j) : (*this)(j, 6 + k));
+        (side == 0 ? (*this)(i, j) : (*this)(j, i)) += sum;
+      }
+}
+
 RigFilter::RigFilter(const RigRecording& recording, const RigNoise& noise)
     : recording_(recording),
       noise_(noise),
@@ -186,15 +197,7 @@ RigFilter::Step RigFilter::move(const RigidPose& motion, double dt, bool smooth)
 
 RigFilter::Step RigFilter::coast(double dt, bool smooth) {
   Step step{.per_velocity = dt * adjoint(X_)};
-  const Mat<6, 6>& F = step.per_velocity;
-  // xi_X += F xi_v, on the rows and then on the columns.
-  for (int side = 0; side < 2; ++side)
-    for (int j = 0; j < P_.order(); ++j)
-      for (int i = 0; i < 6; ++i) {
-        double sum = 0.0;
-        for (int k = 0; k < 6; ++k) sum += F(i, k) * (side == 0 ? P_(6 + k, j) : P_(j, 6 + k));
-        (side == 0 ? P_(i, j) : P_(j, i)) += sum;
-      }
+  P_.add_to_pose(step.per_velocity);
   const Mat<6, 6> A = adjoint(X_), W = diagonal(noise_.acceleration_walk, noise_.turn_acceleration_walk);
   const Mat<6, 6> Q_XX = (dt * dt * dt / 3) * (A * W * transposed(A)), Q_Xv = (dt * dt / 2) * (A * W);
   Mat<12, 12> Q;

@@ -51,6 +51,7 @@ class GrowingCovariance {
   GrowingCovariance resized(int n) const;
   Mat<6, 6> block(int i, int j) const;
   void set(int i, int j, const Mat<6, 6>& b);  ///< and its transpose at (j, i)
+  void add_to_pose(const Mat<6, 6>& F);        ///< of xi_X += F xi_v, the first six and the next six numbers
 
  private:
   int n_;
@@ -93,7 +94,7 @@ class RigFilter {
     Column<6> velocity{};      ///< v
     Mat<6, 6> per_velocity{};  ///< d xi_X / d xi_v
     std::vector<double> Q{};   ///< (rig x rig)
-    std::vector<double> G{};   ///< (rig x n), if asked for
+    std::vector<double> G{};   ///< (rig x n), for a smoother alone
     int n = 0;
   };
 
@@ -104,7 +105,7 @@ class RigFilter {
   /// Propagates at a constant twist over dt [s].
   Step coast(double dt, bool smooth);
   /// Takes the sightings of one time. @param fits  one for each
-  /// @return true if the pose was started anew, so that it says nothing about the past
+  /// @return true if the pose was started anew, so that it does not depend on the past
   bool take(std::span<const RigRecording::Sighting> sightings, std::span<TagFit> fits);
 
   const RigidPose& pose() const { return X_; }

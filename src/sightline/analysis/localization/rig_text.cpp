@@ -41,11 +41,8 @@ StampedAttitude attitude_of(double time, const Rotation& R) {
   return {.time = nanoseconds(time), .q = {q.x, q.y, q.z, q.w}};
 }
 
-/// Covariance of position and of the rotation about the axes of G: d p = rho + theta x p.
 PoseCovariance covariance_of(const RigLocalization::Estimate& of) {
-  Mat<6, 6> L = identity<6>();
-  set_block(L, 0, 3, -1.0 * cross_matrix(of.pose.p));
-  const Mat<6, 6> P = L * of.P * transposed(L);
+  const Mat<6, 6> P = pose_covariance(of);
   PoseCovariance covariance{};
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) covariance[size(6 * i + j)] = P(i, j);
