@@ -110,7 +110,7 @@ constexpr double never_seen = -std::numeric_limits<double>::infinity();
 double cpu_seconds() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  return static_cast<double>(t.tv_sec) + to_seconds(t.tv_nsec);
 }
 
 LinkTiming::Delay delay_of(const DelayHistogram& times) {
@@ -127,7 +127,7 @@ DdsWorld::DdsWorld(const Scenario& scenario, std::shared_ptr<Domain> domain, con
       measured_(scenario.x0),
       stamps_(size(team_.bodies()), never_seen),
       attitudes_(size(team_.bodies()), no_attitude),
-      period_(std::llround(1e9 * scenario.horizon.dt)),
+      period_(to_nanoseconds(scenario.horizon.dt)),
       times_(times_of_task(times, scenario_)),
       node_(fleet_of(scenario).network.node),
       domain_(std::move(domain)),
@@ -264,7 +264,7 @@ LinkOrder DdsWorld::order_of_joining(Robot& robot, double t) const noexcept {
 }
 
 Measured DdsWorld::measure(double t) noexcept {
-  const std::int64_t now = monotonic_now(), due = std::llround(1e9 * t);
+  const std::int64_t now = monotonic_now(), due = to_nanoseconds(t);
   if (!begun_) origin_ = now - due, begun_cpu_ = cpu_seconds(), telemetry_.begin();
   if (!begun_ && talk_) talk_->begin(origin_);
   for (Robot& robot : robots_) {
@@ -274,7 +274,7 @@ Measured DdsWorld::measure(double t) noexcept {
   }
   begun_ = seen_ = true;
   ++periods_;
-  wakes_.add(1e-9 * static_cast<double>(now - origin_ - due));
+  wakes_.add(to_seconds(now - origin_ - due));
   // Bodies without a link are at rest where the scenario places them.
   std::fill(stamps_.begin(), stamps_.end(), t);
   for (Robot& robot : robots_) {
@@ -282,7 +282,7 @@ Measured DdsWorld::measure(double t) noexcept {
     // A vision-localized robot has no measured position; its attitude is known with the place of its frame.
     const bool there = robot.end->look(seen), came = there && !robot.estimated;
     if (came) robot.model.write(seen.motion, &measured_[robot.x]);
-    stamps_[robot.body] = came ? 1e-9 * static_cast<double>(seen.stamp - origin_) : never_seen;
+    stamps_[robot.body] = came ? to_seconds(seen.stamp - origin_) : never_seen;
     attitudes_[robot.body] = came                   ? seen.motion.q
                              : there && robot.knows ? in_G(robot.frame, seen.motion).q
                                                     : no_attitude;
@@ -314,7 +314,7 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
                         std::span<const double> u) noexcept {
   if (calls_.is_emergency()) order = LinkOrder::emergency;
   const std::int64_t now = monotonic_now();
-  const double t = 1e-9 * static_cast<double>(now);
+  const double t = to_seconds(now);
   const bool seen = order == LinkOrder::task || bodies_.are_seen(now);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
@@ -336,7 +336,7 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
     published_[i].reason = shown.reason;
     published_[i].state = shown.state;
     if (output.setpoint == Setpoint::task)
-      command = robot.model.command(&estimated[robot.x], &u[robot.u], 1e-9 * static_cast<double>(period_));
+      command = robot.model.command(&estimated[robot.x], &u[robot.u], to_seconds(period_));
     else
       robot.model.rest();
     if (robot.estimated) {
@@ -344,7 +344,7 @@ void DdsWorld::step_all(LinkOrder order, std::span<const double> estimated,
       if (has_estimate) {
         const Motion& odometry = shown.last.motion;
         const Motion at = robot.model.motion(&estimated[robot.x], &u[robot.u]);
-        const double age = 1e-9 * static_cast<double>(now - shown.last.stamp);
+        const double age = to_seconds(now - shown.last.stamp);
         robot.frame = carried_frame(odometry, age, at);
         command = in_local(robot.frame, command);
         shown.last.motion = {at.p, at.q, at.v, at.r};
@@ -449,7 +449,7 @@ void DdsWorld::stand(LinkOrder order) noexcept {
 
 /// Waits for a common start with the parts that are received, at most begins_together.
 void DdsWorld::begin_together(const Interrupts& interrupts, const PrintMessage& print) {
-  const Nanoseconds until = monotonic_now() + std::llround(1e9 * begins_together);
+  const Nanoseconds until = monotonic_now() + to_nanoseconds(begins_together);
   const auto flies = [&] { return each_is({LinkState::holding}) && interrupts == 0 && !calls_.to_land(); };
   steps_until(LinkOrder::hold, interrupts, print, [&] {
     return !flies() || monotonic_now() >= std::min(until, talk_->begins().value_or(until));
@@ -517,7 +517,7 @@ bool DdsWorld::take_off(Arming arming, const Interrupts& interrupts, const Print
                each_in_team([](const Robot& r) { return r.machine.state() == S::holding && r.facts.risen; });
       });
     for (Robot& robot : robots_) robot.end->stop_examining();
-    const Nanoseconds until = monotonic_now() + std::llround(1e9 * stands_within);
+    const Nanoseconds until = monotonic_now() + to_nanoseconds(stands_within);
     if (!out())
       steps_until(LinkOrder::hold, interrupts, print,
                   [&] { return out() || each_stands() || monotonic_now() > until; });
@@ -551,7 +551,7 @@ std::vector<RobotPose> DdsWorld::poses() {
     pose.known = true;
     pose.p = seen.motion.p;
     pose.heading = std::atan2(d.y, d.x);
-    pose.age = 1e-9 * static_cast<double>(monotonic_now() - seen.stamp);
+    pose.age = to_seconds(monotonic_now() - seen.stamp);
   }
   return all;
 }
@@ -563,8 +563,7 @@ void DdsWorld::land(const Interrupts& interrupts, const PrintMessage& print) {
     const std::scoped_lock lock(news_);
     news_go_to_ = {};
   }
-  if (begun_ && !cpu_)
-    cpu_ = (cpu_seconds() - begun_cpu_) / (1e-9 * static_cast<double>(monotonic_now() - origin_));
+  if (begun_ && !cpu_) cpu_ = (cpu_seconds() - begun_cpu_) / to_seconds(monotonic_now() - origin_);
   steps_until(LinkOrder::land, interrupts, print, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });

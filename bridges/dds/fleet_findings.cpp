@@ -239,7 +239,7 @@ std::vector<Finding> examine_fleet(const Scenario& scenario, std::span<const Exa
     examine_rate(scenario, robots[i].link->poses, f, list);
     if (f.count >= poses_needed) {
       const PoseSubscriber& poses = robots[i].end->subscriber();
-      const double offset = 1e-9 * static_cast<double>(poses.clock_offset() + realtime_now() - now);
+      const double offset = to_seconds(poses.clock_offset() + realtime_now() - now);
       examine_clock(offset - robots[i].end->stamps_behind(), poses.clock_drift(), list);
       examine_latency(scenario, f, list);
     }

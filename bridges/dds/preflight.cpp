@@ -24,7 +24,7 @@ Preflight::Preflight(const Scenario& scenario, std::vector<ExaminedRobot> robots
       robots_(examined_.size()),
       bodies_(bodies),
       discovery_(participant),
-      listened_(std::llround(1e9 * listened)) {}
+      listened_(to_nanoseconds(listened)) {}
 
 std::vector<Finding> Preflight::examine() {
   std::vector<Finding> findings = examine_fleet(scenario_, examined_, discovery_.look());

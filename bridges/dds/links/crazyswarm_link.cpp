@@ -16,15 +16,14 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr Nanoseconds crazyflie_second = 1'000'000'000;
-constexpr Nanoseconds pose_old = crazyflie_second / 2, supervisor_old = 5 * crazyflie_second / 2;
+constexpr Nanoseconds pose_old = one_second / 2, supervisor_old = 5 * one_second / 2;
 constexpr Nanoseconds landing_step_most = 50'000'000;  // timeout of an answer, beside the latency
 constexpr int latency_waited_most = 50;                // [ms]
 constexpr Nanoseconds planned_within = 300'000'000;    // from the last request to the status with its effect
 constexpr double landed_height = 0.15;                 // up to which it is not requested to land again [m]
 constexpr Nanoseconds planner_learns = 60'000'000;     // where the vehicle is, once it may fly
 constexpr int looks_least = 5;                         // discovery checks required, at 5 Hz
-constexpr Nanoseconds takeoff_patience = 2 * crazyflie_second;
+constexpr Nanoseconds takeoff_patience = 2 * one_second;
 constexpr std::uint32_t remain_valid = 100;         // [ms]; new firmware ignores it
 constexpr double setpoints_apart_most = 0.1;        // [s]
 constexpr double setpoints_most = 0.9;              // share of the packets that the radio carries
@@ -48,7 +47,7 @@ constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velo
                                                         "/cmd_vel_legacy"};
 
 builtin_interfaces_msg_dds__Duration_ ros_duration(double seconds) {
-  const RosTime time = to_ros(std::llround(1e9 * seconds));
+  const RosTime time = to_ros(to_nanoseconds(seconds));
   return {time.sec, time.nanosec};
 }
 
@@ -105,7 +104,7 @@ void CrazyswarmLinkEnd::on_status(const void* message, Nanoseconds arrived) {
     s.first = arrived;
   } else {
     s.sent += m.num_tx_unicast, s.received += m.num_rx_unicast;
-    const double seconds = 1e-9 * static_cast<double>(arrived - s.arrived),
+    const double seconds = to_seconds(arrived - s.arrived),
                  packets =
                      m.num_rx_unicast > 0 ? std::min(m.num_tx_unicast, m.num_rx_unicast) : m.num_tx_unicast,
                  part = s.rate > 0 ? std::min(1.0, seconds / rate_mean) : 1.0,
@@ -186,14 +185,14 @@ LinkFacts CrazyswarmLinkEnd::facts(Nanoseconds now) noexcept {
   facts.restarted = speakers_ >= 0 && status_reader_->writers_came() > speakers_;
   facts.failsafe = has(is_tumbled) || has(is_locked) || has(is_crashed);
   facts.unfit = unfit();
-  const double seconds = 1e-9 * static_cast<double>(now - requested_at_);
+  const double seconds = to_seconds(now - requested_at_);
   const bool hovers = flies && phase_ >= Phase::takeoff && is_up() &&
                       (phase_ != Phase::takeoff || seconds > crazyflie_.takeoff_time);
   turns_back_ = hovers && phase_ == Phase::takeoff && turned() > turned_most &&
                 (turns_ < turns_most || now < turned_at_);
   facts.airborne = hovers && !turns_back_;
-  facts.refused = phase_ == Phase::takeoff && !flies &&
-                  seconds > crazyflie_.takeoff_time + 1e-9 * static_cast<double>(takeoff_patience);
+  facts.refused =
+      phase_ == Phase::takeoff && !flies && seconds > crazyflie_.takeoff_time + to_seconds(takeoff_patience);
   tells_planner_ = tells_planner_ || (phase_ == Phase::takeoff && has(planner_flies));
   facts.mode = phase_ == Phase::takeoff  ? AutopilotMode::takeoff
                : lands()                 ? AutopilotMode::land
@@ -257,7 +256,7 @@ void CrazyswarmLinkEnd::turn_back(Nanoseconds now) noexcept {
   if (!turns_back_ || phase_ != Phase::takeoff || now < turned_at_) return;
   ++turns_;
   const double time = std::max(turning_time_least, turned() / turning_pace);
-  turned_at_ = now + std::llround(1e9 * time) + landing_step_most;
+  turned_at_ = now + to_nanoseconds(time) + landing_step_most;
   const Motion to = in_local(origin_, left_);
   const Vec2<double> d = heading(rotation(to.q));
   const crazyflie_interfaces_srv_dds__GoTo_Request_ back{0,
@@ -380,7 +379,7 @@ void CrazyswarmLinkEnd::examine_radio(FindingList& to) const {
     to.add(Aspect::radio, Light::unknown, "its status counts no unicast packets, or has no latency of them");
     return;
   }
-  const double rate = static_cast<double>(s.sent) / (1e-9 * static_cast<double>(s.arrived - s.first)),
+  const double rate = static_cast<double>(s.sent) / to_seconds(s.arrived - s.first),
                share = static_cast<double>(s.received) / static_cast<double>(s.sent);
   const bool lossy = s.received > 0 && share < arriving_least;
   const std::string figures =

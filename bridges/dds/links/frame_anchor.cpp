@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 
 void FrameAnchor::follow(Motion& local, int resets, Nanoseconds sampled) noexcept {
   if (begun_ && resets != resets_ && held_) {
-    const double dt = 1e-9 * static_cast<double>(std::max<Nanoseconds>(sampled - sampled_, 0));
+    const double dt = to_seconds(std::max<Nanoseconds>(sampled - sampled_, 0));
     const Vec3<double> expected = last_.p + dt * last_.v;
     const Vec3<double> shift = expected - local.p;
     moved_ = moved_ + norm(shift - shift_);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 
 void InertialSamples::put(const InertialSample& sample, Nanoseconds arrived) noexcept {
@@ -22,7 +24,7 @@ void InertialSamples::forget() noexcept {
 }
 
 bool InertialSamples::fill(Nanoseconds end, MotionSample& motion) noexcept {
-  const Nanoseconds begin = end - std::llround(1e9 * motion.dt);
+  const Nanoseconds begin = end - to_nanoseconds(motion.dt);
   Vec3<double> turned{}, pushed{};
   double covered = 0.0;
   for (; const InertialSample* const next = each_.front(); each_.pop()) {
@@ -31,7 +33,7 @@ bool InertialSamples::fill(Nanoseconds end, MotionSample& motion) noexcept {
     if (next->stamp - end <= ahead_most) {
       const Nanoseconds since = passed > 0 && passed < longest ? last_ : next->stamp - longest;
       const Nanoseconds within = std::min(next->stamp, end) - std::max(since, begin);
-      const double share = 1e-9 * static_cast<double>(std::max<Nanoseconds>(within, 0));
+      const double share = to_seconds(std::max<Nanoseconds>(within, 0));
       turned = turned + share * next->gyro;
       pushed = pushed + share * next->force;
       covered += share;

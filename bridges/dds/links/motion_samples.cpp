@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sightline/base/now.hpp"
 #include "sightline/estimator.hpp"
 
 namespace sightline::dds {
@@ -17,7 +18,7 @@ Vec3<double> in_V(const Motion& motion, double heading) noexcept { return turn_z
 }  // namespace
 
 std::optional<MotionSample> MotionSamples::take(const SeenMotion& seen, Nanoseconds origin) noexcept {
-  const double passed = 1e-9 * static_cast<double>(seen.stamp - last_.stamp);
+  const double passed = to_seconds(seen.stamp - last_.stamp);
   if (begun_ && passed < shortest) return std::nullopt;
   const SeenMotion before = std::exchange(last_, seen);
   if (!std::exchange(begun_, true)) return std::nullopt;
@@ -26,7 +27,7 @@ std::optional<MotionSample> MotionSamples::take(const SeenMotion& seen, Nanoseco
   const double psi = heading_of(now), psi_then = heading_of(then), turned = wrap(psi - psi_then);
   MotionSample sample;
   sample.dt = gap ? MotionSample{}.dt : passed;
-  sample.t = 1e-9 * static_cast<double>(seen.stamp - origin) - sample.dt;
+  sample.t = to_seconds(seen.stamp - origin) - sample.dt;
   const double reported = gap ? seen.motion.r : 0.5 * (seen.motion.r + before.motion.r);
   const bool explained = std::abs(turned - reported * sample.dt) < unexplained;
   sample.yaw_rate = gap || !explained ? reported : turned / sample.dt;

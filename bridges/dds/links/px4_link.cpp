@@ -18,8 +18,7 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr Nanoseconds px4_second = 1'000'000'000;
-constexpr Nanoseconds odometry_old = px4_second, status_old = 5 * px4_second / 2;
+constexpr Nanoseconds odometry_old = one_second, status_old = 5 * one_second / 2;
 constexpr Nanoseconds newcomers_wait = 50'000'000;
 constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
 constexpr std::int64_t inertial_needed = 20;    // before their rate is judged

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 namespace {
-
-constexpr double fit_second = 1e-9;  // seconds per nanosecond
 
 double fit_heading(const Quaternion& q) {
   if (q == no_attitude) return 0.0;
@@ -27,8 +27,7 @@ VelocityFit::Outcome VelocityFit::take(const Vec3<double>& p, const Quaternion& 
     assert(stamp > newest_.stamp && "stamps rise");
     const Nanoseconds since = stamp - newest_.stamp;
     const bool goes_on = since < silence;
-    if (goes_on && !is_near(at, fit_second * static_cast<double>(since)) && ++outside_ <= most_outside)
-      return Outcome::jump;
+    if (goes_on && !is_near(at, to_seconds(since)) && ++outside_ <= most_outside) return Outcome::jump;
     if (!goes_on || outside_ > most_outside) begin();
   }
   outside_ = 0;
@@ -71,7 +70,7 @@ void VelocityFit::fit(Nanoseconds stamp) noexcept {
   double mean = 0.0;
   const double n = static_cast<double>(count_);
   for (std::size_t i = 0; i < count_; ++i) {
-    u[i] = fit_second * static_cast<double>(pose(i).stamp - stamp);
+    u[i] = to_seconds(pose(i).stamp - stamp);
     mean += u[i] / n;
   }
   double s2 = 0.0, s3 = 0.0;

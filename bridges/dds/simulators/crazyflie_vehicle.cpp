@@ -25,7 +25,7 @@ constexpr double status_period = 0.1;                     // [s]
 constexpr double furthest = 2.0;                          // distance of a set-point from the vehicle [m]
 
 double seconds_of(const builtin_interfaces_msg_dds__Duration_& d) { return d.sec + 1e-9 * d.nanosec; }
-double seconds_now() { return 1e-9 * static_cast<double>(monotonic_now()); }
+double seconds_now() { return to_seconds(monotonic_now()); }
 
 /// Polynomial from 0 to 1 whose derivatives up to the third vanish at both ends, and two of them.
 std::array<double, 3> smooth_step(double s) {
@@ -125,7 +125,7 @@ void CrazyflieVehicle::on_state(const void* message) {
 
 void CrazyflieVehicle::take_setpoint(const TrajectoryPoint& setpoint, std::int64_t sent) {
   const std::int64_t now = monotonic_now();
-  reported_.radio_wait = std::max(reported_.radio_wait, 1e-9 * static_cast<double>(now - sent));
+  reported_.radio_wait = std::max(reported_.radio_wait, to_seconds(now - sent));
   if (!has(is_flying)) ++reported_.setpoints_outside;
   if (setpoints_lead_ && planner_ != Planner::stopped) ++reported_.locked_out;
   planner_ = Planner::stopped;
@@ -206,7 +206,7 @@ void CrazyflieVehicle::supervise() {
     lifted_at_ = now;
     landed_at_ = 0;
   } else if (has(is_flying) && !body_.on_ground()) {
-    reported_.dropped = std::max(reported_.dropped, 1e-9 * static_cast<double>(now - lifted_at_));
+    reported_.dropped = std::max(reported_.dropped, to_seconds(now - lifted_at_));
   }
   if (has(is_flying) && now - lifted_at_ > flying_lasts) {
     supervisor_ = static_cast<std::uint16_t>(supervisor_ & ~is_flying);
@@ -214,7 +214,7 @@ void CrazyflieVehicle::supervise() {
   }
   if (landed_at_ > 0 && now - landed_at_ > armed_lasts) disarm();
   if (!has(is_flying) || !setpoints_lead_) return;
-  const double age = 1e-9 * static_cast<double>(now - setpoint_at_);
+  const double age = to_seconds(now - setpoint_at_);
   if (now - setpoint_at_ > level_out_after && reported_.levelled_after == 0) reported_.levelled_after = age;
   if (now - setpoint_at_ > motors_off_after) {
     reported_.motors_off_after = age;

@@ -115,7 +115,7 @@ void FaultyWriter::write(const void* message) {
     for (int copies = dropped ? 0 : twice ? 2 : 1; copies > 0; --copies) {
       if (delay > 0) {
         Late& late = late_.emplace_back(
-            Late{monotonic_now() + std::llround(1e9 * delay), std::vector<std::uint64_t>((size_ + 7) / 8)});
+            Late{monotonic_now() + to_nanoseconds(delay), std::vector<std::uint64_t>((size_ + 7) / 8)});
         std::memcpy(late.message.data(), message, size_);
       } else {
         (void)writer_.write(message);

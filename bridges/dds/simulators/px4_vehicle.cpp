@@ -16,16 +16,15 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-constexpr std::int64_t vehicle_second = 1'000'000'000;
-constexpr std::int64_t checks_take = vehicle_second;    // after its start
-constexpr std::int64_t offboard_loss = vehicle_second;  // COM_OF_LOSS_T
+constexpr std::int64_t checks_take = one_second;    // after its start
+constexpr std::int64_t offboard_loss = one_second;  // COM_OF_LOSS_T
 // Measured on PX4 1.16.1 (tests/dds/traces), from the request of a take-off on: its motors start,
 // then their thrust rises (COM_SPOOLUP_TIME, MPC_TKO_RAMP_T).
-constexpr std::int64_t spool_up = 17 * vehicle_second / 10, thrust_up = 24 * vehicle_second / 10;
-constexpr std::int64_t land_detector = 3 * vehicle_second;  // on the ground until it reports that it landed
-constexpr std::int64_t idle_after_start = 11 * vehicle_second;   // COM_DISARM_PRFLT
-constexpr std::int64_t idle_after_landing = 2 * vehicle_second;  // COM_DISARM_LAND
-constexpr double takeoff_climb = 0.75, hold_climb = 0.25;        // below the altitude of a take-off [m/s]
+constexpr std::int64_t spool_up = 17 * one_second / 10, thrust_up = 24 * one_second / 10;
+constexpr std::int64_t land_detector = 3 * one_second;       // on the ground until it reports that it landed
+constexpr std::int64_t idle_after_start = 11 * one_second;   // COM_DISARM_PRFLT
+constexpr std::int64_t idle_after_landing = 2 * one_second;  // COM_DISARM_LAND
+constexpr double takeoff_climb = 0.75, hold_climb = 0.25;    // below the altitude of a take-off [m/s]
 constexpr double land_speed = 0.7, land_crawl = 0.3,
                  crawl_below = 1.0;      // MPC_LAND_SPEED, MPC_LAND_CRWL, MPC_LAND_ALT3
 constexpr double altitude_radius = 0.8;  // NAV_MC_ALT_RAD [m]
@@ -200,7 +199,7 @@ void Px4Vehicle::on_heartbeat(bool position, std::uint64_t stamp) {
 Nanoseconds Px4Vehicle::clock_offset() const {
   using K = LinkFaultKind;
   const double jump = faults_.on(K::clock_jump) ? faults_.size(K::clock_jump) : 0.0;
-  return synchronised_ + std::llround(1e9 * jump);
+  return synchronised_ + to_nanoseconds(jump);
 }
 
 std::uint64_t Px4Vehicle::microseconds() const {
@@ -268,7 +267,7 @@ void Px4Vehicle::stand(bool sinks, std::int64_t now) {
 void Px4Vehicle::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   if (nav_ == NavState::offboard && arming_ == px4_armed && monotonic_now() - heartbeat_at_ > offboard_loss) {
-    reported_.failsafe_after = 1e-9 * static_cast<double>(monotonic_now() - heartbeat_at_);
+    reported_.failsafe_after = to_seconds(monotonic_now() - heartbeat_at_);
     failsafe_ = true;
     set_nav(NavState::land);
   }

@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 namespace {
 
-constexpr std::int64_t echo_period = 1'000'000'000, millisecond = 1'000'000;  // [ns]
+constexpr std::int64_t echo_period = one_second, millisecond = 1'000'000;  // [ns]
 
 }  // namespace
 

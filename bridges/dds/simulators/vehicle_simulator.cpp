@@ -121,8 +121,8 @@ void DdsVehicleSimulators::step(Robot& robot, std::int64_t number) {
 }
 
 void DdsVehicleSimulators::run(double duration, const Interrupts& interrupts, const PrintMessage& print) {
-  const std::int64_t period = std::llround(1e9 * VehicleSimulator::period);
-  const std::int64_t flown = std::llround(1e9 * scenario_.horizon.dt);
+  const std::int64_t period = to_nanoseconds(VehicleSimulator::period);
+  const std::int64_t flown = to_nanoseconds(scenario_.horizon.dt);
   const std::int64_t steps = std::llround(std::min(duration, 1e9) / VehicleSimulator::period);
   // Steps lie between the flyer's period starts, so that no race decides which pose a period uses.
   const std::int64_t begin = next_multiple(monotonic_now(), flown) + std::min(period, flown) / 2;

@@ -11,6 +11,7 @@
 
 #include "bridges/dds/fleet/link.hpp"
 #include "sightline/base.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/model.hpp"
 #include "sightline/world.hpp"
 
@@ -60,16 +61,14 @@ using Nanoseconds = std::int64_t;
 inline constexpr std::uint64_t last_microsecond = 4'000'000'000'000'000;
 /// @param us  at most last_microsecond
 constexpr Nanoseconds of_microseconds(std::uint64_t us) { return static_cast<Nanoseconds>(us) * 1000; }
-constexpr Nanoseconds of_ros(std::int32_t sec, std::uint32_t nanosec) {
-  return static_cast<Nanoseconds>(sec) * 1'000'000'000 + nanosec;
-}
+constexpr Nanoseconds of_ros(std::int32_t sec, std::uint32_t nanosec) { return sec * one_second + nanosec; }
 struct RosTime {
   std::int32_t sec = 0;
   std::uint32_t nanosec = 0;
 };
 constexpr RosTime to_ros(Nanoseconds t) {
-  Nanoseconds sec = t / 1'000'000'000, rest = t % 1'000'000'000;
-  if (rest < 0) sec -= 1, rest += 1'000'000'000;
+  Nanoseconds sec = t / one_second, rest = t % one_second;
+  if (rest < 0) sec -= 1, rest += one_second;
   return {static_cast<std::int32_t>(sec), static_cast<std::uint32_t>(rest)};
 }
 

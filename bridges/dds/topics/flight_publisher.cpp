@@ -221,7 +221,7 @@ void FlightPublisher::Thread::run() {
     tick(number);
     timespec worked{};
     ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &worked);
-    worked_ = worked.tv_sec * std::int64_t{1'000'000'000} + worked.tv_nsec;
+    worked_ = worked.tv_sec * one_second + worked.tv_nsec;
     ran_ = monotonic_now() - began;
     next = std::max(next + tick_time, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
@@ -314,7 +314,7 @@ void FlightPublisher::Thread::line(std::uint8_t level, const std::string& text) 
 }
 
 void FlightPublisher::Thread::end_second() {
-  const std::int64_t second = monotonic_now() / 1'000'000'000;
+  const std::int64_t second = monotonic_now() / one_second;
   if (second == lines_second_) return;
   lines_second_ = second;
   lines_ = 0;
@@ -351,7 +351,7 @@ void FlightPublisher::Thread::send_estimate(std::size_t robot) {
   const SinCos<double> heading = sincos(now.psi);
   RosStrings strings;
   geometry_msgs_msg_dds__PoseWithCovarianceStamped_ message{};
-  message.header = header(last_.shown_at + std::llround(1e9 * (now.stamp - last_.t)), strings);
+  message.header = header(last_.shown_at + to_nanoseconds(now.stamp - last_.t), strings);
   message.pose.pose = ros_pose(now.p, upright({heading.cos, heading.sin}));
   for (std::size_t i = 0; i < row.size(); ++i)
     for (std::size_t j = 0; j < row.size(); ++j)
@@ -373,7 +373,7 @@ void FlightPublisher::Thread::send_cameras() {
 void FlightPublisher::Thread::send_paths() {
   if (!std::exchange(path_waits_, false)) return;
   const std::size_t nx = last_.x.size(), stages = last_.path.size() / nx;
-  const Nanoseconds begin = last_.shown_at + std::llround(1e9 * (last_.path_time - last_.t));
+  const Nanoseconds begin = last_.shown_at + to_nanoseconds(last_.path_time - last_.t);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Model& model = team_.model(BodyId{static_cast<int>(i)});
     RosStrings strings;
@@ -383,7 +383,7 @@ void FlightPublisher::Thread::send_paths() {
       const Sight<double> seen = model.sight(x, no_input_.data());
       const double sum = seen.p.x + seen.p.y + seen.p.z + seen.d.x + seen.d.y;
       if (!std::isfinite(sum) || (seen.d.x == 0 && seen.d.y == 0)) break;
-      poses.push_back({header(begin + std::llround(1e9 * last_.path_step * static_cast<double>(k)), strings),
+      poses.push_back({header(begin + to_nanoseconds(last_.path_step * static_cast<double>(k)), strings),
                        ros_pose(seen.p, upright(seen.d))});
     }
     nav_msgs_msg_dds__Path_ path = {header(begin, strings), {}};
@@ -440,7 +440,7 @@ void FlightPublisher::Thread::send_diagnostics() {
   std::vector<Diagnosis> all;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const RobotShown& now = robots_[i]->now;
-    const double age = 1e-9 * static_cast<double>(monotonic_now() - now.last.stamp);
+    const double age = to_seconds(monotonic_now() - now.last.stamp);
     all.push_back(diagnose_link(robots_[i]->name, now, age, fresh_, last_.levels[i], counts_(i)));
   }
   all.push_back(

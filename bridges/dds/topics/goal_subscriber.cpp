@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bridges/dds/topics/conversion.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/safety/zone.hpp"
 
 extern "C" {
@@ -20,7 +21,7 @@ namespace {
 constexpr Quality of_goals = {.reliable = true, .depth = 1};
 
 double seconds(const builtin_interfaces_msg_dds__Time_& from, const builtin_interfaces_msg_dds__Time_& to) {
-  return 1e-9 * static_cast<double>(of_ros(to.sec, to.nanosec) - of_ros(from.sec, from.nanosec));
+  return to_seconds(of_ros(to.sec, to.nanosec) - of_ros(from.sec, from.nanosec));
 }
 
 /// Waypoint of a pose; its position is not finite if the pose has no valid attitude.

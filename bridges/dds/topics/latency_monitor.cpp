@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "sightline/base/now.hpp"
 #include "sightline/base/quantile.hpp"
 
 namespace sightline::dds {
 namespace {
-
-double seconds_of(Nanoseconds t) { return 1e-9 * static_cast<double>(t); }
 
 struct Arrived {
   Nanoseconds at, delay, late;
@@ -30,18 +29,18 @@ ArrivalFigures LatencyMonitor::figures(Nanoseconds now, Nanoseconds real_ahead) 
   ArrivalFigures figures;
   if (all.empty()) return figures;
   figures.count = static_cast<std::int64_t>(all.size());
-  figures.age = seconds_of(now - all.back().at);
+  figures.age = to_seconds(now - all.back().at);
   std::vector<double> gaps, delays, late;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i > 0) gaps.push_back(seconds_of(all[i].at - all[i - 1].at));
-    delays.push_back(seconds_of(all[i].delay));
-    if (all[i].late >= 0) late.push_back(seconds_of(all[i].late));
+    if (i > 0) gaps.push_back(to_seconds(all[i].at - all[i - 1].at));
+    delays.push_back(to_seconds(all[i].delay));
+    if (all[i].late >= 0) late.push_back(to_seconds(all[i].late));
   }
   figures.delay_median = quantile(delays, 0.5);
   figures.delay_least = quantile(delays, 0.0);
   if (!late.empty()) figures.late_median = quantile(late, 0.5), figures.late_p99 = quantile(late, 0.99);
   const Nanoseconds span = all.back().at - all.front().at;
-  if (span > 0) figures.rate = static_cast<double>(gaps.size()) / seconds_of(span);
+  if (span > 0) figures.rate = static_cast<double>(gaps.size()) / to_seconds(span);
   gaps.push_back(figures.age);
   figures.gap_longest = quantile(gaps, 1.0);
   return figures;

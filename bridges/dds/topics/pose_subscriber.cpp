@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/base/now.hpp"
+
 namespace sightline::dds {
 
 bool PoseSubscriber::is_of_numbers(const Motion& motion) noexcept {
@@ -16,7 +18,7 @@ bool PoseSubscriber::is_of_our_time(Nanoseconds sampled, Nanoseconds arrived) no
   if (stamp == RemoteClock::Stamp::ahead) ++other_time_;
   const Nanoseconds late = arrived - clock_.on_ours();
   latency_.note(sampled, arrived, late);
-  if (stamp == RemoteClock::Stamp::good) lateness_.add(1e-9 * static_cast<double>(late));
+  if (stamp == RemoteClock::Stamp::good) lateness_.add(to_seconds(late));
   if (clock_.jumps() > clock_jumps_) fit_ = {};
   clock_offset_ = clock_.offset();
   clock_drift_ = clock_.drift();

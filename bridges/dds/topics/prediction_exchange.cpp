@@ -50,8 +50,6 @@ void copy(std::span<const Prediction> from, std::span<Prediction> to) noexcept {
   }
 }
 
-double in_seconds(Nanoseconds t) { return 1e-9 * static_cast<double>(t); }
-
 }  // namespace
 
 std::string prediction_topic(std::string_view team, std::string_view part) {
@@ -62,13 +60,12 @@ PredictionExchange::PredictionExchange(const Scenario& scenario, dds_entity_t pa
     : team_(scenario.team),
       own_(place_of(scenario.partition->parts, scenario.partition->part)),
       step_(scenario.horizon.h()),
-      period_(std::llround(1e9 * scenario.horizon.dt)),
+      period_(to_nanoseconds(scenario.horizon.dt)),
       stages_(size(scenario.horizon.N + 1)),
       part_of_(size(team_.bodies()), -1),
       no_input_(size(std::max(1, team_.nu()))),
       exchange_(scenario.partition->exchange),
-      peers_(static_cast<int>(scenario.partition->parts.size()), own_,
-             std::llround(1e9 * exchange_.stale_after)),
+      peers_(static_cast<int>(scenario.partition->parts.size()), own_, to_nanoseconds(exchange_.stale_after)),
       session_(static_cast<std::uint64_t>(realtime_now())),
       writer_(participant, sightline_msgs_msg_dds__Prediction__desc,
               prediction_topic(scenario.name, scenario.partition->part), of_predictions),
@@ -160,7 +157,7 @@ Nanoseconds PredictionExchange::delay_of(const PartMessage& message) const noexc
     return chance_of(what, exchange_.seed, own_, message.part, message.sequence);
   };
   if (chance(MessageChance::loss) < exchange_.loss) return -1;
-  return std::llround(1e9 * (exchange_.delay + exchange_.jitter * chance(MessageChance::jitter)));
+  return to_nanoseconds(exchange_.delay + exchange_.jitter * chance(MessageChance::jitter));
 }
 
 /// Processes all received messages, then updates the state of each part.
@@ -195,7 +192,7 @@ void PredictionExchange::receive(double, Subteam& receiver) noexcept {
     if (!use && other->used)
       for (const BodyId robot : other->robots) receiver.forget(robot);
     if (use && other->has_newest) {
-      const double time = in_seconds(other->newest.stamp - other->offset - ahead - origin_);
+      const double time = to_seconds(other->newest.stamp - other->offset - ahead - origin_);
       for (const Prediction& prediction : other->newest.predictions) receiver.receive(prediction, time);
     }
     other->used = use;
@@ -218,7 +215,7 @@ PartMessage* PredictionExchange::claim(ClockTime stamp, PartPhase phase, bool st
 }
 
 void PredictionExchange::send(double t, std::span<const Prediction> predictions) noexcept {
-  const Nanoseconds stamp = origin_ + std::llround(1e9 * t) + realtime_ahead();
+  const Nanoseconds stamp = origin_ + to_nanoseconds(t) + realtime_ahead();
   PartMessage* const message = claim(stamp, PartPhase::task, true);
   if (message == nullptr) return;
   copy(predictions, message->predictions);

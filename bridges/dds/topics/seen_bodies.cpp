@@ -49,7 +49,7 @@ void SeenBodies::measure(Nanoseconds origin, std::span<double> measured, std::sp
     const Vec3<double>& p = seen.motion.p;
     const Vec3<double> v = body.velocity == SeenVelocity::measured ? seen.motion.v : Vec3<double>{};
     std::copy_n(std::array{p.x, p.y, p.z, v.x, v.y, v.z}.begin(), 6, &measured[body.x]);
-    stamps[body.index] = 1e-9 * static_cast<double>(seen.stamp - origin);
+    stamps[body.index] = to_seconds(seen.stamp - origin);
   }
 }
 

@@ -122,9 +122,9 @@ void TagSubscriber::on_transforms(const void* message, const Arrival& arrival) n
     const Nanoseconds sent = of_ros(first->header.stamp.sec, first->header.stamp.nanosec);
     eye.arrivals.note(sent, arrival.monotonic);
     const Nanoseconds stamp = sent - real_ahead, age = arrival.monotonic - stamp;
-    if (age < -std::llround(1e9 * ahead_most))
+    if (age < -to_nanoseconds(ahead_most))
       ++eye.ahead;
-    else if (age > std::llround(1e9 * age_most))
+    else if (age > to_nanoseconds(age_most))
       ++eye.old;
     else if (!is_new(eye, sent))
       ++eye.repeated;
@@ -188,8 +188,8 @@ std::span<const Detection> TagSubscriber::take(Nanoseconds origin) noexcept {
   for (; taken_.size() < most && ring_.front() != nullptr; ring_.pop()) {
     const Seen& seen = *ring_.front();
     taken_.push_back(seen.detection);
-    taken_.back().stamp = 1e-9 * static_cast<double>(seen.stamp - origin);
-    taken_.back().arrival = 1e-9 * static_cast<double>(seen.arrived - origin);
+    taken_.back().stamp = to_seconds(seen.stamp - origin);
+    taken_.back().arrival = to_seconds(seen.arrived - origin);
   }
   return taken_;
 }

@@ -5,12 +5,10 @@
 namespace sightline {
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000;  // [ns]
-
 std::int64_t now_of(clockid_t clock) noexcept {
   timespec t{};
   ::clock_gettime(clock, &t);
-  return t.tv_sec * second + t.tv_nsec;
+  return t.tv_sec * one_second + t.tv_nsec;
 }
 
 }  // namespace
@@ -19,7 +17,7 @@ std::int64_t monotonic_now() noexcept { return now_of(CLOCK_MONOTONIC); }
 std::int64_t realtime_now() noexcept { return now_of(CLOCK_REALTIME); }
 
 void sleep_until(std::int64_t t) noexcept {
-  const timespec wake = {t / second, t % second};
+  const timespec wake = {t / one_second, t % one_second};
   while (monotonic_now() < t) ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
 }
 

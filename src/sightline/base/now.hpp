@@ -1,9 +1,19 @@
 /// The clocks of the machine, common to all its programs.
 #pragma once
 
+#include <cmath>
+#include <concepts>
 #include <cstdint>
 
 namespace sightline {
+
+inline constexpr std::int64_t one_second = 1'000'000'000;  ///< [ns]
+/// @param t  [ns]
+/// @returns  [s]
+constexpr double to_seconds(std::integral auto t) { return 1e-9 * static_cast<double>(t); }
+/// @param t  [s]
+/// @returns  the nearest [ns]
+inline std::int64_t to_nanoseconds(double t) { return std::llround(1e9 * t); }
 
 std::int64_t monotonic_now() noexcept;  ///< [ns]
 std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]

@@ -6,6 +6,7 @@
 #include <initializer_list>
 
 #include "sightline/base.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/world.hpp"
 
 namespace sightline {
@@ -40,14 +41,6 @@ std::string join(std::initializer_list<std::string_view> definitions) {
   return text;
 }
 
-constexpr std::uint64_t ns_per_second = 1'000'000'000;  // [ns]
-
-void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
-  to.put(static_cast<std::int32_t>(time / ns_per_second))
-      .put(static_cast<std::uint32_t>(time % ns_per_second))
-      .put(frame);
-}
-
 // Without tilt the rotation about z takes the x axis to d: (cos ψ/2, sin ψ/2) without computing an
 // angle, w >= 0.
 void put_pose(CdrEncoder& to, const StampedPose& pose) {
@@ -71,7 +64,7 @@ std::uint64_t read_header(CdrDecoder& from) {
   const auto seconds = static_cast<std::uint32_t>(from.number<std::int32_t>());
   const auto nanoseconds = from.number<std::uint32_t>();
   from.string();
-  return seconds * ns_per_second + nanoseconds;
+  return seconds * std::uint64_t{one_second} + nanoseconds;
 }
 
 StampedPose read_pose(CdrDecoder& from) {
@@ -92,6 +85,12 @@ StampedPose read_pose(CdrDecoder& from) {
 constexpr std::size_t least_pose = 12 + 1 + 7 * sizeof(double);  // header with an empty frame, and pose [B]
 
 }  // namespace
+
+void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
+  to.put(static_cast<std::int32_t>(time / one_second))
+      .put(static_cast<std::uint32_t>(time % one_second))
+      .put(frame);
+}
 
 RosSchema pose_schema() {
   return {"geometry_msgs/msg/PoseStamped", join({pose_stamped, header_text, pose_parts})};

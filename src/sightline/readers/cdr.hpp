@@ -105,6 +105,10 @@ class CdrDecoder {
   bool ok_ = true;
 };
 
+/// std_msgs/Header.
+/// @param time  [ns], below 2^31 s
+void put_header(CdrEncoder& to, std::uint64_t time, std::string_view frame);
+
 /// Position and heading at a time, in the frame of the message that contains it.
 struct StampedPose {
   std::uint64_t time = 0;     ///< [ns], below 2^31 s

@@ -41,7 +41,6 @@ uint32 height
 uint32 width
 bool do_rectify
 )";
-constexpr std::uint64_t second_in_ns = 1'000'000'000;
 constexpr std::size_t plumb_bob_numbers = 5;
 constexpr std::size_t coefficients_max = 8;
 
@@ -90,8 +89,7 @@ void encode_camera_info(std::vector<std::byte>& bytes, std::string_view frame, s
                         const Camera& camera) {
   const std::array<double, 9> K = intrinsics(camera);
   CdrEncoder to(bytes);
-  to.put(static_cast<std::int32_t>(time / second_in_ns)).put(static_cast<std::uint32_t>(time % second_in_ns));
-  to.put(frame);
+  put_header(to, time, frame);
   to.put(static_cast<std::uint32_t>(camera.height)).put(static_cast<std::uint32_t>(camera.width));
   const std::vector<double> coefficients = distortion_coefficients(camera);
   to.put(distortion_model(camera)).put(static_cast<std::uint32_t>(coefficients.size()));

@@ -10,11 +10,12 @@
 #include <system_error>
 
 #include "sightline/base/json_text.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/log.hpp"
 
 namespace sightline {
 
-std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
+std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(to_nanoseconds(time)); }
 
 namespace {
 

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "sightline/base.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/judge/localization_summary.hpp"
 #include "sightline/judge/planned_view.hpp"
@@ -227,13 +228,12 @@ class RowReader {
   bool is_kept(const McapMessage& message) const {
     if (message.topic == "/events" || message.topic == "/tuned" || message.topic.ends_with("/camera_info"))
       return true;
-    if (message.topic.ends_with("/input"))
-      run_.last = std::max(run_.last, 1e-9 * static_cast<double>(message.log_time));
+    if (message.topic.ends_with("/input")) run_.last = std::max(run_.last, to_seconds(message.log_time));
     return static_cast<std::size_t>(period_of(message)) % run_.stride == 0;
   }
 
   std::int64_t period_of(const McapMessage& message) const {
-    return std::llround(1e-9 * static_cast<double>(message.log_time) / run_.period);
+    return std::llround(to_seconds(message.log_time) / run_.period);
   }
 
   static std::string_view text_of(const McapMessage& message) {
@@ -272,7 +272,7 @@ class RowReader {
   void check_first(std::size_t rows, const McapMessage& message) const {
     if (rows >= run_.time.size())
       throw_unreadable("two messages of {} at {:.6g} s, expected one", message.topic,
-                       1e-9 * static_cast<double>(message.log_time));
+                       to_seconds(message.log_time));
   }
   /// Checks that each column has a row for each period.
   void check_whole() const {

@@ -7,7 +7,7 @@
 namespace sightline {
 
 void SteadyClock::start(double period) noexcept {
-  period_ns_ = std::max<std::int64_t>(1, std::llround(1e9 * period));
+  period_ns_ = std::max<std::int64_t>(1, to_nanoseconds(period));
   start_ns_ = next_multiple(monotonic_now(), period_ns_);
 }
 
@@ -17,7 +17,7 @@ std::int64_t SteadyClock::wait(std::int64_t k) noexcept {
 }
 
 bool SteadyClock::wait_before(std::int64_t k, double ahead) noexcept {
-  const std::int64_t until = start_ns_ + k * period_ns_ - std::llround(1e9 * ahead);
+  const std::int64_t until = start_ns_ + k * period_ns_ - to_nanoseconds(ahead);
   if (monotonic_now() > until) return false;
   sleep_until(until);
   return true;

@@ -25,7 +25,7 @@ class WarmUp {
     if (!clock.wait_before(k, std::min(budget_, waking + 2 * takes_))) return;
     const std::int64_t begin = monotonic_now();
     warm();
-    takes_ = 1e-9 * static_cast<double>(monotonic_now() - begin);
+    takes_ = to_seconds(monotonic_now() - begin);
   }
 
  private:

@@ -21,6 +21,7 @@
 
 #include "sightline/base.hpp"
 #include "sightline/base/json_text.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/base/sentence.hpp"
 #include "sightline/log.hpp"
 #include "sightline/readers/cdr.hpp"
@@ -139,7 +140,7 @@ class LogMoments::Player {
   }
 
   void take(const McapMessage& message) {
-    const double time = 1e-9 * static_cast<double>(message.log_time);
+    const double time = to_seconds(message.log_time);
     if (const auto topic = path_topics_.find(message.topic); topic != path_topics_.end()) {
       const auto path = decode_path(message.bytes);
       if (!path) return;

@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "sightline/base/now.hpp"
 #include "sightline/log.hpp"
 #include "sightline/readers/cdr.hpp"
 #include "sightline/solver.hpp"
@@ -41,7 +42,7 @@ class StateOfLog {
   }
 
   void take(const McapMessage& message) {
-    state_.time = 1e-9 * static_cast<double>(message.log_time);
+    state_.time = to_seconds(message.log_time);
     if (message.topic == "/solver" || message.topic == "/controller0/solver") return take_solver(message);
     if (message.topic == "/events") return take_event(message);
     const std::size_t slash = message.topic.rfind('/');

@@ -16,7 +16,7 @@ PacedClock::PacedClock(double speed, bool paused, const std::atomic<bool>& stop)
     : speed_(speed), paused_(paused), stop_(stop) {}
 
 void PacedClock::start(double period) noexcept {
-  period_ns_ = std::max<std::int64_t>(1, std::llround(1e9 * period / speed_));
+  period_ns_ = std::max<std::int64_t>(1, to_nanoseconds(period / speed_));
   next_ns_ = monotonic_now();
 }
 

@@ -71,18 +71,13 @@ RosSchema diagnostics_schema() {
                "diagnostic_msgs/KeyValue\nstring key\nstring value\n"})};
 }
 
-void put_stamp(CdrEncoder& to, std::uint64_t time, std::string_view frame) {
-  constexpr std::uint64_t second = 1'000'000'000;  // [ns]
-  to.put(static_cast<std::int32_t>(time / second)).put(static_cast<std::uint32_t>(time % second)).put(frame);
-}
-
 void put_vector(CdrEncoder& to, const Vec3<double>& v) { to.put(v.x).put(v.y).put(v.z); }
 void put_turn(CdrEncoder& to, const Quaternion& q) { to.put(q.x).put(q.y).put(q.z).put(q.w); }
 void put_count(CdrEncoder& to, std::size_t count) { to.put(static_cast<std::uint32_t>(count)); }
 
 /// A marker; it stays until one with the same group and id replaces it.
 void put_marker(CdrEncoder& to, std::uint64_t time, const Drawn& drawn, std::int32_t action) {
-  put_stamp(to, time, frame_of_G);
+  put_header(to, time, frame_of_G);
   to.put(drawn.group);
   to.put(static_cast<std::int32_t>(drawn.id)).put(static_cast<std::int32_t>(drawn.form)).put(action);
   put_vector(to, drawn.p);
@@ -94,7 +89,7 @@ void put_marker(CdrEncoder& to, std::uint64_t time, const Drawn& drawn, std::int
   for (const Vec3<double>& point : drawn.points) put_vector(to, point);
   put_count(to, 0);                              // colors
   to.put(std::string_view());                    // texture_resource
-  put_stamp(to, 0, "");                          // texture
+  put_header(to, 0, "");                         // texture
   to.put(std::string_view()), put_count(to, 0);  // its format and data
   put_count(to, 0);                              // uv_coordinates
   to.put(std::string_view(drawn.words));
@@ -165,7 +160,7 @@ void SceneTopics::send_transforms(const ShownState& state) {
                     std::count_if(seen_.begin(), seen_.end(), [](const auto& seen) { return bool(seen); })));
   for (std::size_t i = 0; i < seen_.size(); ++i) {
     if (!seen_[i]) continue;
-    put_stamp(to, nanoseconds(state.time), frame_of_G);
+    put_header(to, nanoseconds(state.time), frame_of_G);
     to.put(std::string_view(names_[i]));
     put_vector(to, seen_[i]->p);
     put_turn(to, leaning(seen_[i]->d, seen_[i]->lean));
@@ -188,7 +183,7 @@ void SceneTopics::send_diagnostics(const ShownState& state) {
   for (std::size_t i = 0; i < robots_.size(); ++i)
     all.push_back(reported_of_robot(state, robots_[i], i, names_[size(robots_[i].index)]));
   CdrEncoder to(bytes_);
-  put_stamp(to, nanoseconds(state.time), "");
+  put_header(to, nanoseconds(state.time), "");
   put_count(to, all.size());
   for (const Reported& one : all) {
     to.put(one.level);

@@ -9,6 +9,7 @@
 #include "sightline/base.hpp"
 #include "sightline/base/character.hpp"
 #include "sightline/base/nearest.hpp"
+#include "sightline/base/now.hpp"
 #include "sightline/solvers.hpp"
 
 namespace sightline {
@@ -20,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 double processor_time() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  return static_cast<double>(t.tv_sec) + to_seconds(t.tv_nsec);
 }
 
 double seconds_since(Clock::time_point begin) {
