@@ -21,7 +21,7 @@ missed_more, ratio_most = (20.0, 20.0) if short else (0.1, 1.3)  # points; short
 
 
 def fly(folder, clients):
-    """One turn. Returns the times of its updates [us], its missed periods, and what the clients heard."""
+    """One turn. Returns the times of its updates [us], its missed periods, and what the clients counted."""
     command = [sightline, "run", root / "scenarios/cooperative_localization.toml", "--realtime", "-o", folder,
                "--set", f"simulation.duration={seconds}"]
     if clients:
@@ -34,22 +34,22 @@ def fly(folder, clients):
             words = ["node", root / "tests/npm/page_clients.mjs", url.group(), "10"]
             watching = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     flight.wait()
-    heard = json.loads(watching.communicate(timeout=60)[0]) if watching else None
+    counts = json.loads(watching.communicate(timeout=60)[0]) if watching else None
     with open(folder / "timing.csv") as file:
         rows = list(csv.DictReader(file))
-    return [float(row["update_us"]) for row in rows], sum(int(row["missed"]) for row in rows), heard
+    return [float(row["update_us"]) for row in rows], sum(int(row["missed"]) for row in rows), counts
 
 
 def main():
-    updates, missed, heard = {False: [], True: []}, {False: 0, True: 0}, []
+    updates, missed, counts = {False: [], True: []}, {False: 0, True: 0}, []
     with tempfile.TemporaryDirectory() as folder:
         for turn in range(turns):
             for clients in (False, True) if turn % 2 == 0 else (True, False):
-                times, periods, told = fly(Path(folder) / f"{turn}{clients}", clients)
+                times, periods, reported = fly(Path(folder) / f"{turn}{clients}", clients)
                 updates[clients] += times
                 missed[clients] += periods
-                if told:
-                    heard.append(told)
+                if reported:
+                    counts.append(reported)
 
     def p99(clients):
         return sorted(updates[clients])[int(0.99 * len(updates[clients]))]
@@ -60,8 +60,8 @@ def main():
     for clients in (False, True):
         print(f"{'ten clients' if clients else 'no server'}: {len(updates[clients])} updates, p99 {p99(clients):.1f} us, "
               f"{missed[clients]} periods missed ({share(clients):.3f} %)")
-    states, messages, deaf = (sum(one[key] for one in heard) for key in ("states", "messages", "deaf"))
-    print(f"they heard {states} states and {messages} messages; the one that reads nothing came {deaf} times")
+    states, messages, deaf = (sum(one[key] for one in counts) for key in ("states", "messages", "deaf"))
+    print(f"they received {states} states and {messages} messages; the one that reads nothing came {deaf} times")
     more, ratio = share(True) - share(False), p99(True) / p99(False)
     print(f"{more:+.3f} points missed, at most {missed_more}; p99 x {ratio:.2f}, at most {ratio_most}")
     watched = states > 20 * seconds * turns and messages > 1000 * seconds * turns

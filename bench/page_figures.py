@@ -35,7 +35,7 @@ class Viewed:
 
 
 class Browser:
-    """A browser at an address, told step by step what to do."""
+    """A browser at an address, driven step by step."""
 
     def __init__(self, url):
         self.process = subprocess.Popen(["node", tree / "tests/npm/browser.mjs", url], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

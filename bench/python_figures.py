@@ -140,7 +140,7 @@ def cycles():
 
 if __name__ == "__main__":
     sections = {f.__name__: f for f in (solve, threads, formula, cycles)}
-    asked = next((word for word in sys.argv[1:] if not word.startswith("-")), "")
-    if asked not in sections:
-        sys.exit(f"python_figures.py: SECTION = {asked}, expected one of {', '.join(sections)}")
-    sys.exit(0 if sections[asked]() else 1)
+    section = next((word for word in sys.argv[1:] if not word.startswith("-")), "")
+    if section not in sections:
+        sys.exit(f"python_figures.py: SECTION = {section}, expected one of {', '.join(sections)}")
+    sys.exit(0 if sections[section]() else 1)

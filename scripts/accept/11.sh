@@ -37,7 +37,7 @@ flies_as() {
 }
 
 logs() {
-  local first second before after from to name told bad=0 flown=0
+  local first second before after from to name output bad=0 flown=0
   whole || { mkdir -p "$out/at" && ln -s "$PWD" "$out/at/HEAD" && stretches=('HEAD HEAD'); }
   for stretch in "${stretches[@]}"; do
     read -r first second <<<"$stretch"
@@ -51,12 +51,12 @@ logs() {
         to=$from
         name+=' as it was'
       }
-      if told=$(flies_as "$before" "$from" "$after" "$to"); then
+      if output=$(flies_as "$before" "$from" "$after" "$to"); then
         flown=$((flown + 1))
       else
         bad=$((bad + 1))
       fi
-      printf '%s to %s  %-40s %s\n' "$first" "$second" "$name" "$told"
+      printf '%s to %s  %-40s %s\n' "$first" "$second" "$name" "$output"
     done
   done
   echo "$flown logs the same, $bad not"
@@ -84,14 +84,14 @@ replay() {
 
 # What others get: components without what they do not need, old processors, shared libraries, an older compiler.
 package() {
-  local work name told
+  local work name output
   local -a without=()
   work=$(mktemp -d) || return 1
   for name in Boost SQLite3 tomlplusplus nlohmann_json CLI11 ZLIB PkgConfig; do
     without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$name=ON")
   done
-  told=$(cmake -S . -B "$work/core" -G Ninja "${without[@]}" 2>&1) || { echo "$told"; return 1; }
-  grep '^-- sightline: without' <<<"$told" || return 1
+  output=$(cmake -S . -B "$work/core" -G Ninja "${without[@]}" 2>&1) || { echo "$output"; return 1; }
+  grep '^-- sightline: without' <<<"$output" || return 1
   whole || { rm -rf "$work"; return 0; }
   cmake --build "$work/core" && cmake --install "$work/core" --prefix "$work/core/prefix" >/dev/null || return 1
   ls "$work"/core/prefix/lib*/*.a "$work"/core/prefix/lib/*/*.a 2>/dev/null
@@ -114,7 +114,7 @@ package() {
 # GCC and clang print the same kernels and fly every shipped scenario, seed 1, to the same messages. Builds the preset
 # clang, library and command line, into build/clang; --short: the kernels alone.
 bits() {
-  local other=build/clang kernels=$out/clang_kernels told bad=0 flown=0
+  local other=build/clang kernels=$out/clang_kernels output bad=0 flown=0
   local target=sightline_cli
   local -a parts  # as compiled here
   mapfile -t parts < <(basename -s .cpp "$build"/generated/kernels/*.cpp | grep -vx index)
@@ -126,12 +126,12 @@ bits() {
   whole || return 0
   local -a scenarios=(scenarios/*.toml)
   for scenario in "${scenarios[@]}"; do
-    if told=$(flies_as "$build/bin/sightline" "$scenario" "$other/bin/sightline" "$scenario"); then
+    if output=$(flies_as "$build/bin/sightline" "$scenario" "$other/bin/sightline" "$scenario"); then
       flown=$((flown + 1))
     else
       bad=$((bad + 1))
     fi
-    printf '%-40s %s\n' "$scenario" "$told"
+    printf '%-40s %s\n' "$scenario" "$output"
   done
   echo "$flown logs the same, $bad not"
   ((bad == 0 && flown > 0))

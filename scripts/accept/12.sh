@@ -99,29 +99,29 @@ offset_line() {
       [.[0][0] - .[1][0], .[0][1] - .[1][1], .[0][2] - .[1][2]] | map(. * .) | add) | [(add / length | sqrt), (max | sqrt)] | @tsv'
 }
 
-# Commands that act late, told with an error, and untold: the share of time out of view and the largest view angle after 5 s.
+# Commands that act late, modelled with an error, and not modelled: the share of time out of view and the largest view angle after 5 s.
 delay() {
-  local late told folder=$out/delay bad=0
-  local -a lates=(0 0.1 0.2 0.3 0.4) errors=(-0.05 0 0.05 untold)
+  local late modelled folder=$out/delay bad=0
+  local -a lates=(0 0.1 0.2 0.3 0.4) errors=(-0.05 0 0.05 unmodelled)
   whole || lates=(0.2 0.4) errors=(-0.05 0.05)
   mkdir -p "$folder"
   for late in "${lates[@]}"; do
-    for told in "${errors[@]}"; do
-      delay_team "$late" "$told" | fly_once "$folder/$told-$late.txt" view_line || return 1
-      awk -v late="$late" -v told="$told" '{ early = ""; if ($1 == "ended") { early = ", ended by a touch"; sub(/^ended /, "") }
-        printf "late %.1f s, told %6s: out of view %5.1f %%, angle %.4f rad%s\n", late, told == "untold" ? told : sprintf("%+.2f s", told),
-          100 * $1, $2, early }' "$folder/$told-$late.txt"
+    for modelled in "${errors[@]}"; do
+      delay_team "$late" "$modelled" | fly_once "$folder/$modelled-$late.txt" view_line || return 1
+      awk -v late="$late" -v modelled="$modelled" '{ early = ""; if ($1 == "ended") { early = ", ended by a touch"; sub(/^ended /, "") }
+        printf "late %.1f s, modelled %6s: out of view %5.1f %%, angle %.4f rad%s\n", late, modelled == "unmodelled" ? modelled : sprintf("%+.2f s", modelled),
+          100 * $1, $2, early }' "$folder/$modelled-$late.txt"
     done
   done
-  judge 'delay, told: flights that end early' "$(cat "$folder"/[-0]*.txt | grep -c ended)" '== 0' flights || bad=1
-  judge 'delay, told: out of view' "$(worst 1 "$folder"/[-0]*.txt)" '== 0' 'of the time' || bad=1
-  judge 'delay, told: view angle' "$(worst 2 "$folder"/[-0]*.txt)" '<= 0.05' rad || bad=1
+  judge 'delay, modelled: flights that end early' "$(cat "$folder"/[-0]*.txt | grep -c ended)" '== 0' flights || bad=1
+  judge 'delay, modelled: out of view' "$(worst 1 "$folder"/[-0]*.txt)" '== 0' 'of the time' || bad=1
+  judge 'delay, modelled: view angle' "$(worst 2 "$folder"/[-0]*.txt)" '<= 0.05' rad || bad=1
   return $bad
 }
-# $1: how late commands act [s]; $2: error of what is told of it [s], or untold.
+# $1: how late commands act [s]; $2: error of the delay in the model [s], or unmodelled.
 delay_team() {
   local keys='' shorter=''
-  [[ $2 == untold ]] || keys="command_delay = $(awk -v late="$1" -v error="$2" 'BEGIN { printf "%.3f", late + 0.16 + error }')
+  [[ $2 == unmodelled ]] || keys="command_delay = $(awk -v late="$1" -v error="$2" 'BEGIN { printf "%.3f", late + 0.16 + error }')
 disturbance_time = 0.5"
   whole || shorter='s/^duration = 60.0 .*/duration = 20.0/'
   rotor_team x500 "$keys" -e "$shorter" -e "s/^settle = .*/settle = 5.0/; s/^input_delay = .*/input_delay = $1/"
@@ -133,7 +133,7 @@ view_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max] | @tsv
 # in a sample and wherever the distance was broken, conflicts and what the barrier believed at the start.
 # DUELS=100 flies so many of each of 48 kinds, for a first look; the next time goes on.
 barrier() {
-  local vehicle commands within late wind cell index want asked runs=${DUELS:-420} sample=20 seed=0 folder=$out/barrier bad=0
+  local vehicle commands within late wind cell index want claim runs=${DUELS:-420} sample=20 seed=0 folder=$out/barrier bad=0
   local -a lates=(0.0 0.1 0.15)
   whole || runs=2 sample=0 lates=(0.0 0.15)
   mkdir -p "$folder"
@@ -155,9 +155,9 @@ barrier() {
       for (i = 1; i <= 3; ++i) if (n[i]) printf "%s%s: %d of %d below 1 m, worst %.3f m", (i > 1 ? "; " : ""), name[i], below[i], n[i], least[i] }' "$folder"/*.tsv)"
   echo "all: $(duel_says "$folder"/*)"
   for vehicle in x500 crazyflie; do
-    asked="barrier, $vehicle: flights below 1 m that began with a reserve"
-    judge "$asked, no wind" "$(duel_broken "$folder/$vehicle"-*-0.0)" '== 0' flights || bad=1
-    judge "$asked, wind" "$(duel_broken "$folder/$vehicle"-*-1.0)" '== 0' flights wanted
+    claim="barrier, $vehicle: flights below 1 m that began with a reserve"
+    judge "$claim, no wind" "$(duel_broken "$folder/$vehicle"-*-0.0)" '== 0' flights || bad=1
+    judge "$claim, wind" "$(duel_broken "$folder/$vehicle"-*-1.0)" '== 0' flights wanted
   done
   judge 'barrier: flights below the floor' "$(cat "$folder"/*.tsv | awk '{ n += $4 } END { print n + 0 }')" '== 0' flights wanted
   return $bad
@@ -174,7 +174,7 @@ duel_look() {
   local folder=$1/looked/$2
   [[ -s $folder.txt ]] && return
   mkdir -p "$folder"
-  "$sightline" campaign "$1.toml" --only "$2" --seed "$3" -o "$folder" >"$folder/told.txt" 2>&1 || (($? == 1)) || { cat "$folder/told.txt"; return 1; }
+  "$sightline" campaign "$1.toml" --only "$2" --seed "$3" -o "$folder" >"$folder/output.txt" 2>&1 || (($? == 1)) || { cat "$folder/output.txt"; return 1; }
   { jq -r '.safety | [.hard_distances[0].least, .agents[0].barrier_conflict, (.walls[] | select(.wall == "floor").worst)] | @tsv' "$folder/summary.json"
     node tests/npm/log_messages.mjs "$folder/run.mcap" /uav/barrier | jq -s '.[0].reserve'; } | tr '\n' '\t' >"$folder.part" &&
     mv "$folder.part" "$folder.txt" && rm -rf "$folder"
@@ -201,13 +201,13 @@ duel_says() {
 # $1: vehicle, $2: its commands, tilt or velocity, $3: plane or space, $4: how late commands act [s], $5: wind [m/s^2].
 duel() {
   local -A stands_for_lags=([x500 tilt]=0.16 [crazyflie tilt]=0.114 [x500 velocity]=0.142 [crazyflie velocity]=0.069)  # sightline identify
-  local told lowest=0.0 highest=0.0
+  local delay lowest=0.0 highest=0.0
   local -a robot=()
-  told=$(awk -v late="$4" -v lag="${stands_for_lags[$1 $2]}" 'BEGIN { print late + lag }')
+  delay=$(awk -v late="$4" -v lag="${stands_for_lags[$1 $2]}" 'BEGIN { print late + lag }')
   [[ $3 == plane ]] || lowest=-2.0 highest=3.0
   [[ $2 == tilt ]] || robot=(-e 's/"hover_multirotor"/"velocity_multirotor"/; s/^choice = \[0.0, 1.0\]$/choice = [0.0, 3.0]/'
     -e 's/^parameters = .*/parameters = { preset = "px4", tau_f = 0.58, tau_s = 0.58, tau_z = 0.2, tau_psi = 0.1 }/')
-  sed "${robot[@]}" -e "s/VEHICLE/$1/; s/WITHIN/$3/; s/LATE/$4/; s/WIND/$5/; s/TOLD/$told/; s/LOWEST/$lowest/; s/HIGHEST/$highest/" scripts/accept/duel.toml
+  sed "${robot[@]}" -e "s/VEHICLE/$1/; s/WITHIN/$3/; s/LATE/$4/; s/WIND/$5/; s/DELAY/$delay/; s/LOWEST/$lowest/; s/HIGHEST/$highest/" scripts/accept/duel.toml
 }
 
 # The same with 2, 3, 4 and 6 adversaries, drawn around the first, commands 0.1 s late in wind of 1 m/s^2. A ring can close: then the
@@ -241,7 +241,7 @@ more_adversaries() {
   done
 }
 
-# Starts of [campaign], with commands 0 to 0.1 s late and wind of up to 1 m/s^2 drawn for each run. The robots are told how
+# Starts of [campaign], with commands 0 to 0.1 s late and wind of up to 1 m/s^2 drawn for each run. The robots know how
 # late. The vehicle is 0.75 m wide, so that the distance of 0.6 m that the scenario keeps is a touch:
 # 0.85 m here, and beside it as shipped.
 campaign() {
@@ -252,10 +252,10 @@ campaign() {
     mkdir -p "$folder/$hard"
     campaign_team "$hard" >"$folder/$hard/drawn.toml"
     begin=$EPOCHREALTIME
-    "$sightline" campaign "$folder/$hard/drawn.toml" --runs "$runs" -o "$folder/$hard" >"$folder/told.txt" 2>&1 || (($? == 1)) ||
-      { cat "$folder/told.txt"; return 1; }
+    "$sightline" campaign "$folder/$hard/drawn.toml" --runs "$runs" -o "$folder/$hard" >"$folder/output.txt" 2>&1 || (($? == 1)) ||
+      { cat "$folder/output.txt"; return 1; }
     echo "d_hard $hard m, $runs runs in $(since "$begin") s"
-    grep -E '^(recovered|failed|too_close|lost|time to first view|least distance)' "$folder/told.txt"
+    grep -E '^(recovered|failed|too_close|lost|time to first view|least distance)' "$folder/output.txt"
   done
   folder=$folder/0.85
   judge 'campaign: recovered' "$(share_of_runs "$folder" "outcome = 'recovered'")" '>= 99.8' % || bad=1
@@ -330,14 +330,14 @@ directions_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max, 
 
 # How fast it goes: a vehicle's step, closed loops of two robots on one core, 32 robots on two. Not for CI: other work shares the machine.
 speed() {
-  local told begin seconds folder=$out/speed bad=0
+  local flown begin seconds folder=$out/speed bad=0
   whole || { echo "whole only"; return 0; }
   mkdir -p "$folder"
   build/release/bin/bench_worlds
   rotor_team x500 'command_delay = 0.16
 disturbance_time = 0.5' >"$folder/pair.toml"
   begin=$EPOCHREALTIME
-  taskset -c 1 "$sightline" campaign "$folder/pair.toml" --runs 40 -o "$folder/campaign" >"$folder/told.txt" 2>&1 || (($? == 1)) || { cat "$folder/told.txt"; return 1; }
+  taskset -c 1 "$sightline" campaign "$folder/pair.toml" --runs 40 -o "$folder/campaign" >"$folder/output.txt" 2>&1 || (($? == 1)) || { cat "$folder/output.txt"; return 1; }
   judge 'speed: two robots on one core, 40 flights of 25 s' "$(since "$begin" | awk '{ printf "%.1f", 40 * 25 / $1 }')" '>= 50' 'times real time' || bad=1
   begin=$EPOCHREALTIME
   taskset -c 1 "$sightline" run "$folder/pair.toml" -o "$folder/pair" >/dev/null || return 1
@@ -345,8 +345,8 @@ disturbance_time = 0.5' >"$folder/pair.toml"
   echo "with log and report, 60 s in $seconds s: $(awk -v s="$seconds" 'BEGIN { printf "%.1f", 60 / s }') times real time"
   begin=$EPOCHREALTIME
   "$sightline" run scenarios/rotors/swarm32.toml -o "$folder/swarm" >/dev/null || return 1
-  seconds=$(since "$begin") told=$(jq '.updates / 100' "$folder/swarm/summary.json")
-  judge "speed: 32 robots, $told s with log and report" "$(awk -v t="$told" -v s="$seconds" 'BEGIN { printf "%.2f", t / s }')" '>= 1' 'times real time' || bad=1
+  seconds=$(since "$begin") flown=$(jq '.updates / 100' "$folder/swarm/summary.json")
+  judge "speed: 32 robots, $flown s with log and report" "$(awk -v t="$flown" -v s="$seconds" 'BEGIN { printf "%.2f", t / s }')" '>= 1' 'times real time' || bad=1
   rm -rf "$folder"/{pair,swarm}
   return $bad
 }
@@ -360,7 +360,7 @@ same() {
   for kind in rotors mujoco; do
     directions_team ours 1 24 | sed -e "s/^kind = \"rotors\"/kind = \"$kind\"/; s/^duration = 60.0 .*/duration = 10.0/" >"$folder/$kind.toml"
     for ((run = 0; run < runs; ++run)); do
-      "$sightline" run "$folder/$kind.toml" -o "$folder/$kind-$run" >"$folder/told.txt" 2>&1 || { cat "$folder/told.txt"; return 1; }
+      "$sightline" run "$folder/$kind.toml" -o "$folder/$kind-$run" >"$folder/output.txt" 2>&1 || { cat "$folder/output.txt"; return 1; }
     done
     judge "same, $kind: different logs of $runs flights" "$(cat "$folder/$kind"-*/run.mcap | wc -c | awk '{ exit !($1 > 0) }' && sha256sum "$folder/$kind"-*/run.mcap | cut -c 1-64 | sort -u | wc -l)" '== 1' log || bad=1
     "$sightline" replay "$folder/$kind-0" | grep ', 0 differ' || bad=1

@@ -265,7 +265,7 @@ rendered() {
   return $bad
 }
 
-# Hidden for 2, 5 and 10 s, told a wrong pose, without a position at all; hard distances on estimates.
+# Hidden for 2, 5 and 10 s, given a wrong pose, without a position at all; hard distances on estimates.
 searching() { tests run_campaign_test 'SearchingCampaign.*'; }
 
 # Who observes whom, in drawn layouts; what `explain` tells of distances beside flights.

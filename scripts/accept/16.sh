@@ -12,7 +12,7 @@ core=${CORE:-1}
 
 # $1: file of JSON; $2: key of its first case.
 number() { sed -nE "s/.*\"$2\": ([-0-9.e+]+),?/\1/p" "$1" | head -n 1; }
-# $1: case; the rest: options. Its JSON, where it is told to be.
+# $1: case; the rest: options. Prints the file of its JSON.
 flown() {
   local file
   file=$out/$(tr -c 'a-z0-9_\n' _ <<<"$*").json
@@ -20,7 +20,7 @@ flown() {
   echo "$file"
 }
 # $1: what; $2: had; $3: at most. A row, and in the whole form whether it holds.
-asked() {
+row_at_most() {
   local verdict=ok
   awk "BEGIN { exit !(\"$2\" != \"\" && $2 + 0 <= $3) }" || verdict=missed
   printf '| %s | %s | %s | %s |\n' "$1" "$2" "$3" "$verdict"
@@ -46,21 +46,21 @@ times() {
   whole || return $bad
   had() { awk -v n="$2" -v column="$3" '$1 == n { print $column }' "$out/$1.txt"; }
   printf '\n| what | had | at most | |\n|---|---|---|---|\n'
-  asked 'cascade_64, median us' "$(had cascade 64 2)" 110 || bad=1
-  asked 'cascade_64, p99 us' "$(had cascade 64 3)" 250 || bad=1
-  asked 'cascade_64, error after 2 s' "$(had cascade 64 5)" 1e-5 || bad=1
-  asked 'strong_chain_64, median us' "$(had strong_chain 64 2)" 250 || bad=1
-  asked 'strong_chain_64, p99 us' "$(had strong_chain 64 3)" 700 || bad=1
-  asked 'strong_chain_64, first update us' "$(had strong_chain 64 4)" 5000 || bad=1
-  asked 'strong_chain_1024, median us' "$(had strong_chain 1024 2)" 6000 || bad=1
-  asked 'strong_chain_1024, p99 us' "$(had strong_chain 1024 3)" 9500 || bad=1
-  asked 'strong_chain_1024, first update us' "$(had strong_chain 1024 4)" 300000 || bad=1
-  asked 'mutual_chain_64, median us' "$(had mutual_chain 64 2)" 150 || bad=1
-  asked 'mutual_chain_64, p99 us' "$(had mutual_chain 64 3)" 400 || bad=1
-  asked 'chain_1024, median us' "$(had chain 1024 2)" 1600 || bad=1
+  row_at_most 'cascade_64, median us' "$(had cascade 64 2)" 110 || bad=1
+  row_at_most 'cascade_64, p99 us' "$(had cascade 64 3)" 250 || bad=1
+  row_at_most 'cascade_64, error after 2 s' "$(had cascade 64 5)" 1e-5 || bad=1
+  row_at_most 'strong_chain_64, median us' "$(had strong_chain 64 2)" 250 || bad=1
+  row_at_most 'strong_chain_64, p99 us' "$(had strong_chain 64 3)" 700 || bad=1
+  row_at_most 'strong_chain_64, first update us' "$(had strong_chain 64 4)" 5000 || bad=1
+  row_at_most 'strong_chain_1024, median us' "$(had strong_chain 1024 2)" 6000 || bad=1
+  row_at_most 'strong_chain_1024, p99 us' "$(had strong_chain 1024 3)" 9500 || bad=1
+  row_at_most 'strong_chain_1024, first update us' "$(had strong_chain 1024 4)" 300000 || bad=1
+  row_at_most 'mutual_chain_64, median us' "$(had mutual_chain 64 2)" 150 || bad=1
+  row_at_most 'mutual_chain_64, p99 us' "$(had mutual_chain 64 3)" 400 || bad=1
+  row_at_most 'chain_1024, median us' "$(had chain 1024 2)" 1600 || bad=1
   for family in chain cascade strong_chain mutual_chain grid; do
-    asked "$family, exponent 8 to 512" "$(exponent "$out/$family.txt" 8 512)" 1.1 || bad=1
-    asked "$family, exponent 64 to 1024" "$(exponent "$out/$family.txt" 64 1024)" 1.2 || bad=1
+    row_at_most "$family, exponent 8 to 512" "$(exponent "$out/$family.txt" 8 512)" 1.1 || bad=1
+    row_at_most "$family, exponent 64 to 1024" "$(exponent "$out/$family.txt" 64 1024)" 1.2 || bad=1
   done
   return $bad
 }
@@ -86,7 +86,7 @@ threads() {
     one=$(number "$(flown chain_$n "${short[@]}" --threads 1)" median_us)
     two=$("$sightline" bench --case chain_$n "${short[@]}" --threads 2 --json 2>/dev/null | sed -nE 's/.*"median_us": ([-0-9.e+]+),?/\1/p' | head -n 1)
     echo "chain_$n: $one us by one thread, $two us by two"
-    asked "chain_$n, time of two threads over one" "$(awk -v a="$two" -v b="$one" 'BEGIN { printf "%.3f", a / b }')" 0.588 || bad=1
+    row_at_most "chain_$n, time of two threads over one" "$(awk -v a="$two" -v b="$one" 'BEGIN { printf "%.3f", a / b }')" 0.588 || bad=1
   done
   tests solver_test 'ThreadPools.*' || bad=1
   return $bad
@@ -196,7 +196,7 @@ deadline() {
     longest=$(sed -nE 's/.*longest ([0-9]+) µs.*/\1/p' "$folder/said")
     ((ms == 0)) || grep -qE '^updates .*[0-9] deadline' "$folder/said" || { echo 'no update says that it was late'; bad=1; }
     whole || continue
-    ((ms == 0)) || asked "longest update of $n robots with a deadline of $ms ms, us" "$longest" $((1000 * ms + 15000)) || bad=1
+    ((ms == 0)) || row_at_most "longest update of $n robots with a deadline of $ms ms, us" "$longest" $((1000 * ms + 15000)) || bad=1
   done
   rm -rf "$folder"
   ((bad == 0))

@@ -15,14 +15,14 @@ rotor_team() {
 # Flies the scenario of standard input and leaves one line of figures, once.  $1: file of the line; $2: function that says the line of
 # a folder with results. A flight that ends early says so before its figures.
 fly_once() {
-  local scenario told line folder=${1%.txt} ended=''
+  local scenario output line folder=${1%.txt} ended=''
   scenario=$(cat)
   [[ -s $1 ]] && return
   mkdir -p "$folder"
   echo "$scenario" >"$folder/flight.toml"
-  if ! told=$("$sightline" run "$folder/flight.toml" -o "$folder" 2>&1 >/dev/null); then
-    [[ $told == *" touched "* ]] && ended='ended '
-    [[ -f $folder/summary.json ]] || { echo "$told" >&2; return 1; }
+  if ! output=$("$sightline" run "$folder/flight.toml" -o "$folder" 2>&1 >/dev/null); then
+    [[ $output == *" touched "* ]] && ended='ended '
+    [[ -f $folder/summary.json ]] || { echo "$output" >&2; return 1; }
   fi
   if ! line=$("$2" "$folder") || [[ -z $line ]]; then
     echo "$folder: no figures" >&2
@@ -31,15 +31,15 @@ fly_once() {
   echo "$ended$line" >"$1.part" && mv "$1.part" "$1" && rm -rf "$folder"
 }
 
-# One line for a figure.  $1: what it is; $2: value; $3: what is asked, as "<= 0.02"; $4: unit; $5: "wanted" where it was never reached
+# One line for a figure.  $1: what it is; $2: value; $3: what is required, as "<= 0.02"; $4: unit; $5: "wanted" where it was never reached
 # and a miss is no failure.
 judge() {
   if awk -v a="$2" "BEGIN { exit !(a != \"\" && a $3) }"; then
-    echo "$1: $2 $4, asked $3: holds"
+    echo "$1: $2 $4, required $3: holds"
   elif [[ ${5:-} == wanted ]]; then
-    echo "$1: $2 $4, asked $3: missed"
+    echo "$1: $2 $4, required $3: missed"
   else
-    echo "$1: $2 $4, asked $3: FAILS"
+    echo "$1: $2 $4, required $3: FAILS"
     return 1
   fi
 }

@@ -44,7 +44,7 @@ ctests() {
   ((PIPESTATUS[0] == 0))
 }
 
-# $@: the sections asked for, functions of `all`; without any, all of them.
+# $@: the sections to run, functions of `all`; without any, all of them.
 run_sections() {
   local -a sections=("$@")
   local section result verdict begin bad=0 table=''

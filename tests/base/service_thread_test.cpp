@@ -14,7 +14,7 @@ namespace {
 
 std::string reported;
 
-/// While it lives, lines of failures go to `told`.
+/// While it lives, lines of failures go to `reported`.
 struct ReportsToReported {
   ReportsToReported() {
     reported.clear();

@@ -60,14 +60,14 @@ class Judge:
         if sum(1 for one, _ in self.differences if one == claim) < 5:
             self.differences.append((claim, sentence))
 
-    def expect(self, claim, what, told, low, high=None):
+    def expect(self, claim, what, reported, low, high=None):
         """A number of the summary, null for none, against the least and the greatest that are right."""
         high = low if high is None else high
-        if told is None or not np.isfinite(low):
-            if (told is None) != (not np.isfinite(low)):
-                self.differ(claim, f"{what}: the summary says {told}, the judge {low:.6g}")
-        elif not low - 1e-12 <= told <= high + 1e-12:
-            self.differ(claim, f"{what}: the summary says {told:.6g}, the judge {low:.6g} to {high:.6g}")
+        if reported is None or not np.isfinite(low):
+            if (reported is None) != (not np.isfinite(low)):
+                self.differ(claim, f"{what}: the summary says {reported}, the judge {low:.6g}")
+        elif not low - 1e-12 <= reported <= high + 1e-12:
+            self.differ(claim, f"{what}: the summary says {reported:.6g}, the judge {low:.6g} to {high:.6g}")
 
     def judge(self):
         """(claim, sentence) of each difference."""
@@ -148,20 +148,20 @@ class Judge:
         """Finite and within the limits in force, in each period."""
         flight, beyond, raw_beyond, largest = self.flight, 0, 0, 0.0
         for name in flight.robots:
-            body, asked = flight.bodies[name], flight.commanded
+            body, commanded = flight.bodies[name], flight.commanded
             low, high = self.team.input_limits(name)
-            wrong = ~np.isfinite(body.u) & asked[:, None]
+            wrong = ~np.isfinite(body.u) & commanded[:, None]
 
             def outside(u, rows, low=low, high=high):
                 return rows[:, None] & ~((u >= low - 1e-9) & (u <= high + 1e-9))
 
-            off, raw = outside(body.u, body.there & asked), outside(body.raw, body.there & asked)
+            off, raw = outside(body.u, body.there & commanded), outside(body.raw, body.there & commanded)
             beyond, raw_beyond = beyond + int(off.sum()), raw_beyond + int(raw.sum())
             # Through periods that the loop missed its last inputs were held; the states after the last command are of no period.
-            last = np.maximum.accumulate(np.where(asked, np.arange(len(asked)), 0))
-            missed = ~asked & (np.arange(len(asked)) < len(asked) - 1) & body.there
+            last = np.maximum.accumulate(np.where(commanded, np.arange(len(commanded)), 0))
+            missed = ~commanded & (np.arange(len(commanded)) < len(commanded) - 1) & body.there
             beyond += int(outside(body.u[last], missed).sum())
-            here = body.raw[body.there & asked]
+            here = body.raw[body.there & commanded]
             largest = max(largest, float(np.nanmax(np.abs(here)))) if np.isfinite(here).any() else largest
             for k, i in np.argwhere(wrong | off)[:1]:
                 self.differ("command", f"input {i} of {name} is {body.u[k, i]:.9g} at {flight.times[k]:.4g} s, limits {low[k, i]:.9g} and {high[k, i]:.9g}")
@@ -180,17 +180,17 @@ class Judge:
             rate_max = self.scenario["agent"][name].get("rate_max")
             if rate_max is None:
                 continue
-            body, asked = flight.bodies[name], np.flatnonzero(flight.commanded)
-            low, high = (limit[asked[1:]] for limit in self.team.input_limits(name))
-            u, now = body.u[asked[:-1]], body.u[asked[1:]]
-            most = np.array(rate_max) * np.diff(flight.times[asked])[:, None]
+            body, commanded = flight.bodies[name], np.flatnonzero(flight.commanded)
+            low, high = (limit[commanded[1:]] for limit in self.team.input_limits(name))
+            u, now = body.u[commanded[:-1]], body.u[commanded[1:]]
+            most = np.array(rate_max) * np.diff(flight.times[commanded])[:, None]
             least_next = np.minimum(np.maximum(u - most, low), high)
             most_next = np.maximum(np.minimum(u + most, high), low)
-            free = body.there[asked[:-1]] & body.there[asked[1:]] & (body.active[asked[1:], 0] != 1.0)
+            free = body.there[commanded[:-1]] & body.there[commanded[1:]] & (body.active[commanded[1:], 0] != 1.0)
             off = free[:, None] & ((now < least_next - 1e-9) | (now > most_next + 1e-9))
             self.wrong_commands += int(off.sum())
             for k, i in np.argwhere(off)[:1]:
-                self.differ("rate", f"input {i} of {name} goes from {u[k, i]:.6g} to {now[k, i]:.6g} at {flight.times[asked[k + 1]]:.4g} s, "
+                self.differ("rate", f"input {i} of {name} goes from {u[k, i]:.6g} to {now[k, i]:.6g} at {flight.times[commanded[k + 1]]:.4g} s, "
                             f"rate_max {rate_max[i]}, limits {low[k, i]:.6g} and {high[k, i]:.6g}")  # fmt: skip
 
     def _plans(self):
@@ -241,7 +241,7 @@ class Judge:
         return max(0.0, low) if np.isfinite(low) else low, high
 
     def _distances(self):
-        told = {(one["a"], one["b"]): one for one in self.summary.get("safety", {}).get("hard_distances", [])}
+        reported = {(one["a"], one["b"]): one for one in self.summary.get("safety", {}).get("hard_distances", [])}
         all_low = all_high = np.inf
         margins = {}
         for a, b in self._pairs():
@@ -253,7 +253,7 @@ class Judge:
             all_of_it = low
             if self.begins_outside:
                 low, high = self._least(a, b, d_hard)
-            one = told.get((a, b)) or told.get((b, a))
+            one = reported.get((a, b)) or reported.get((b, a))
             if one is not None:
                 self.expect("hard_distance", f"least distance of {a} and {b}", one["least"], all_of_it - near, high + near)
                 self.expect("hard_distance", f"d_hard of {a} and {b}", one["d_hard"], d_hard)
@@ -261,11 +261,11 @@ class Judge:
             if low < d_hard + near:
                 self.verdict.add(f"{a} comes within {high:.6g} m of {b}, d_hard is {d_hard} m", high < d_hard - near)
         self.expect("min_distance", "min_distance", self.summary["min_distance"], all_low - near, all_high + near)
-        if margins and len(told) < min(shown, len(margins)):
-            self.differ("hard_distance", f"{len(told)} hard distances in the summary, expected {min(shown, len(margins))}")
-        worst_told = max((margins.get(pair, margins.get(pair[::-1], (0, 0)))[1] for pair in told), default=np.inf)
+        if margins and len(reported) < min(shown, len(margins)):
+            self.differ("hard_distance", f"{len(reported)} hard distances in the summary, expected {min(shown, len(margins))}")
+        worst_reported = max((margins.get(pair, margins.get(pair[::-1], (0, 0)))[1] for pair in reported), default=np.inf)
         for (a, b), (_, margin) in margins.items():
-            if (a, b) not in told and (b, a) not in told and margin < worst_told - 2 * near:
+            if (a, b) not in reported and (b, a) not in reported and margin < worst_reported - 2 * near:
                 self.differ("hard_distance", f"{a} and {b} have a margin of {margin:.6g} m and are not among the worst in the summary")
 
     def _walls(self):
@@ -273,15 +273,15 @@ class Judge:
         if safety is None:
             return
         judged = safety.get("barrier", "off") != "off"
-        told = {(one["name"], one["wall"]): one for one in self.summary.get("safety", {}).get("walls", [])}
+        reported = {(one["name"], one["wall"]): one for one in self.summary.get("safety", {}).get("walls", [])}
         for wall, usual in (("floor", 0.3), ("ceiling", 10.0), ("world", 100.0)):
             if not judged and wall not in safety:
                 continue
             for name, robot in self.robots.items():
                 if wall == "world" or robot.has_height:
-                    self._wall(name, wall, float(safety.get(wall, usual)), told)
+                    self._wall(name, wall, float(safety.get(wall, usual)), reported)
 
-    def _wall(self, name, wall, limit, told):
+    def _wall(self, name, wall, limit, reported):
         flight, body = self.flight, self.flight.bodies[name]
         lands = self.team.lands(name) if wall == "floor" else np.zeros(len(flight.steps), bool)
 
@@ -307,9 +307,9 @@ class Judge:
         sentence = f"{name} is {highest:.6g} m beyond the {wall} of {limit} m"
         if highest > 1e-6:
             self.verdict.add(sentence, lowest > near)
-        one = told.get((name, wall))
+        one = reported.get((name, wall))
         if one is None:
-            if sum(1 for _, kind in told if kind == wall) < shown:
+            if sum(1 for _, kind in reported if kind == wall) < shown:
                 self.differ("wall_missing", f"{name} has no {wall} in the summary; {sentence}")
             return
         sign = -1 if wall == "floor" else 1
@@ -357,12 +357,12 @@ class Judge:
             self._lost(a, b, out, force)
             if len(terms) > 1 and len({str(term.keys) for term in terms}) > 1:
                 continue
-            told = [one for one in self.summary["pairs"] if one["observer"] == a and one["target"] == b]
-            if not told:
+            reported = [one for one in self.summary["pairs"] if one["observer"] == a and one["target"] == b]
+            if not reported:
                 if force.any():
                     self.differ("view_missing", f"{a} observes {b}, and the summary has no such pair")
                 continue
-            one = told[0]
+            one = reported[0]
             x, y, z = in_sensor(flight.bodies[a], flight.bodies[b], self.team.sensor(a))
             angle, distance = np.arctan2(np.hypot(y, z), x), np.linalg.norm(flight.bodies[a].p - flight.bodies[b].p, axis=1)
             self._span("view", f"view angle of {a} on {b}", one["view_angle_max"], angle, force & settled, np.max, 1e-6)
@@ -370,11 +370,11 @@ class Judge:
             self._span("view", f"greatest distance of {a} and {b} after settle", one["distance"]["max"], distance, force & settled, np.max, near)
             self._span("view", f"share of the time in which {a} sees {b}", one["in_view_fraction"], 1.0 - out, force & settled, np.mean, 1e-9)
 
-    def _span(self, claim, what, told, values, use, measure, tolerance):
+    def _span(self, claim, what, reported, values, use, measure, tolerance):
         """Over the samples that have a command: places alone are judged after the last one."""
         use = use & self.flight.commanded
         found = measure(values[use]) if use.any() else np.nan
-        self.expect(claim, what, told, found - tolerance, found + tolerance)
+        self.expect(claim, what, reported, found - tolerance, found + tolerance)
 
     def _lost(self, a, b, out, force):
         """Out of view during all of the last 2 s."""
@@ -398,9 +398,9 @@ class Judge:
     def _limits(self):
         flight = self.flight
         quiet = not self.scenario.get("event") and not any("nearest" in at for at in self.scenario.get("shape", []))
-        told, found = {}, {}
+        reported, found = {}, {}
         for one in self.summary["limits"]:
-            told.setdefault(one["name"], []).append(one)
+            reported.setdefault(one["name"], []).append(one)
         for term in self.team.terms:
             if term.is_limit:
                 found.setdefault(term.label, []).append(term)
@@ -411,19 +411,19 @@ class Judge:
                 over = np.where(counts, self.team.excess(term), -np.inf)
                 steps = over[flight.commanded]
                 worst.append((max(0.0, steps.max(initial=0.0)), max(0.0, over.max(initial=0.0)), term))
-            if label not in told:
+            if label not in reported:
                 if max(one[0] for one in worst) > 1e-6:
                     self.differ("limit_missing", f"{label} is broken by {max(one[0] for one in worst):.4g}, and the summary has no such limit")
                 continue
-            most = max((one["worst"] for one in told[label] if one["worst"] is not None), default=0.0)
+            most = max((one["worst"] for one in reported[label] if one["worst"] is not None), default=0.0)
             least_right = max(one[0] for one in worst)
             tolerance = 1e-6 + 1e-6 * least_right
             if most < least_right - tolerance:
                 self.differ("limit", f"{label} is broken by {least_right:.6g}, the summary says {most:.6g}")
             if quiet and most > max(one[1] for one in worst) + tolerance:
                 self.differ("limit", f"{label} is broken by {max(one[1] for one in worst):.6g} at most, the summary says {most:.6g}")
-            if quiet and len(terms) == 1 == len(told[label]):
-                term, one = terms[0], told[label][0]
+            if quiet and len(terms) == 1 == len(reported[label]):
+                term, one = terms[0], reported[label][0]
                 broken = (self.team.excess(term) > 0) & self.team.counts(term)
                 self._span("limit", f"share of the time in which {label} is broken", one["fraction"], broken * 1.0, self.team.counts(term), np.mean, 1e-9)
 
@@ -450,9 +450,9 @@ class Judge:
 
     def _errors(self):
         flight = self.flight
-        told = {one["name"]: one for one in self.summary["agents"]}
+        reported = {one["name"]: one for one in self.summary["agents"]}
         for name in flight.robots:
-            agent, one, body = self.scenario["agent"][name], told.get(name), flight.bodies[name]
+            agent, one, body = self.scenario["agent"][name], reported.get(name), flight.bodies[name]
             if one is None:
                 self.differ("errors", f"the summary has no agent {name}")
                 continue
@@ -489,10 +489,10 @@ def main():
     parser.add_argument("folder", help="of the run: run.mcap and summary.json")
     parser.add_argument("code", type=int, help="exit code of the run")
     parser.add_argument("--realtime", action="store_true", help="the flight was one in real time")
-    asked = parser.parse_args()
-    differences = Judge(asked.scenario, asked.folder, asked.code, asked.realtime).judge()
+    arguments = parser.parse_args()
+    differences = Judge(arguments.scenario, arguments.folder, arguments.code, arguments.realtime).judge()
     for claim, sentence in differences:
-        print(f"{asked.scenario}: {claim}: {sentence}")
+        print(f"{arguments.scenario}: {claim}: {sentence}")
     return 1 if differences else 0
 
 

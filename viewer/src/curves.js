@@ -1,4 +1,4 @@
-// Curves over time, of what the moments tell: distances, view angles, inputs, what the solver and the barrier do, errors of estimates.
+// Curves of the samples over time: distances, view angles, inputs, what the solver and the barrier do, errors of estimates.
 import { colours, robotColour } from './palette.js';
 import { Plot } from './plot.js';
 

@@ -3,7 +3,7 @@ import * as THREE from 'three/three.module.js';
 import { robotColour } from './palette.js';
 
 export class Drag {
-  // tune: who is told where they go
+  // tune: receives their places
   constructor(stage, tune) {
     this.stage = stage;
     this.tune = tune;

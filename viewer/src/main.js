@@ -25,7 +25,7 @@ const wind = new Wind($('wind'));
 const tune = new Tune($('tune'), { send: (text) => source.send(text), changed: retune }), drag = new Drag(stage, tune);
 let history = null, playing = true, now = 0, following = true, drawn = -1, drawnAt = 0, drawnTables = 0, growing = false;
 const counters = { turns: 0, frames: 0, news: 0, moments: 0, link: 'connecting' };
-window.sightline = counters; // for tests: how often it could draw, how often it did, how often it was told something, what it has
+window.sightline = counters; // for tests: how often it could draw, how often it did, how many messages it received, what it has
 Object.defineProperty(counters, 'redraw', { value: () => stage.draw(history, history.indexAt(now)) }); // its canvas holds a picture until the task ends
 counters.handles = () => drag.places();
 

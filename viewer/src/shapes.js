@@ -65,7 +65,7 @@ export function setLine(drawn, numbers, count) {
 }
 
 // The edges at which two triangles meet at more than 24 degrees, or that are of one alone; triangles are either way round. What is
-// hardly a triangle has no direction that could be told.
+// hardly a triangle has no clear direction.
 function edgesOf({ corners, triangles, reach }) {
   const at = (i) => new THREE.Vector3(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]), met = new Map(), drawn = [];
   for (let t = 0; t < triangles.length; t += 3) {

@@ -3,14 +3,14 @@
 
 const token = () => new URLSearchParams(location.search).get('token');
 
-// A path's query: what is asked, and the token of the page.
-export const told = (asked = {}) => {
-  const query = new URLSearchParams({ ...asked, ...(token() === null ? {} : { token: token() }) }).toString();
+// A path's query: its parameters and the token of the page.
+export const queryOf = (parameters = {}) => {
+  const query = new URLSearchParams({ ...parameters, ...(token() === null ? {} : { token: token() }) }).toString();
   return query && `?${query}`;
 };
 
-export const get = async (path, asked = {}) => {
-  const answer = await fetch(path + told(asked));
+export const get = async (path, parameters = {}) => {
+  const answer = await fetch(path + queryOf(parameters));
   if (!answer.ok) throw new Error(await answer.text());
   return answer.json();
 };
@@ -43,7 +43,7 @@ export class Source {
   }
 
   listen(live) {
-    const socket = new WebSocket(`ws://${location.host}/live${told()}`);
+    const socket = new WebSocket(`ws://${location.host}/live${queryOf()}`);
     this.socket = socket;
     socket.onopen = () => { this.wait = 250; if (live) this.on.link('live'); };
     socket.onmessage = (message) => {
@@ -55,20 +55,20 @@ export class Source {
 
   // Fetches what a log has more than is known. Another session is another log.
   async follow(state, socket) {
-    this.told = state;
+    this.reported = state;
     if (this.fetches) return;
     this.fetches = true;
     try {
-      while (this.told.session === this.session && this.count < this.told.moments) {
+      while (this.reported.session === this.session && this.count < this.reported.moments) {
         const list = await get('moments.json', { from: this.count, most: fetchedAtOnce });
         if (list.length === 0) break;
         this.count += list.length;
         this.on.moments(list);
         // Of a log that grows faster than it is fetched there is always more.
-        if (this.told.state === 'growing') this.on.link('growing', this.told.fault);
+        if (this.reported.state === 'growing') this.on.link('growing', this.reported.fault);
       }
-      if (this.told.session !== this.session) socket.close();
-      else this.on.link(this.told.state, this.told.fault);
+      if (this.reported.session !== this.session) socket.close();
+      else this.on.link(this.reported.state, this.reported.fault);
     } catch {
       socket.close();
     }

@@ -8,11 +8,11 @@ const pathPoints = 256, trailPoints = 400, ellipsoidSigmas = 3, orbitAngle = 50;
 // Turns of the browser [ms]: where they take longer, pictures get fewer pixels, where shorter, more again. Turns to a change and to rest.
 const slow = 30, quick = 20, turnsToAdapt = 8, turnsToRest = 30, leastScale = 0.5;
 
-// Whether the processor draws: then without smoothed edges, which ask for more samples of each pixel.
+// Whether the processor draws: then without smoothed edges, which need more samples of each pixel.
 function drawsInSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
-  const told = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : '';
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
   gl?.getExtension('WEBGL_lose_context')?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software/i.test(name);
 }
@@ -202,21 +202,21 @@ export class Stage {
   }
 
   drawPair(pair, i, moment) {
-    const parts = this.pairs[i], told = moment.p[i];
-    const there = told !== null && moment.b[pair.observer] !== null && moment.b[pair.target] !== null;
-    parts.whole.visible = there && told[0] === 1;
-    parts.dashed.visible = there && told[0] !== 1;
+    const parts = this.pairs[i], view = moment.p[i];
+    const there = view !== null && moment.b[pair.observer] !== null && moment.b[pair.target] !== null;
+    parts.whole.visible = there && view[0] === 1;
+    parts.dashed.visible = there && view[0] !== 1;
     // From within, a region is the picture's edge.
     if (parts.region) parts.region.visible = there;
     if (!there) return;
     const a = moment.b[pair.observer], b = moment.b[pair.target];
-    setLine(told[0] === 1 ? parts.whole : parts.dashed, [a[0], a[1], a[2], b[0], b[1], b[2]], 2);
+    setLine(view[0] === 1 ? parts.whole : parts.dashed, [a[0], a[1], a[2], b[0], b[1], b[2]], 2);
     if (!parts.region) return;
     const { position, quaternion } = this.sensor(pair.mount, a);
     parts.region.position.copy(position);
     parts.region.quaternion.copy(quaternion);
-    if (parts.region.userData.scales) parts.region.scale.setScalar(Math.min(10, Math.max(0.5, told[1])));
-    colourSurface(parts.region, told[0] === 1 ? colours().good : colours().bad);
+    if (parts.region.userData.scales) parts.region.scale.setScalar(Math.min(10, Math.max(0.5, view[1])));
+    colourSurface(parts.region, view[0] === 1 ? colours().good : colours().bad);
   }
 
   // Where a sensor is and how it looks: its axis is x, as mounted on the body, or on what is level in its heading.
@@ -285,12 +285,12 @@ export class Stage {
       else place(label, new THREE.Vector3(seen[0], seen[1], seen[2] + 0.3));
     });
     this.scene.pairs.forEach((pair, i) => {
-      const told = moment.p[i], label = this.pairs[i].label, a = moment.b[pair.observer], b = moment.b[pair.target];
-      if (told === null || a === null || b === null || this.scene.pairs.length > 12) {
+      const view = moment.p[i], label = this.pairs[i].label, a = moment.b[pair.observer], b = moment.b[pair.target];
+      if (view === null || a === null || b === null || this.scene.pairs.length > 12) {
         label.hidden = true;
         return;
       }
-      label.textContent = `${told[1].toFixed(2)} m`;
+      label.textContent = `${view[1].toFixed(2)} m`;
       place(label, new THREE.Vector3((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2));
     });
   }

@@ -61,9 +61,9 @@ export class Statuses {
         [Number.isFinite(share) ? `${(100 * share).toFixed(0)} %` : '', 'number']]);
     });
     this.scene.pairs.forEach((pair, k) => {
-      const told = moment.p[k];
-      write(this.views.cells[k], told === null ? [['not asked for'], ...blank(2)] : [[told[0] ? '● in view' : '○ out of view', told[0] ? 'good' : 'bad'],
-        [`${told[1].toFixed(2)} m`, 'number'], [told[2] === null ? '' : `${((180 / Math.PI) * told[2]).toFixed(1)}°`, 'number']]);
+      const view = moment.p[k];
+      write(this.views.cells[k], view === null ? [['no view required'], ...blank(2)] : [[view[0] ? '● in view' : '○ out of view', view[0] ? 'good' : 'bad'],
+        [`${view[1].toFixed(2)} m`, 'number'], [view[2] === null ? '' : `${((180 / Math.PI) * view[2]).toFixed(1)}°`, 'number']]);
     });
     write(this.solver.cells[0], [[moment.status, /converged|stepped/.test(moment.status) ? 'good' : 'bad'],
       [moment.residual === null ? '' : moment.residual.toExponential(1), 'number'], [String(moment.it), 'number'],

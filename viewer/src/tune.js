@@ -1,5 +1,5 @@
 // The panel that tunes a flight: what tune.json says may be changed, sent by the page's WebSocket, and the answers.
-import { get, told } from './source.js';
+import { get, queryOf } from './source.js';
 
 const interval = 200; // between two messages [ms]; the server takes 20 a second
 const make = (tag, properties = {}, ...children) => {
@@ -21,7 +21,7 @@ export class Tune {
     this.element = element;
     this.on = on;
     this.waiting = new Map(); // what is to be sent, the newest of each thing
-    this.asked = 0;
+    this.requests = 0;
     this.own = new Map(); // id -> what it was about
     this.spans = new Map(); // of each slider, as it was at first
     this.heard = -1;
@@ -57,14 +57,14 @@ export class Tune {
     if (!first) for (const one of this.element.querySelectorAll('details')) one.open = open.has(one.dataset.key);
   }
 
-  ask(key, message) {
+  request(key, message) {
     this.waiting.set(key, message);
   }
 
   sendNext() {
     const [next] = this.waiting;
     if (next === undefined) return;
-    const id = `${this.me}-${this.asked++}`;
+    const id = `${this.me}-${this.requests++}`;
     if (!this.on.send(JSON.stringify({ id, ...next[1] }))) return;
     this.waiting.delete(next[0]);
     this.own.set(id, next[0]);
@@ -136,7 +136,7 @@ export class Tune {
   }
 
   retune(term, what) {
-    this.ask(`${term.kind} ${term.name} ${Object.keys(what)[0]}`, { event: { retune: { [term.kind]: term.name, ...what } } });
+    this.request(`${term.kind} ${term.name} ${Object.keys(what)[0]}`, { event: { retune: { [term.kind]: term.name, ...what } } });
   }
 
   termRows(term) {
@@ -161,11 +161,11 @@ export class Tune {
     else reference.places.forEach((place, k) => { value[place] = p[k]; });
     reference.value = value;
     reference.goal = p;
-    this.ask(`reference ${reference.agent}`, { event: { reference: { agent: reference.agent, reference: { [reference.kind]: value } } } });
+    this.request(`reference ${reference.agent}`, { event: { reference: { agent: reference.agent, reference: { [reference.kind]: value } } } });
   }
 
   moveBody(body, p) {
-    this.ask(`move ${body.name}`, { event: { move: { [body.kind]: body.name, p } } });
+    this.request(`move ${body.name}`, { event: { move: { [body.kind]: body.name, p } } });
   }
 
   referenceRows(reference) {
@@ -173,7 +173,7 @@ export class Tune {
     for (const p of reference.parameters) {
       rows.push(this.slider(`reference ${reference.agent} ${p.key}`, p.unit ? `${p.key} [${p.unit}]` : p.key, p, `${p.meaning}; ${p.range}`, (v) => {
         reference.value = { ...reference.value, [p.key]: v };
-        this.ask(`reference ${reference.agent}`, { event: { reference: { agent: reference.agent, reference: { [reference.kind]: reference.value } } } });
+        this.request(`reference ${reference.agent}`, { event: { reference: { agent: reference.agent, reference: { [reference.kind]: reference.value } } } });
       }));
     }
     return rows;
@@ -183,21 +183,21 @@ export class Tune {
     const { can_pause: canPause, can_restart: canRestart } = this.tunables, row = make('div', { className: 'row buttons' });
     const button = (words, act) => make('button', { type: 'button', textContent: words, onclick: act });
     if (canPause) {
-      this.pause = button(this.paused ? 'Fly on' : 'Pause flight', () => this.ask('pause', { pause: !this.paused }));
-      this.step = button('Step', () => this.ask('step', { step: 1 }));
+      this.pause = button(this.paused ? 'Fly on' : 'Pause flight', () => this.request('pause', { pause: !this.paused }));
+      this.step = button('Step', () => this.request('step', { step: 1 }));
       this.step.disabled = !this.paused;
       row.append(this.pause, this.step);
     }
     if (canRestart) {
       const seed = make('input', { type: 'number', min: 0, step: 1, value: 2 });
       seed.setAttribute('aria-label', 'Seed');
-      row.append(make('label', {}, 'Seed ', seed), button('Begin anew', () => this.ask('seed', { seed: Math.trunc(Number(seed.value)) })));
+      row.append(make('label', {}, 'Seed ', seed), button('Begin anew', () => this.request('seed', { seed: Math.trunc(Number(seed.value)) })));
     }
     return row;
   }
 
   write() {
-    const link = (words, file, title) => make('a', { href: `${file}${told()}`, download: `${this.scene.name}_${file}`, textContent: words, title });
+    const link = (words, file, title) => make('a', { href: `${file}${queryOf()}`, download: `${this.scene.name}_${file}`, textContent: words, title });
     const links = [link('whole flight', 'tuned.toml', 'The scenario with each change at its time: flown again, the same commands')];
     if (this.tunables.no_final) links.push(make('span', { className: 'faint', textContent: 'no final values', title: this.tunables.no_final }));
     else links.push(link('final values', 'final.toml', 'The scenario with the values that were tuned last'));
@@ -214,7 +214,7 @@ export class Tune {
     const begin = make('button', { type: 'button', textContent: 'Inject', onclick: () => {
       const fault = { kind: kind.value, body: body.value, for: Number(lasts.value) };
       if (fault.kind === 'jump') fault.offset = [0.5, 0, 0];
-      this.ask('fault', { event: { fault } });
+      this.request('fault', { event: { fault } });
     } });
     return make('div', { className: 'row' }, kind, body, lasts, make('span', { textContent: 's' }), begin);
   }
@@ -238,7 +238,7 @@ export class Tune {
       const blow = [...wind];
       groups.push(this.group('wind', 'wind', blow.map((v, k) => this.slider(`wind ${k}`, `${'xyz'[k]} [m/s²]`, { value: v, low: -2, high: 2 }, 'acceleration of all robots', (to) => {
         blow[k] = to;
-        this.ask('wind', { event: { wind: { acceleration: [...blow] } } });
+        this.request('wind', { event: { wind: { acceleration: [...blow] } } });
       })), false));
     }
     if (faults.length > 0) groups.push(this.group('faults', 'faults of measurements', [this.faults()], false));
