@@ -103,6 +103,9 @@ void add(LocalizedFiles& written, const FolderLock& lock, const char* name, cons
 }  // namespace
 
 TeamRun team_run(const TeamRecording& recording, const LocalizeOptions& options) {
+  if (!options.pixels.empty())
+    throw std::invalid_argument(fmt::format(
+        "--pixels = {}, expected none: {} is no recording of a camera rig", options.pixels, recording.kind));
   TeamRun run{.noise = recording.noise, .seed = options.seed};
   run.sees_landmarks = robots_named(recording, "--landmarks", options.landmarks);
   run.sees_robots = robots_named(recording, "--robots", options.robots);

@@ -57,8 +57,9 @@ std::string to_string(const LocalizedRig& localized) {
   std::string text = fmt::format(
       "{}: camera rig {}, {} cameras, {} tags seen, {} sightings, {}, {:.0f} s\n", localized.place,
       recording.name, recording.cameras.size(), result.places, recording.sightings.size(),
-      recording.odometry.empty() ? "no odometry"
-                                 : fmt::format("{} poses of odometry", recording.odometry.size()),
+      (recording.odometry.empty() ? "no odometry"
+                                  : fmt::format("{} poses of odometry", recording.odometry.size())) +
+          (recording.turn_rates.empty() ? "" : fmt::format(", {} turn rates", recording.turn_rates.size())),
       result.seconds);
   if (recording.left_out > 0)
     text +=
@@ -100,6 +101,7 @@ std::string to_json(const LocalizedRig& localized) {
                   {"cameras", recording.cameras.size()},
                   {"tags", result.places},
                   {"odometry", recording.odometry.size()},
+                  {"turn_rates", recording.turn_rates.size()},
                   {"sightings",
                    {{"accepted", result.accepted},
                     {"rejected", result.rejected},
