@@ -13,6 +13,7 @@
 #include "sightline/analysis/localization/consistency.hpp"
 #include "sightline/import/read_rig.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/mutated_rigs.hpp"
 #include "tests/support/recorded_rig.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/rig_bag.hpp"
@@ -450,26 +451,12 @@ TEST(RigRecording, ABagGivesWhatTheTableGives) {
   }
 }
 
-/// A bag whose cameras are in it as well, mounted on the body by way of another frame.
-test::BagWriter bag_with_cameras(const RigRecording& recording, double rectified) {
-  test::BagWriter bag = test::bag_of(recording);
-  const RigidPose plate = {{0.1, 0.2, 0.3}, turn_by({0.1, -0.2, 0.3})};
-  bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("/rig", "plate", plate));
-  for (const RigRecording::RigCamera& one : recording.cameras) {
-    bag.add("/" + one.name + "/camera_info", "sensor_msgs/msg/CameraInfo", 0.0,
-            test::calibration(one.camera, one.name, rectified));
-    bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0,
-            test::transform("plate", one.name, inverse(plate) * one.mounting));
-  }
-  return bag;
-}
-
 TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   const test::SyntheticRig rig({.seconds = 1.0});
   const std::filesystem::path folder = test::fresh_folder();
   test::write_rig(rig.recording, (folder / "").string());
   for (const char* file : {"cameras.yaml", "camera_poses.yaml"}) std::filesystem::remove(folder / file);
-  bag_in_place_of_table(folder, bag_with_cameras(rig.recording, 0.0));
+  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, 0.0));
   const RigRecording read = read_rig_recording(folder);
   ASSERT_EQ(read.cameras.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
@@ -488,7 +475,7 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   EXPECT_THAT(refused("straight"), HasSubstr("--pixels = straight, expected raw or rectified"));
 
   // Without a word about the pictures either would be a guess.
-  bag_in_place_of_table(folder, bag_with_cameras(rig.recording, 555.0));
+  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, 555.0));
   EXPECT_THAT(refused(""),
               HasSubstr("/cam0/camera_info has a rectified picture of its own, expected --pixels"));
   EXPECT_EQ(read_rig_recording(folder, "raw").cameras[0].camera.focal_length[1], 610.0);
@@ -513,6 +500,12 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   EXPECT_EQ(refused(""), "") << "on the body of the odometry";
   test::write_rig(rig.recording, (folder / "").string());
   EXPECT_THAT(refused("raw"), HasSubstr("--pixels = raw, expected none"));
+}
+
+TEST(RigRecording, MutatedRecordingsAreReadOrRefusedInOneSentence) {
+  const int accepted = test::read_mutated_rigs(1'600, 1, test::fresh_folder());
+  EXPECT_GT(accepted, 200);
+  EXPECT_LT(accepted, 1'400);
 }
 
 TEST(LocalizeRig, ABagOfTagSlamGivesTheResultOfItsTable) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sightline/readers/rig_recording.hpp"
+#include "sightline/world/rigid_motion.hpp"
 #include "tests/support/ros_bag.hpp"
 
 namespace sightline::test {
@@ -71,6 +72,20 @@ inline BagWriter bag_of(const RigRecording& recording, bool stamped = true,
       for (int i = 0; i < 9; ++i) tags << 0.0;
     }
     bag.add(recording.cameras[first.camera].topic, "apriltag_msgs/msg/AprilTagDetectionArray", first.t, tags);
+  }
+  return bag;
+}
+
+/// A bag whose cameras are in it as well, mounted on the body by way of another frame.
+inline BagWriter bag_with_cameras(const RigRecording& recording, double rectified) {
+  BagWriter bag = bag_of(recording);
+  const RigidPose plate = {{0.1, 0.2, 0.3}, turn_by({0.1, -0.2, 0.3})};
+  bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, transform("/rig", "plate", plate));
+  for (const RigRecording::RigCamera& one : recording.cameras) {
+    bag.add("/" + one.name + "/camera_info", "sensor_msgs/msg/CameraInfo", 0.0,
+            calibration(one.camera, one.name, rectified));
+    bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0,
+            transform("plate", one.name, inverse(plate) * one.mounting));
   }
   return bag;
 }

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
 constexpr double disorder_max = 0.05;                    // part of the samples of a body that are left out
-constexpr std::size_t bodies_max = 4096, topic_shown = 80;
+constexpr std::size_t bodies_max = 4096, topic_shown = 80, name_max = 1024, coefficients_max = 64;
 constexpr std::size_t transform_bytes = 8 + 5 + 5 + 7 * sizeof(double);  // header, child, transform, at least
 constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
                            uncertain_pose_type = "geometry_msgs/msg/PoseWithCovarianceStamped",
@@ -51,7 +51,7 @@ class MessageDecoder {
   double header() {
     const auto seconds = from_.number<std::int32_t>();
     const auto nanoseconds = from_.number<std::uint32_t>();
-    frame_ = from_.string();
+    frame_ = name();
     return seconds + nanosecond * nanoseconds;
   }
   Vec3<double> vector() {
@@ -77,11 +77,19 @@ class MessageDecoder {
   static std::string frame_name(std::string_view frame) {
     return std::string(frame.substr(frame.starts_with('/') ? 1 : 0));
   }
+  /// A name, of a length that memory for all of them bears.
+  std::string_view name() {
+    const std::string_view text = from_.string();
+    fits_ = fits_ && text.size() <= name_max;
+    return text;
+  }
+  bool ok() const { return fits_ && from_.ok(); }
   CdrDecoder& from() { return from_; }
 
  private:
   CdrDecoder from_;
   std::string_view frame_;
+  bool fits_ = true;
 };
 
 /// The samples of a body, or the commands of a topic, as they were recorded. One whose `value` is not
@@ -131,7 +139,7 @@ std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
     samples.push_back({"", read.pose(read.header())});
   } else if (message.schema == transform_type) {
     const double t = read.header();
-    const std::string_view child = read.from().string();
+    const std::string_view child = read.name();
     samples.push_back({child, read.pose(t)});
   } else if (message.schema == odometry_type) {
     RecordedSample sample{.t = read.header()};
@@ -143,20 +151,20 @@ std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
     if (R) sample.v = R->to_G(v);
     samples.push_back({"", MessageDecoder::with_heading(sample, R)});
   } else if (message.schema == tf_type) {
-    for (std::size_t left = read.from().length(transform_bytes); left > 0 && read.from().ok(); --left) {
+    for (std::size_t left = read.from().length(transform_bytes); left > 0 && read.ok(); --left) {
       const double t = read.header();
-      const std::string_view child = read.from().string();
+      const std::string_view child = read.name();
       samples.push_back({child, read.pose(t)});
     }
   } else if (message.schema == named_type) {
     const double t = read.header();
     constexpr std::size_t least = 5 + 7 * sizeof(double);  // name and pose [bytes]
-    for (std::size_t left = read.from().length(least); left > 0 && read.from().ok(); --left) {
-      const std::string_view name = read.from().string();
+    for (std::size_t left = read.from().length(least); left > 0 && read.ok(); --left) {
+      const std::string_view name = read.name();
       samples.push_back({name, read.pose(t)});
     }
   }
-  if (!read.from().ok()) return {};
+  if (!read.ok()) return {};
   return samples;
 }
 
@@ -166,7 +174,7 @@ std::optional<VelocityCommand> command_in(const McapMessage& message) {
   if (message.schema == stamped_twist_type) command.t = read.header();
   command.v = read.vector();
   command.yaw_rate = read.vector().z;
-  if (!read.from().ok()) return {};
+  if (!read.ok()) return {};
   return command;
 }
 
@@ -180,13 +188,13 @@ std::optional<BagCamera> camera_in(const McapMessage& message) {
   BagCamera camera{.topic = one_line(message.topic), .frame = read.frame()};
   camera.height = read.from().number<std::uint32_t>();
   camera.width = read.from().number<std::uint32_t>();
-  camera.distortion_model = read.from().string();
+  camera.distortion_model = read.name();
   camera.D.resize(read.from().length(sizeof(double)));
   for (double& d : camera.D) d = read.from().number<double>();
   for (double& k : camera.K) k = read.from().number<double>();
   for (double& r : camera.R) r = read.from().number<double>();
   for (double& p : camera.P) p = read.from().number<double>();
-  if (!read.from().ok()) return {};
+  if (!read.ok() || camera.D.size() > coefficients_max) return {};
   return camera;
 }
 
@@ -198,7 +206,7 @@ bool add_tags(const McapMessage& message, BagRig& rig) {
   const double t = read.header();
   const std::string topic(message.topic);
   rig.frames.try_emplace(topic, read.frame());
-  for (std::size_t left = read.from().length(least); left > 0 && read.from().ok(); --left) {
+  for (std::size_t left = read.from().length(least); left > 0 && read.ok(); --left) {
     read.from().string();  // family
     RigRows::TagRow row{topic, t, read.from().number<std::int32_t>(), {}};
     bool sound = row.id >= 0 && row.id <= rig_tag_id_max;
@@ -213,17 +221,17 @@ bool add_tags(const McapMessage& message, BagRig& rig) {
     if (!sound) return false;
     rig.rows.tags.push_back(std::move(row));
   }
-  return read.from().ok();
+  return read.ok();
 }
 
 /// Adds the pose of an odometry; one without an attitude is left out. @return whether it is sound
 bool add_odometry_pose(const McapMessage& message, BagRig& rig) {
   MessageDecoder read(message);
   const double t = read.header();
-  const std::string child = MessageDecoder::frame_name(read.from().string());
+  const std::string child = MessageDecoder::frame_name(read.name());
   const Vec3<double> p = read.vector();
   const auto R = read.attitude();
-  if (!read.from().ok()) return false;
+  if (!read.ok()) return false;
   if (!R || !std::isfinite(p.x + p.y + p.z)) return true;
   const std::string topic(message.topic);
   rig.frames.try_emplace(topic, child);
@@ -237,7 +245,7 @@ bool add_turn_rate(const McapMessage& message, BagRig& rig) {
   const double t = read.header();
   for (int i = 0; i < 4 + 9; ++i) read.from().number<double>();  // attitude and its covariance
   const Vec3<double> omega = read.vector();
-  if (!read.from().ok()) return false;
+  if (!read.ok()) return false;
   if (!std::isfinite(omega.x + omega.y + omega.z)) return true;
   const std::string topic(message.topic);
   rig.frames.try_emplace(topic, read.frame());
@@ -248,15 +256,15 @@ bool add_turn_rate(const McapMessage& message, BagRig& rig) {
 /// Adds the transforms of /tf_static. @return whether the message is sound
 bool add_mountings(const McapMessage& message, BagRig& rig) {
   MessageDecoder read(message);
-  for (std::size_t left = read.from().length(transform_bytes); left > 0 && read.from().ok(); --left) {
+  for (std::size_t left = read.from().length(transform_bytes); left > 0 && read.ok(); --left) {
     read.header();
-    const std::string child = MessageDecoder::frame_name(read.from().string());
+    const std::string child = MessageDecoder::frame_name(read.name());
     const Vec3<double> p = read.vector();
     const auto R = read.attitude();
     if (R && std::isfinite(p.x + p.y + p.z) && rig.mountings.size() < bodies_max)
       rig.mountings.insert_or_assign(child, BagRig::Mounting{read.frame(), {p, *R}});
   }
-  return read.from().ok();
+  return read.ok();
 }
 
 std::string body_name(const McapMessage& message, std::string_view name) {
@@ -273,6 +281,9 @@ void each_message(const std::vector<fs::path>& files, Take&& take) {
       std::size_t index = 0;
       reader.visit([&](const McapMessage& message) {
         ++index;
+        if (message.topic.size() > name_max)
+          throw_invalid("{}: message {} on a topic with a name of {} bytes, expected at most {}",
+                        file.native(), index, message.topic.size(), name_max);
         if (message.encoding == "cdr" && !take(message))
           throw_invalid("{}: message {} on {} is no sound {}", file.native(), index,
                         one_line(shortened(message.topic, topic_shown)), message.schema);

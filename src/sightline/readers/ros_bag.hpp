@@ -52,7 +52,7 @@ struct BagRig {
 };
 
 /// A bag, one file or a folder with its files; also the log of a run or its folder, of which run.mcap
-/// counts. Messages are CDR, little-endian; chunks are plain or compressed by zstd or lz4. Times are
+/// counts. Messages are CDR; chunks are plain or compressed by zstd or lz4. Times are
 /// those of the headers, or of the recording if all headers of a body are 0. A quaternion of 0 is an
 /// unknown attitude.
 ///

@@ -1,6 +1,7 @@
 #include "sightline/analysis/localization/localize_rig.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -404,6 +405,7 @@ RigLocalization rig_estimates(const RigRecording& recording, const RigNoise& noi
   // the smoother; the copies of the filter, (6 tags)^2 numbers each, take about the memory of a piece.
   const auto piece =
       static_cast<std::size_t>(sqrt(static_cast<double>((sightings + shown.size()) * tags))) + 1;
+  const auto begun = std::chrono::steady_clock::now();
   std::vector<RigRun> starts;
   RigRun run(recording, noise, shown);
   std::optional<double> seen_at;
@@ -428,6 +430,7 @@ RigLocalization rig_estimates(const RigRecording& recording, const RigNoise& noi
   if (!run.filter().started())
     throw std::invalid_argument(
         "no view of a tag with a known pose gives a first pose, expected one sighting of such a tag");
+  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   result.places = static_cast<std::size_t>(std::count(mapped.begin(), mapped.end(), true));
   if (smooth) {
     result.smoothed = result.filter;
