@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 std::string localized(const fs::path& recording, const fs::path& out, const std::string& landmarks,
                       const std::string& robots, const std::string& anchor, const std::string& start,
                       bool identities, const fs::path& noise, const std::vector<std::string>& set,
-                      bool identify_noise, std::uint64_t seed) {
+                      bool identify_noise, std::uint64_t seed, const std::string& pixels) {
   const py::gil_scoped_release others_run;
   const LocalizeOptions options{.landmarks = landmarks,
                                 .robots = robots,
@@ -24,9 +24,11 @@ std::string localized(const fs::path& recording, const fs::path& out, const std:
                                 .noise = noise,
                                 .set = set,
                                 .seed = seed,
-                                .identify_noise = identify_noise};
+                                .identify_noise = identify_noise,
+                                .pixels = pixels};
   if (is_rig_recording(recording))
-    return localize_recording(read_rig_recording(recording), recording, options, out, "sightline.localize")
+    return localize_recording(read_rig_recording(recording, pixels), recording, options, out,
+                              "sightline.localize")
         .json;
   return localize_recording(recording, options, out, "sightline.localize").json;
 }
@@ -36,7 +38,7 @@ std::string localized(const fs::path& recording, const fs::path& out, const std:
 void bind_localize(py::module_& module) {
   module.def("localize_recording", &localized, py::arg("recording"), py::arg("out"), py::arg("landmarks"),
              py::arg("robots"), py::arg("anchor"), py::arg("start"), py::arg("identities"), py::arg("noise"),
-             py::arg("set"), py::arg("identify_noise"), py::arg("seed"));
+             py::arg("set"), py::arg("identify_noise"), py::arg("seed"), py::arg("pixels"));
 }
 
 }  // namespace sightline::python

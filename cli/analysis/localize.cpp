@@ -21,8 +21,8 @@ struct LocalizeCommand {
 LocalizedFiles localized(const LocalizeCommand& of) {
   if constexpr (has("import")) {
     if (is_rig_recording(of.recording))
-      return localize_recording(read_rig_recording(of.recording), of.recording, of.options, of.output,
-                                of.words);
+      return localize_recording(read_rig_recording(of.recording, of.options.pixels), of.recording, of.options,
+                                of.output, of.words);
   }
   return localize_recording(of.recording, of.options, of.output, of.words);
 }
@@ -49,7 +49,8 @@ Execute describe_localize(CLI::App& app) {
   LocalizeOptions& options = command->options;
   app.description("Localize a recorded team of planar robots or a camera rig among AprilTags");
   app.add_option("RECORDING", command->recording,
-                 "Folder of MRCLAM, files of MURP, or folder or PREFIX of PREFIX_tagslam.yaml")
+                 "Folder of MRCLAM, files of MURP, or a camera rig: folder with tagslam.yaml, PREFIX of "
+                 "PREFIX_tagslam.yaml, or its bag PREFIX.mcap")
       ->required();
   app.add_option("-o,--output", command->output, "Folder for the results [out/RECORDING/localize]");
   app.add_option("--landmarks", options.landmarks,
@@ -69,6 +70,8 @@ Execute describe_localize(CLI::App& app) {
       "--identify-noise", options.identify_noise,
       "First fit noise and correlation times to the recording of a team; the random walks of a rig are "
       "fitted unless --noise is given or --set has one");
+  app.add_option("--pixels", options.pixels,
+                 "Pictures of a bag without cameras.yaml in which the tags were found: raw or rectified");
   app.add_option("--seed", options.seed, "Seed of the noise of known poses of a team")
       ->check(CLI::Range(std::uint64_t{0}, seed_max))
       ->capture_default_str();

@@ -123,16 +123,16 @@ def replay(folder, solver=None, set=()):  # type: ignore[no-redef]
 
 
 def localize(recording, out=None, landmarks="all", robots="all", anchor="", start="known", identities=True, noise="", set=(),
-             identify_noise=False, seed=1):
+             identify_noise=False, seed=1, pixels=""):
     """Localizes a recorded team or camera rig, as `sightline localize`. The summary, a dict.
 
-    recording, out: folder of the recording, or PREFIX of a rig; folder of the results, out/RECORDING/localize if not given
+    recording, out: folder of the recording, or PREFIX or bag of a rig; folder of the results, out/RECORDING/localize if not given
     landmarks, robots: robots that see them, "all", "none" or names with commas; anchor: robot with a known pose
     noise, set: file with [localize], KEY=VALUE of it; other options as those of the command
-    A rig takes these two alone. Its random walks are fitted unless noise is given or set has one.
+    A rig takes these two and pixels alone. Its random walks are fitted unless noise is given or set has one.
     """
     return _json.loads(_sightline.localize_recording(recording, "" if out is None else out, landmarks, robots, anchor, start,
-                                                     identities, noise, list(set), identify_noise, seed))
+                                                     identities, noise, list(set), identify_noise, seed, pixels))
 
 
 class Campaign:

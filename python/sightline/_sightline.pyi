@@ -611,7 +611,7 @@ def keep_out(*, d_min: npt.ArrayLike = ..., kappa_H: npt.ArrayLike = ..., kappa_
 
 limits: tuple[str, ...]
 
-def localize_recording(recording: str | os.PathLike[str], out: str | os.PathLike[str], landmarks: str, robots: str, anchor: str, start: str, identities: bool, noise: str | os.PathLike[str], set: list[str], identify_noise: bool, seed: int) -> str: ...
+def localize_recording(recording: str | os.PathLike[str], out: str | os.PathLike[str], landmarks: str, robots: str, anchor: str, start: str, identities: bool, noise: str | os.PathLike[str], set: list[str], identify_noise: bool, seed: int, pixels: str) -> str: ...
 
 def multirotor(*, b_z: npt.ArrayLike = ..., b_psi: npt.ArrayLike = ..., a_f: npt.ArrayLike = ..., b_f: npt.ArrayLike = ..., a_s: npt.ArrayLike = ..., b_s: npt.ArrayLike = ...) -> Model:
     """The robot "multirotor" of scenarios.

@@ -7,13 +7,16 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <iterator>
 
 #include "sightline/analysis/localization/consistency.hpp"
 #include "sightline/import/read_rig.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/mutated_rigs.hpp"
 #include "tests/support/recorded_rig.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/rig_bag.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace sightline {
@@ -66,15 +69,34 @@ TEST(RigFilter, DerivativesOfCornersAreThoseOfDifferences) {
   }
 }
 
+/// Adds what a gyroscope with a bias and noise measures, 20 times in each step of a recording.
+void add_gyroscope(RigRecording& recording, const Vec3<double>& bias, double noise) {
+  constexpr int parts = 20;
+  Random random(7);
+  const auto normal = [&] { return std::normal_distribution<double>()(random); };
+  const auto& path = recording.reference;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const double dt = path[k].t - path[k - 1].t, sigma = noise / std::sqrt(dt / parts);
+    const Vec3<double> omega = (1 / dt) * vec3(log_of(inverse(path[k - 1].pose) * path[k].pose), 3);
+    for (int i = 0; i < parts; ++i)
+      recording.turn_rates.push_back(
+          {path[k - 1].t + (i + 0.5) * dt / parts,
+           omega + bias + Vec3<double>{sigma * normal(), sigma * normal(), sigma * normal()}});
+  }
+}
+
 /// Mean of the normalised errors squared over seeds, which are independent.
 struct MeanNees {
   double filter = 0.0, smoothed = 0.0, rmse = 0.0, smoothed_rmse = 0.0;
 };
-MeanNees mean_nees(test::RecordedRig of, int seeds) {
+MeanNees mean_nees(
+    test::RecordedRig of, int seeds,
+    const std::function<void(RigRecording&)>& change = [](RigRecording&) {}) {
   MeanNees mean;
   for (int k = 1; k <= seeds; ++k) {
     of.seed = static_cast<unsigned>(k);
-    const test::SyntheticRig rig(of);
+    test::SyntheticRig rig(of);
+    change(rig.recording);
     const RigLocalization result = localize_rig(rig.recording, of.noise);
     // In the frame of the tags, without an alignment. Of a run, the last time of the filter and the
     // middle one of the smoother.
@@ -92,14 +114,18 @@ MeanNees mean_nees(test::RecordedRig of, int seeds) {
   return mean;
 }
 
-void expect_consistent(const test::RecordedRig& of) {
-  constexpr int seeds = 20;
-  const MeanNees mean = mean_nees(of, seeds);
+constexpr int nees_seeds = 20;
+void expect_right_nees(const MeanNees& mean) {
   // 99.9 %, by the same quantile as the bounds of 95 %.
-  EXPECT_GT(mean.filter, 6 * scaled_chi_squared(6 * seeds, -3.3));
-  EXPECT_LT(mean.filter, 6 * scaled_chi_squared(6 * seeds, 3.3));
-  EXPECT_GT(mean.smoothed, 6 * scaled_chi_squared(6 * seeds, -3.3));
-  EXPECT_LT(mean.smoothed, 6 * scaled_chi_squared(6 * seeds, 3.3));
+  for (const double nees : {mean.filter, mean.smoothed}) {
+    EXPECT_GT(nees, 6 * scaled_chi_squared(6 * nees_seeds, -3.3));
+    EXPECT_LT(nees, 6 * scaled_chi_squared(6 * nees_seeds, 3.3));
+  }
+}
+
+void expect_consistent(const test::RecordedRig& of) {
+  const MeanNees mean = mean_nees(of, nees_seeds);
+  expect_right_nees(mean);
   EXPECT_LT(mean.rmse, 0.05);
   EXPECT_LT(mean.smoothed_rmse, mean.rmse);
 }
@@ -302,15 +328,14 @@ TEST(RigRecording, RefusalsNameFileKeyAndValue) {
   for (const char* camera : {"cam0", "cam1"})
     replace_in(folder / "cameras.yaml", std::string("/") + camera + "/tags", "/seen");
   EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(folder); }),
-              HasSubstr("no row of a tag by a camera of the rig, expected tag,/seen,..."));
+              HasSubstr("no tag by a camera of the rig, expected some of /seen"));
   EXPECT_THAT(refused("tag_detections.csv", "tag,", "t\x1b[1mag,"), HasSubstr(":1: row t?[1mag, expected"));
   const std::string wall = " - wall:\n     is_static: true\n     default_tag_size: 0.3\n";
   EXPECT_THAT(
       refused("tagslam.yaml", "bodies:\n", "bodies:\n" + wall),
       HasSubstr("bodies[0].wall.pose is missing, expected its pose, as there is another static body"));
-  EXPECT_THAT(
-      refused("tagslam.yaml", " - room:\n", " - room:\n     ignore_tags: [10, 11, 12, 13, 14, 15]\n"),
-      HasSubstr("tag_detections.csv: every row by a camera of the rig is of an unknown or ignored tag"));
+  EXPECT_THAT(refused("tagslam.yaml", " - room:\n", " - room:\n     ignore_tags: [10, 11, 12, 13, 14, 15]\n"),
+              HasSubstr("tag_detections.csv: every tag by a camera of the rig is an unknown or ignored tag"));
   EXPECT_THAT(refused("tagslam.yaml", "default_body: room", "default_body: rooms"),
               HasSubstr("default_body = rooms, expected a body, the nearest is \"room\""));
   EXPECT_THAT(refused("tagslam.yaml", " - room:\n", " - room:\n     type: board\n"),
@@ -325,7 +350,7 @@ TEST(RigRecording, RefusalsNameFileKeyAndValue) {
   EXPECT_THAT(refused("tagslam.yaml", "bodies:\n", remap + ", camera: cam0}]}\nbodies:\n"),
               HasSubstr("camera = cam0, expected a remap of all cameras"));
   EXPECT_THAT(refused("tagslam.yaml", "/odom", "/odon"),
-              HasSubstr("odom_topic = /odon, expected one, the nearest is \"/odom\""));
+              HasSubstr("odom_topic = /odon, expected some, the nearest is \"/odom\""));
   test::write_rig(rig.recording, (folder / "").string());
   std::ofstream(folder / "cameras.yaml") << "{}\n";
   EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(folder); }),
@@ -387,6 +412,191 @@ TEST(RigRecording, RowsWithoutATopicAreNoOdometry) {
   replace_in(folder / "tagslam.yaml", "     odom_topic: /odom\n", "");
   std::ofstream(folder / "tag_detections.csv", std::ios::app) << "odom,,1001,0,0,0,0,0,0,1\n";
   EXPECT_TRUE(read_rig_recording(folder).odometry.empty());
+}
+
+void write_bag(const std::filesystem::path& file, const test::BagWriter& bag) {
+  std::ofstream(file, std::ios::binary) << bag.bytes("zstd");
+}
+
+/// The bag beside the other files of a folder, without its table.
+void bag_in_place_of_table(const std::filesystem::path& folder, const test::BagWriter& bag) {
+  std::filesystem::remove(folder / "tag_detections.csv");
+  write_bag(folder / "rig_0.mcap", bag);
+}
+
+TEST(RigRecording, ABagGivesWhatTheTableGives) {
+  const test::SyntheticRig rig({.seconds = 5.0});
+  for (const bool stamped : {true, false}) {
+    const std::filesystem::path folder = test::fresh_folder();
+    test::write_rig(rig.recording, (folder / "").string());
+    test::write_rig(rig.recording, (folder / "a_").string());
+    const RigRecording table = read_rig_recording(folder);
+    write_bag(folder / "a.mcap", test::bag_of(table, stamped));
+    EXPECT_TRUE(is_rig_recording(folder / "a.mcap"));
+    const RigRecording named = read_rig_recording(folder / "a.mcap");
+    bag_in_place_of_table(folder, test::bag_of(table, stamped));
+    std::filesystem::remove(folder / "a.mcap");
+    for (const RigRecording& bag : {named, read_rig_recording(folder)}) {
+      ASSERT_EQ(bag.sightings.size(), table.sightings.size());
+      ASSERT_EQ(bag.odometry.size(), table.odometry.size());
+      for (std::size_t k = 0; k < table.sightings.size(); ++k) {
+        EXPECT_NEAR(bag.sightings[k].t, table.sightings[k].t, 1e-9);
+        EXPECT_EQ(bag.sightings[k].camera, table.sightings[k].camera);
+        EXPECT_EQ(bag.tags[bag.sightings[k].tag].id, table.tags[table.sightings[k].tag].id);
+        for (std::size_t i = 0; i < 4; ++i)
+          EXPECT_EQ(bag.sightings[k].corners[i].x, table.sightings[k].corners[i].x);
+      }
+      EXPECT_LT(distance(bag.odometry[7].pose, table.odometry[7].pose), 1e-12);
+    }
+  }
+}
+
+TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
+  const test::SyntheticRig rig({.seconds = 1.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  test::write_rig(rig.recording, (folder / "").string());
+  for (const char* file : {"cameras.yaml", "camera_poses.yaml"}) std::filesystem::remove(folder / file);
+  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, 0.0));
+  const RigRecording read = read_rig_recording(folder);
+  ASSERT_EQ(read.cameras.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const RigRecording::RigCamera &is = read.cameras[k], &was = rig.recording.cameras[k];
+    EXPECT_EQ(is.name, was.name);
+    EXPECT_EQ(is.camera.focal_length, was.camera.focal_length);
+    EXPECT_EQ(is.camera.coefficients, was.camera.coefficients);
+    EXPECT_LT(distance(is.mounting, was.mounting), 1e-9);
+  }
+  EXPECT_EQ(read.sightings.size(), rig.recording.sightings.size());
+  const auto refused = [&](const char* pixels) {
+    return refusal_of<std::exception>([&] { read_rig_recording(folder, pixels); });
+  };
+  EXPECT_THAT(refused("rectified"),
+              HasSubstr("--pixels = rectified, expected raw: /cam0/camera_info has no"));
+  EXPECT_THAT(refused("straight"), HasSubstr("--pixels = straight, expected raw or rectified"));
+
+  // Without a word about the pictures either would be a guess.
+  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, 555.0));
+  EXPECT_THAT(refused(""),
+              HasSubstr("/cam0/camera_info has a rectified picture of its own, expected --pixels"));
+  EXPECT_EQ(read_rig_recording(folder, "raw").cameras[0].camera.focal_length[1], 610.0);
+  const Camera straight = read_rig_recording(folder, "rectified").cameras[0].camera;
+  EXPECT_EQ(straight.distortion, Distortion::none);
+  EXPECT_EQ(straight.focal_length[1], 555.0);
+
+  bag_in_place_of_table(folder, test::bag_of(rig.recording));
+  EXPECT_THAT(refused(""), HasSubstr(": no CameraInfo of the frame cam0, in which /cam0/tags has tags"));
+  test::BagWriter loose = test::bag_of(rig.recording);
+  for (const RigRecording::RigCamera& one : rig.recording.cameras) {
+    loose.add("/info" + one.name, "sensor_msgs/msg/CameraInfo", 0.0,
+              test::calibration(one.camera, one.name, 0));
+    loose.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("b", one.name, {}));
+  }
+  loose.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("cam0", "b", {}));
+  bag_in_place_of_table(folder, loose);
+  EXPECT_THAT(refused(""), HasSubstr("cam0 is mounted neither on rig nor on the frame of odom_topic"))
+      << "a circle";
+  loose.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("base", "b", {}));
+  bag_in_place_of_table(folder, loose);
+  EXPECT_EQ(refused(""), "") << "on the body of the odometry";
+  test::write_rig(rig.recording, (folder / "").string());
+  EXPECT_THAT(refused("raw"), HasSubstr("--pixels = raw, expected none"));
+}
+
+TEST(RigRecording, MutatedRecordingsAreReadOrRefusedInOneSentence) {
+  const int accepted = test::read_mutated_rigs(1'600, 1, test::fresh_folder());
+  EXPECT_GT(accepted, 200);
+  EXPECT_LT(accepted, 1'400);
+}
+
+TEST(LocalizeRig, ABagOfTagSlamGivesTheResultOfItsTable) {
+  const std::filesystem::path file = test::of_data("tagslam/t22_tagslam.yaml");
+  if (file.empty()) return;
+  const RigRecording table = read_rig_recording(file.parent_path() / "t22");
+  const std::filesystem::path folder = test::fresh_folder();
+  for (const char* name : {"tagslam.yaml", "cameras.yaml", "camera_poses.yaml", "reference.csv.gz"})
+    std::filesystem::copy_file(file.parent_path() / (std::string("t22_") + name), folder / name);
+  RigRecording raw = table;
+  // Rows are of the odometry's own frame, T_body_odom.
+  const RigidPose of_odometry = {{0, 0.032, 0}, turn_by({1.21793871, -1.20341061, 1.21309601})};
+  for (auto& one : raw.odometry) one.pose = one.pose * of_odometry;
+  write_bag(folder / "t22.mcap", test::bag_of(raw, true, "/camera/odom/sample"));
+  const RigRecording bag = read_rig_recording(folder);
+  const RigNoise noise{.corner_noise = table.corner_noise};
+  const RigLocalization one = localize_rig(table, noise, false), other = localize_rig(bag, noise, false);
+  EXPECT_EQ(one.accepted, other.accepted);
+  EXPECT_NEAR(one.of_filter.rmse, other.of_filter.rmse, 1e-4);
+  EXPECT_NEAR(one.in_view.rmse, other.in_view.rmse, 1e-4);
+}
+
+TEST(LocalizeRig, AGyroscopeTurnsInPlaceOfTheOdometryOrOfAConstantVelocity) {
+  for (const bool odometry : {true, false}) {
+    test::RecordedRig of{.odometry = odometry, .seconds = 34.0};
+    of.noise.rotation_walk = 0.1;
+    // Nothing is seen for two thirds of each 6 s, also not at the end and in the middle.
+    const auto hide = [](RigRecording& recording) {
+      std::erase_if(recording.sightings, [&](const RigRecording::Sighting& z) {
+        return std::fmod(z.t - recording.start, 6.0) > 2.0;
+      });
+    };
+    const auto turn = [&](RigRecording& recording) {
+      hide(recording);
+      add_gyroscope(recording, {0.03, -0.02, 0.04}, of.noise.gyro_noise);
+    };
+    test::SyntheticRig seen(of), turned(of);
+    hide(seen.recording), turn(turned.recording);
+    const RigLocalization without = localize_rig(seen.recording, of.noise),
+                          with = localize_rig(turned.recording, of.noise);
+    EXPECT_LT(with.of_filter.attitude_rmse, 0.5 * without.of_filter.attitude_rmse) << odometry;
+    EXPECT_LT(with.of_smoother.attitude_rmse, 0.5 * without.of_smoother.attitude_rmse) << odometry;
+    expect_right_nees(mean_nees(of, nees_seeds, turn));
+  }
+}
+
+TEST(RigRecording, AnImuIsReadAboutTheAxesOfTheBody) {
+  test::SyntheticRig rig({.seconds = 2.0});
+  const std::filesystem::path folder = test::fresh_folder();
+  const RigidPose mounting = {{1, 2, 3}, turn_by({0.4, -0.5, 0.6})};
+  add_gyroscope(rig.recording, {}, 0.0);
+  test::BagWriter bag = test::bag_of(rig.recording);
+  const auto add_imu = [&](const RigRecording::TurnRate& one) {
+    test::Cdr imu;
+    imu.stamp(one.t);
+    for (int i = 0; i < 4 + 9; ++i) imu << 0.0;
+    imu << mounting.R.to_B(one.omega);
+    for (int i = 0; i < 9 + 3 + 9; ++i) imu << 0.0;
+    bag.add("/imu", "sensor_msgs/msg/Imu", one.t, imu);
+  };
+  for (const RigRecording::TurnRate& one : rig.recording.turn_rates) add_imu(one);
+  const auto with = [&](const std::string& keys) {
+    test::write_rig(rig.recording, (folder / "").string());
+    replace_in(folder / "tagslam.yaml", "     is_static: false\n", "     is_static: false\n" + keys);
+    bag_in_place_of_table(folder, bag);
+  };
+  const auto refused = [&] { return refusal_of<std::exception>([&] { read_rig_recording(folder); }); };
+  with("");
+  EXPECT_TRUE(read_rig_recording(folder).turn_rates.empty());
+  with("     imu_topic: /imus\n");
+  EXPECT_THAT(refused(), HasSubstr("no sensor_msgs/Imu by imu_topic = /imus"));
+  with("     imu_topic: /imu\n");
+  EXPECT_THAT(refused(), HasSubstr("map is mounted neither on rig nor on"));
+  bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("rig", "map", mounting));
+  with("     imu_topic: /imu\n");
+  const RigRecording read = read_rig_recording(folder);
+  ASSERT_EQ(read.turn_rates.size(), rig.recording.turn_rates.size());
+  for (std::size_t k = 0; k < read.turn_rates.size(); ++k)
+    EXPECT_LT(norm(read.turn_rates[k].omega - rig.recording.turn_rates[k].omega), 1e-9);
+  with(
+      "     imu_topic: /imu\n     T_body_imu: {position: {x: 0, y: 0, z: 0}, rotation: {x: 0, y: 0, z: "
+      "0}}\n");
+  EXPECT_LT(norm(mounting.R.to_G(read_rig_recording(folder).turn_rates[9].omega) - read.turn_rates[9].omega),
+            1e-9);
+  auto& last = rig.recording.odometry.back();
+  last.t += 5.0;
+  bag = test::bag_of(rig.recording);
+  for (const RigRecording::TurnRate& one : rig.recording.turn_rates) add_imu(one);
+  bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("rig", "map", mounting));
+  with("     imu_topic: /imu\n");
+  EXPECT_THAT(refused(), HasSubstr("no turn rate by imu_topic = /imu from 1001.9"));
 }
 
 TEST(LocalizeRig, KeepsItsAccuracyOnTagSlam) {

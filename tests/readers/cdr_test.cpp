@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <random>
 
 #include "sightline/world.hpp"
@@ -54,6 +56,25 @@ TEST(Cdr, WhatIsEncodedIsDecoded) {
     ASSERT_TRUE(decoded);
     expect_equal(*decoded, pose);
   }
+}
+
+TEST(Cdr, BigEndianBytesGiveTheSameNumbers) {
+  std::mt19937_64 random(5);
+  Bytes bytes;
+  const StampedPose pose = random_pose(random);
+  encode_pose(bytes, "map", pose);
+  const auto turn = [&](std::size_t at, std::size_t size) {
+    std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                 bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
+  };
+  bytes[1] = std::byte{0};
+  for (const std::size_t at : {4, 8, 12}) turn(at, 4);  // time and length of the frame
+  for (std::size_t at = 20; at < bytes.size(); at += 8) turn(at, 8);
+  const auto decoded = decode_pose(bytes);
+  ASSERT_TRUE(decoded);
+  expect_equal(*decoded, pose);
+  bytes[1] = std::byte{2};
+  EXPECT_FALSE(decode_pose(bytes)) << "a parameter list";
 }
 
 TEST(Cdr, TwistsComeBackBitForBit) {

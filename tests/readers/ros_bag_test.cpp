@@ -248,6 +248,28 @@ TEST(RosBag, WhatCannotBeReadIsNamed) {
           "a rosbag2 in SQLite (.db3), expected MCAP: ros2 bag convert with storage_id: mcap writes it"));
 }
 
+TEST(RosBag, SchemasOfEitherLanguageNameTheirTypesAndNamesAreBounded) {
+  const fs::path file = fresh_folder() / "a.mcap";
+  Cdr pose, transform;
+  pose.stamp(1.0).pose({1, 2, 3}, 0);
+  BagWriter writer("ros2idl");
+  writer.add("/pose", "geometry_msgs/msg/PoseStamped", 1.0, pose);
+  EXPECT_EQ(RosBag(bag_file(file, writer.bytes("zstd"))).motion("/pose").front().p.y, 2.0);
+
+  const std::string name(2000, 'n');
+  transform.stamp(1.0) << name.c_str();
+  transform.pose({}, 0);
+  BagWriter child, topic;
+  child.add("/tf", "geometry_msgs/msg/TransformStamped", 1.0, transform);
+  topic.add("/" + name, "geometry_msgs/msg/PoseStamped", 1.0, pose);
+  const auto refused = [&](const BagWriter& bag) {
+    return refusal_of([&] { (void)RosBag(bag_file(file, bag.bytes("zstd"))).topics(); });
+  };
+  EXPECT_THAT(refused(child), EndsWith("message 1 on /tf is no sound geometry_msgs/msg/TransformStamped"));
+  EXPECT_THAT(refused(topic),
+              EndsWith("message 1 on a topic with a name of 2001 bytes, expected at most 1024"));
+}
+
 TEST(RosBag, MutatedBagsAreReadOrRefusedInOneSentence) {
   const int accepted = read_mutated_bags(2'000, 1, fresh_folder() / "a.mcap");
   EXPECT_GT(accepted, 20);

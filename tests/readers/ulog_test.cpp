@@ -149,6 +149,14 @@ TEST(ULog, FormatsThatDoubleAtEachLevelAreMeasuredOnce) {
   EXPECT_EQ(ULog(log, "x.ulg").topics().size(), 1U);
 }
 
+TEST(ULog, DefinitionsAreBounded) {
+  std::string fields;
+  while (fields.size() < 60'000) fields += "bool a;";
+  std::string log = ulog_head();
+  for (int i = 0; i < 123; ++i) log += ulog_message('F', fmt::format("f{}:{}", i, fields));
+  EXPECT_THAT(ulog_refusal(log), HasSubstr("more than 1048576 fields, keys and topics"));
+}
+
 TEST(ULog, PackedLogsAreReadAndDamagedOnesRefused) {
   const std::filesystem::path folder = fresh_folder();
   const std::string log = small_ulog();

@@ -4,11 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sightline/judge/summary.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/sensors.hpp"
 #include "sightline/worlds.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/sampled_flight.hpp"
 #include "tests/support/scenario_text.hpp"
 
 namespace sightline {
@@ -151,6 +153,32 @@ TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
   EXPECT_THAT(said, HasSubstr("pixels      a sees a tag of b with 20.8 px at d_max = 2 m\n"));
   // Every second picture of a tag of so many pixels is found.
   EXPECT_NEAR(SyntheticDetections::probability(readings[1].from_ahead, 1.0, 0.0), 0.495, 1e-12);
+}
+
+TEST(ReadCamera, EachCameraThatSeesATargetHasItsPixels) {
+  std::string text = facing_pair + "[agent.b.tags]\n[simulation]\nduration = 0.2\n";
+  const std::string sensor = "[agent.a.sensor]\npitch = 0.2\noffset = 0.1\n";
+  text.replace(text.find(sensor), sensor.size(),
+               "[agent.a.sensors.left]\npitch = 0.2\n[agent.a.sensors.left.camera]\n[agent.a.sensors.far]\n"
+               "pitch = 0.1\n[agent.a.sensors.far.camera]\nfield_of_view = 0.5\n");
+  for (const char* name : {"left", "far"})
+    text += fmt::format(
+        "[[couple]]\npotential = {{ bearing = {{ alpha = 0.2 }} }}\nbetween = [\"a\", \"b\"]\nsensor = "
+        "\"{}\"\n",
+        name);
+  const Scenario scenario = scenario_of(text);
+  const std::vector<TagReading> readings = tag_readings(scenario);
+  ASSERT_EQ(readings.size(), 4U);
+  EXPECT_EQ(readings[0].distance, readings[1].distance);
+  EXPECT_LT(2 * readings[0].pixels, readings[1].pixels);
+  const std::string said = summary(scenario);
+  for (const char* name : {"left", "far"})
+    EXPECT_THAT(said, HasSubstr(fmt::format("pixels      a {} sees a tag of b with ", name)));
+  Summary flown(scenario, 1);
+  for (const Sample& sample : test::samples_of(scenario)) flown.add(sample);
+  std::string lines;
+  for (const SummaryLine& line : summary_lines(flown.json())) lines += line.what + "\n";
+  EXPECT_THAT(lines, AllOf(HasSubstr("a left sees b\n"), HasSubstr("a far sees b\n")));
 }
 
 TEST(ReadCamera, AVehicleHidesWhatIsBehindItAsItsCylinder) {

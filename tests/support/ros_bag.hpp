@@ -12,6 +12,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "tests/support/lagging_flight.hpp"
 
@@ -49,13 +50,17 @@ class Cdr {
 /// A bag with one chunk.
 class BagWriter {
  public:
+  explicit BagWriter(std::string schema_encoding = "ros2msg")
+      : schema_encoding_(std::move(schema_encoding)) {}
+
   /// @param type  empty: the channel has no schema
   void add(const std::string& topic, const std::string& type, double t, const Cdr& message) {
     auto [known, is_new] = channels_.try_emplace(topic, static_cast<std::uint16_t>(channels_.size() + 1));
     const std::uint16_t id = known->second;
     if (is_new) {
       const std::uint16_t schema = type.empty() ? std::uint16_t{0} : id;
-      if (schema != 0) chunk_ += record(3, packed(id) + text(type) + text("ros2msg") + text("float64 x"));
+      if (schema != 0)
+        chunk_ += record(3, packed(id) + text(type) + text(schema_encoding_) + text("float64 x"));
       chunk_ += record(4, packed(id, schema) + text(topic) + text("cdr") + packed(std::uint32_t{0}));
     }
     const auto time = static_cast<std::uint64_t>(std::llround(1e9 * t));
@@ -89,7 +94,7 @@ class BagWriter {
     return packed(kind) + packed(std::uint64_t{content.size()}) + content;
   }
 
-  std::string chunk_;
+  std::string schema_encoding_, chunk_;
   std::map<std::string, std::uint16_t> channels_;
 };
 

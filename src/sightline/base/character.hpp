@@ -20,6 +20,9 @@ Character first_character(std::string_view text);
 /// The pieces of a text between separators, in order; without a separator one, the text.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
+/// The text without the characters of `around` at its ends.
+std::string_view trimmed(std::string_view text, std::string_view around);
+
 /// The text with a to z in place of A to Z.
 std::string lower_case(std::string text);
 

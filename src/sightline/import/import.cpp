@@ -61,10 +61,7 @@ Imported import_texts(std::span<const ImportFile> files, const ImportOptions& op
     try {
       return YamlValue(first.text, first.name);
     } catch (const ScenarioError&) {
-      // To YAML a table is a word.
-      const bool is_yaml =
-          kind.what.find("YAML") != kind.what.npos || kind.what.find("yaml") != kind.what.npos;
-      if (!is_yaml && !kind.what.empty()) throw no_kind();
+      if (!kind.is_yaml && !kind.what.empty()) throw no_kind();
       throw;
     }
   }();

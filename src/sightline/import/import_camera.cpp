@@ -62,7 +62,7 @@ void set_distortion_of(Camera& camera, Distortion model, const YamlValue& at) {
 
 }  // namespace
 
-Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options) {
+Camera ros_camera(const YamlValue& camera) {
   Camera read;
   read.width = static_cast<int>(camera.at("image_width", "the width in px").integer(side_min, side_max));
   read.height = static_cast<int>(camera.at("image_height", "the height in px").integer(side_min, side_max));
@@ -90,7 +90,11 @@ Imported import_camera_info(const YamlValue& camera, const std::string& file, co
     // Older files have the coefficients of plumb_bob alone.
     set_distortion_of(read, Distortion::plumb_bob, *numbers);
   }
-  Imported made = camera_tables(read, file, options);
+  return read;
+}
+
+Imported import_camera_info(const YamlValue& camera, const std::string& file, const ImportOptions& options) {
+  Imported made = camera_tables(ros_camera(camera), file, options);
   if (const auto R = camera.find("rectification_matrix")) {
     const std::vector<double> r = R->numbers(9);
     for (std::size_t i = 0; i < 9; ++i) {
@@ -101,6 +105,22 @@ Imported import_camera_info(const YamlValue& camera, const std::string& file, co
     }
   }
   return made;
+}
+
+YamlValue calibration_of(const std::string& file, const BagCamera& camera) {
+  const std::string& word = camera.distortion_model;
+  const bool known = std::find(distortions.begin() + 1, distortions.end(), word) != distortions.end();
+  if (!known && !(word.empty() && camera.D.empty()))
+    throw ScenarioError(file, 0,
+                        fmt::format("{}: distortion_model = {}, expected {}", camera.topic,
+                                    shortened(word, shown_size), distortion_words));
+  std::string text =
+      fmt::format("{{image_width: {}, image_height: {}, camera_matrix: [{}], rectification_matrix: [{}]",
+                  camera.width, camera.height, fmt::join(camera.K, ", "), fmt::join(camera.R, ", "));
+  if (known)
+    text +=
+        fmt::format(", distortion_model: {}, distortion_coefficients: [{}]", word, fmt::join(camera.D, ", "));
+  return {text + "}", fmt::format("{}: {}", file, camera.topic)};
 }
 
 Imported import_bag(const std::filesystem::path& bag, const ImportOptions& options) {
@@ -121,21 +141,7 @@ Imported import_bag(const std::filesystem::path& bag, const ImportOptions& optio
     return options.camera.empty() || camera.topic == options.camera;
   });
   if (chosen == all.end()) throw_unknown_camera(file, options, all, &BagCamera::topic);
-  const std::string& word = chosen->distortion_model;
-  const bool known = std::find(distortions.begin() + 1, distortions.end(), word) != distortions.end();
-  if (!known && !(word.empty() && chosen->D.empty()))
-    throw ScenarioError(file, 0,
-                        fmt::format("{}: distortion_model = {}, expected {}", chosen->topic,
-                                    shortened(word, shown_size), distortion_words));
-  // As camera_calibration of ROS writes it.
-  std::string text =
-      fmt::format("{{image_width: {}, image_height: {}, camera_matrix: [{}], rectification_matrix: [{}]",
-                  chosen->width, chosen->height, fmt::join(chosen->K, ", "), fmt::join(chosen->R, ", "));
-  if (known)
-    text += fmt::format(", distortion_model: {}, distortion_coefficients: [{}]", word,
-                        fmt::join(chosen->D, ", "));
-  const YamlValue camera(text + "}", fmt::format("{}: {}", file, chosen->topic));
-  Imported made = import_camera_info(camera, file, options);
+  Imported made = import_camera_info(calibration_of(file, *chosen), file, options);
   made.text.insert(made.text.find('\n') + 1, fmt::format("# The topic {}.\n", chosen->topic));
   for (const BagCamera& one : all)
     if (one.topic != chosen->topic)

@@ -9,6 +9,7 @@
 
 #include "sightline/import/import.hpp"
 #include "sightline/import/yaml_value.hpp"
+#include "sightline/readers/ros_bag.hpp"
 
 namespace sightline {
 
@@ -23,6 +24,10 @@ Imported import_camchain(const YamlValue& chain, const std::string& file, const 
 /// @param bag  a file or a folder
 Imported import_bag(const std::filesystem::path& bag, const ImportOptions& options);
 
+/// A camera of ROS, calibrated as camera_calibration writes it. @throws ScenarioError
+Camera ros_camera(const YamlValue& camera);
+/// The same text of a camera in a bag. @param file  name for messages @throws ScenarioError
+YamlValue calibration_of(const std::string& file, const BagCamera& camera);
 /// A pinhole camera of a camchain, with the lens radtan, equidistant or none. @throws ScenarioError
 Camera kalibr_camera(const YamlValue& camera);
 /// @param document  parameters of apriltag_ros, a list standalone_tags, or bodies of TagSLAM

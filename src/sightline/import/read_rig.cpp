@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -14,6 +16,7 @@
 #include "sightline/import/yaml_value.hpp"
 #include "sightline/readers/packed_file.hpp"
 #include "sightline/readers/recorded_motion.hpp"
+#include "sightline/readers/ros_bag.hpp"
 #include "sightline/world/rigid_motion.hpp"
 
 namespace sightline {
@@ -24,16 +27,19 @@ namespace fs = std::filesystem;
 constexpr Range of_rig_place = {-1e5, 1e5, "-1e5 to 1e5 m"}, of_rig_turn = {-100, 100, "-100 to 100 rad"};
 constexpr Range of_rig_tag = {1e-3, 10, "0.001 to 10 m"};
 constexpr Range of_rig_place_sigma = {0, 1e4, "0 to 1e4 m"}, of_rig_turn_sigma = {0, 1e4, "0 to 1e4 rad"};
-constexpr std::int64_t id_max = 1'000'000;
+constexpr std::int64_t id_max = rig_tag_id_max;
 constexpr std::size_t tags_max = 500;  // of sightings: the filter's time grows with their cube
 // Deviations below these are those of rounding: the filter would hold them for exact.
 constexpr double least_place_sigma = 1e-4, least_turn_sigma = 1e-4;  // [m], [rad]
+
+constexpr std::string_view of_bags = ".mcap";
 
 /// The path of a file of a recording, packed or not.
 fs::path file_of(const fs::path& place, std::string_view name) {
   std::error_code none;
   const bool folder = fs::is_directory(place, none);
-  fs::path file = folder ? place / name : fs::path(place.native() + "_" + std::string(name));
+  const fs::path prefix = place.extension() == of_bags ? fs::path(place).replace_extension() : place;
+  fs::path file = folder ? place / name : fs::path(prefix.native() + "_" + std::string(name));
   if (fs::path packed = file.native() + ".gz"; !fs::exists(file, none) && fs::exists(packed, none))
     return packed;
   return file;
@@ -63,6 +69,8 @@ struct RigBodies {
   double default_size = 0.0;  ///< 0: tags that no body has are left out
   std::string odometry_topic{};
   RigidPose odometry_frame{};  ///< in B
+  std::string imu_topic{};
+  std::optional<RigidPose> imu_frame{};  ///< in B; empty: /tf_static has it
   struct Remap {
     int id, to;
     double start, end;
@@ -161,6 +169,10 @@ RigBodies read_bodies(const YamlValue& document) {
         all.odometry_frame =
             read_pose(body.at("T_body_odom", "the pose of the odometry's frame in the body"));
       }
+      if (const auto topic = body.find("imu_topic")) {
+        all.imu_topic = topic->text("the topic of its IMU in a bag");
+        if (const auto pose = body.find("T_body_imu")) all.imu_frame = read_pose(*pose);
+      }
     }
   }
   if (all.recording.name.empty()) bodies.throw_invalid("a body that moves, is_static: false");
@@ -178,6 +190,79 @@ RigBodies read_bodies(const YamlValue& document) {
   if (const auto squash = document.find("squash")) squash->throw_invalid("a file without this key");
   read_remaps(document, all);
   return all;
+}
+
+bool has_file(const fs::path& place, std::string_view name) {
+  std::error_code none;
+  return fs::exists(file_of(place, name), none);
+}
+
+/// The bag of a recording; empty if it has none, or a table instead.
+fs::path bag_of(const fs::path& place) {
+  std::error_code none;
+  const bool folder = fs::is_directory(place, none), named = !folder && place.extension() == of_bags;
+  if (named || has_file(place, "tag_detections.csv")) return named ? place : fs::path();
+  fs::path bag = folder ? place : fs::path(place.native() + std::string(of_bags));
+  if (!folder) return fs::exists(bag, none) ? bag : fs::path();
+  for (fs::directory_iterator one(place, none), end; !none && one != end; one.increment(none))
+    if (one->path().extension() == of_bags || one->path().filename() == "metadata.yaml") return bag;
+  return {};
+}
+
+/// The pose of a frame of a bag in the body that moves.
+RigidPose mounting_of(const std::string& file, const std::string& frame, const BagRig& bag,
+                      const RigBodies& all, std::string_view expected) {
+  if (const auto on_body = bag.pose_in(all.recording.name, frame)) return *on_body;
+  const auto odometry = bag.frames.find(all.odometry_topic);
+  if (odometry != bag.frames.end())
+    if (const auto on_odometry = bag.pose_in(odometry->second, frame))
+      return all.odometry_frame * *on_odometry;
+  throw std::invalid_argument(
+      fmt::format("{}: {} is mounted neither on {} nor on the frame of odom_topic, expected {}", file,
+                  one_line(shortened(frame, name_size_max)), all.recording.name, expected));
+}
+
+/// The cameras of a bag whose pictures have tags.
+void read_cameras(const fs::path& place, const BagRig& bag, std::string_view pixels, RigBodies& all) {
+  const std::string& file = place.native();
+  const std::vector<BagCamera> calibrated = RosBag(place).cameras();
+  std::set<std::string> topics;
+  for (const RigRows::TagRow& row : bag.rows.tags) topics.insert(row.topic);
+  for (const std::string& topic : topics) {
+    const std::string& frame = bag.frames.find(topic)->second;
+    const std::string shown = one_line(shortened(frame, name_size_max));
+    const auto info = std::find_if(calibrated.begin(), calibrated.end(),
+                                   [&](const BagCamera& one) { return one.frame == frame; });
+    if (info == calibrated.end())
+      throw std::invalid_argument(fmt::format(
+          "{}: no CameraInfo of the frame {}, in which {} has tags, expected one, or cameras.yaml", file,
+          shown, one_line(shortened(topic, name_size_max))));
+    BagCamera camera = *info;
+    const std::array<double, 9> rectified = {camera.P[0], camera.P[1], camera.P[2], camera.P[4], camera.P[5],
+                                             camera.P[6], camera.P[8], camera.P[9], camera.P[10]};
+    const bool distorted = std::any_of(camera.D.begin(), camera.D.end(), [](double d) { return d != 0; });
+    const bool differ = rectified != std::array<double, 9>{} && (distorted || rectified != camera.K);
+    if (differ && pixels.empty())
+      throw std::invalid_argument(fmt::format(
+          "{}: {} has a rectified picture of its own, expected --pixels raw or rectified: in which "
+          "one the tags were found, apriltag_ros takes image_rect",
+          file, camera.topic));
+    if (pixels == "rectified") {
+      if (!differ && distorted)
+        throw std::invalid_argument(
+            fmt::format("{}: --pixels = rectified, expected raw: {} has no matrix P", file, camera.topic));
+      if (differ) camera.K = rectified, camera.D.clear(), camera.distortion_model.clear();
+    }
+    const RigidPose mounting =
+        mounting_of(file, frame, bag, all, "/tf_static, or cameras.yaml and camera_poses.yaml");
+    all.recording.cameras.push_back({.name = shown,
+                                     .topic = topic,
+                                     .camera = ros_camera(calibration_of(file, camera)),
+                                     .mounting = mounting});
+  }
+  if (topics.empty())
+    throw std::invalid_argument(
+        fmt::format("{}: no apriltag_msgs/AprilTagDetectionArray with a tag, expected some", file));
 }
 
 void read_cameras(const fs::path& place, RigRecording& recording) {
@@ -236,11 +321,10 @@ void add_sightings(const std::string& file, const std::vector<RigRows::TagRow>& 
       return camera_of(row, recording) != recording.cameras.end();
     });
     if (seen == rows.end())
-      throw std::invalid_argument(
-          fmt::format("{}: no row of a tag by a camera of the rig, expected tag,{},...", file,
-                      recording.cameras.front().topic));
+      throw std::invalid_argument(fmt::format("{}: no tag by a camera of the rig, expected some of {}", file,
+                                              recording.cameras.front().topic));
     throw std::invalid_argument(fmt::format(
-        "{}: every row by a camera of the rig is of an unknown or ignored tag, the first has id = {}, "
+        "{}: every tag by a camera of the rig is an unknown or ignored tag, the first has id = {}, "
         "expected tags of a static body",
         file, seen->id));
   }
@@ -263,10 +347,46 @@ void add_odometry(const std::string& file, const std::vector<RigRows::PoseRow>& 
   }
   if (all.recording.odometry.empty()) {
     const std::vector<std::string_view> known(topics.begin(), topics.end());
-    throw std::invalid_argument(fmt::format("{}: no row of odometry by odom_topic = {}, expected one{}", file,
+    throw std::invalid_argument(fmt::format("{}: no odometry by odom_topic = {}, expected some{}", file,
                                             all.odometry_topic, hint(all.odometry_topic, known)));
   }
   sort_by_time(all.recording.odometry);
+}
+
+/// Turn rates of the body from those of its IMU, about whose axes they are.
+void add_turn_rates(const std::string& file, const BagRig& bag, RigBodies& all) {
+  constexpr double gap_max = 0.5;  // [s]
+  if (all.imu_topic.empty()) return;
+  RigRecording& recording = all.recording;
+  for (const RigRows::RateRow& row : bag.rows.rates)
+    if (row.topic == all.imu_topic) recording.turn_rates.push_back(row.at);
+  if (recording.turn_rates.empty())
+    throw std::invalid_argument(
+        fmt::format("{}: no sensor_msgs/Imu by imu_topic = {}, expected some", file, all.imu_topic));
+  const Rotation R = all.imu_frame ? all.imu_frame->R
+                                   : mounting_of(file, bag.frames.find(all.imu_topic)->second, bag, all,
+                                                 "/tf_static, or T_body_imu")
+                                         .R;
+  std::vector<RigRecording::TurnRate>& rates = recording.turn_rates;
+  sort_by_time(rates);
+  const auto same = [](const RigRecording::TurnRate& a, const RigRecording::TurnRate& b) {
+    return a.t == b.t;
+  };
+  rates.erase(std::unique(rates.begin(), rates.end(), same), rates.end());
+  double last = recording.start;
+  const auto check = [&](double t) {
+    if (std::min(t, recording.end) - last > gap_max)
+      throw std::invalid_argument(fmt::format(
+          "{}: no turn rate by imu_topic = {} from {:.3f} s for {:.1f} s, expected gaps of at most "
+          "{} s while the rig moves",
+          file, all.imu_topic, last, std::min(t, recording.end) - last, gap_max));
+    last = std::max(last, t);
+  };
+  for (RigRecording::TurnRate& one : rates) {
+    one.omega = R.to_G(one.omega);
+    check(one.t);
+  }
+  check(recording.end);
 }
 
 /// Poses beyond the sightings and the odometry are left out: an estimate there would be a guess.
@@ -294,19 +414,33 @@ bool is_rig_recording(const fs::path& place) {
   return fs::is_regular_file(file_of(place, "tagslam.yaml"), none);
 }
 
-RigRecording read_rig_recording(const fs::path& place) {
+RigRecording read_rig_recording(const fs::path& place, std::string_view pixels) {
   RigBodies all = read_bodies(read_yaml(place, "tagslam.yaml"));
   RigRecording& recording = all.recording;
-  read_cameras(place, recording);
-  const fs::path detections = file_of(place, "tag_detections.csv");
-  const RigRows rows = read_rows(detections);
-  add_sightings(detections.native(), rows.tags, all);
-  add_odometry(detections.native(), rows.poses, all);
+  const fs::path bag = bag_of(place);
+  const bool has_cameras = bag.empty() || has_file(place, "cameras.yaml");
+  if (has_cameras) read_cameras(place, recording);
+  if (!pixels.empty() && (has_cameras || (pixels != "raw" && pixels != "rectified")))
+    throw std::invalid_argument(
+        fmt::format("--pixels = {}, expected {}", pixels,
+                    has_cameras ? "none: cameras.yaml is of raw pictures" : "raw or rectified"));
+  const fs::path detections = bag.empty() ? file_of(place, "tag_detections.csv") : bag;
+  BagRig rig;
+  if (bag.empty()) {
+    rig.rows = read_rows(detections);
+  } else {
+    rig = RosBag(bag).rig();
+    if (!has_cameras) read_cameras(bag, rig, pixels, all);
+  }
+  add_sightings(detections.native(), rig.rows.tags, all);
+  add_odometry(detections.native(), rig.rows.poses, all);
   recording.start = recording.sightings.front().t, recording.end = recording.sightings.back().t;
   if (!recording.odometry.empty()) recording.end = std::max(recording.end, recording.odometry.back().t);
-  std::error_code none;
-  if (const fs::path file = file_of(place, "reference.csv"); fs::exists(file, none))
+  add_turn_rates(detections.native(), rig, all);
+  if (has_file(place, "reference.csv")) {
+    const fs::path file = file_of(place, "reference.csv");
     add_reference(file.native(), read_rows(file).poses, recording);
+  }
   return std::move(all.recording);
 }
 

@@ -322,7 +322,9 @@ SummaryValues Summary::values() const {
   v.pairs_left_out_max = left_out_;
   v.min_distance = counted(safety_.least_distance());
   for (const View& view : views_) {
-    v.pairs.push_back({name(view.pair.observer), name(view.pair.target), counted(view.nearest),
+    const RobotCamera* const camera = scenario_.vision.camera_of(view.pair.observer, &view.pair.mount);
+    v.pairs.push_back({name(view.pair.observer), name(view.pair.target),
+                       camera == nullptr ? std::string() : camera->sensor, counted(view.nearest),
                        counted(view.farthest), counted(view.angle_max), view.in_since,
                        share(view.seen, view.settled), view.time, view.from_leaning,
                        view.settled > 0 ? view.angles / static_cast<double>(view.settled) : no_value,

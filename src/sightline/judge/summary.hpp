@@ -33,6 +33,7 @@ struct SummaryValues {
   };
   struct Pair {
     std::string observer, target;
+    std::string sensor;                 ///< name of the observer's camera, if it has one
     double distance_min, distance_max;  ///< after settle [m]
     double view_angle_max;              ///< after settle [rad], (71)
     double in_view_from;                ///< from here to the end in view [s]

@@ -58,14 +58,15 @@ std::string Summary::json() const {
          {"view_angle_max"_key, pair.view_angle_max},
          {"in_view_from"_key, pair.in_view_from},
          {"in_view_fraction"_key, pair.in_view_fraction}});
+    Json& seen = json["pairs"_key].back();
+    if (!pair.sensor.empty()) seen["sensor"_key] = pair.sensor;
     if (pair.from_leaning) {
-      Json& seen = json["pairs"_key].back();
       seen["view_angle_mean"_key] = pair.view_angle_mean;
       seen["planned_view_angle"_key] = {{"ahead"_key, PlannedView::ahead},
                                         {"mean"_key, pair.planned_view_mean},
                                         {"rms"_key, pair.planned_view_rms}};
     }
-    add_time(json["pairs"_key].back(), pair.in_force);
+    add_time(seen, pair.in_force);
   }
   for (const auto& idle : v.idle_observers) {
     json["idle_observers"_key].push_back(

@@ -20,7 +20,7 @@ inline constexpr std::string_view summary_keys = R"(| key | meaning [unit] |
 | `max_abs_input` | largest absolute component of the raw u [as u] |
 | `min_distance` | least distance of a robot to any other body, also between samples [m] |
 | `pairs_active_max`, `pairs_left_out_max` | with `[[keep_apart]]`: most near pairs in one update; most beyond `pairs_max`, not kept apart |
-| `pairs[].observer`, `.target`, `.distance.min`, `.max`, `.view_angle_max` | names; D [m] and largest α_t [rad] after settle |
+| `pairs[].observer`, `.target`, `.sensor`, `.distance.min`, `.max`, `.view_angle_max` | names, that of the camera if it has one; D [m] and largest α_t [rad] after settle |
 | `pairs[].view_angle_mean` | mean α_t after settle; this and the next only if the observer is a vehicle or its camera is fixed to the body [rad] |
 | `pairs[].planned_view_angle.mean`, `.rms`, `.ahead` | mean α_t planned the time `.ahead` [s] before; RMS of flown minus planned [rad] |
 | `agents[].tilt_max`, `agents[].planned_tilt.max`, `.rms`, `.ahead` | tilt of such a robot after settle: largest; largest planned, RMS of flown minus planned [rad] |

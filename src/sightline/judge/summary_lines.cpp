@@ -33,6 +33,13 @@ std::string percent(const Json& value) {
   return value.is_number() ? fmt::format("{:.1f} %", 100.0 * value.get<double>()) : "-";
 }
 
+/// "uav0 sees ball", or "uav0 left sees ball" by its camera left.
+std::string pair_name(const Json& pair) {
+  return fmt::format("{}{} sees {}", pair.at("observer").get<std::string>(),
+                     pair.contains("sensor") ? " " + pair.at("sensor").get<std::string>() : "",
+                     pair.at("target").get<std::string>());
+}
+
 std::string times_to_solve(const Json& s) {
   const Json& us = s.at("solve_us");
   return fmt::format("mean {}, median {}, 99 % within {}, longest {}", describe(us.at("mean"), "µs"),
@@ -118,7 +125,7 @@ std::vector<SummaryLine> lines_of(const Json& s) {
                                        ? when.empty() ? "not in view at the end" : "not in view at its end"
                                    : when.empty() ? "in view for good from " + describe(from, "s")
                                                   : "in view to its end from " + describe(from, "s");
-    const std::string who = fmt::format("{} sees {}", name(pair.at("observer")), name(pair.at("target")));
+    const std::string who = pair_name(pair);
     if (when.starts_with("0.0 s")) return add(who, "never in force");
     if (pair.at("in_view_fraction").is_null()) {
       return add(who, s.contains("settle") ? fmt::format("not judged: nothing after settle = {}",
@@ -246,10 +253,8 @@ std::vector<std::array<std::string, 4>> planned_rows(std::string_view text) {
     for (const Json& pair : s.at("pairs")) {
       if (!pair.contains("planned_view_angle")) continue;
       const Json& planned = pair.at("planned_view_angle");
-      rows.push_back({fmt::format("{} sees {}: view angle, mean", pair.at("observer").get<std::string>(),
-                                  pair.at("target").get<std::string>()),
-                      describe(planned.at("mean"), "rad"), describe(pair.at("view_angle_mean"), "rad"),
-                      describe(planned.at("rms"), "rad")});
+      rows.push_back({pair_name(pair) + ": view angle, mean", describe(planned.at("mean"), "rad"),
+                      describe(pair.at("view_angle_mean"), "rad"), describe(planned.at("rms"), "rad")});
     }
     for (const Json& agent : s.at("agents")) {
       if (!agent.contains("planned_tilt")) continue;

@@ -41,6 +41,10 @@ std::string join(std::initializer_list<std::string_view> definitions) {
   return text;
 }
 
+void put_all(CdrEncoder& to, std::span<const double> numbers) {
+  for (const double x : numbers) to.put(x);
+}
+
 // Without tilt the rotation about z takes the x axis to d: (cos ψ/2, sin ψ/2) without computing an
 // angle, w >= 0.
 void put_pose(CdrEncoder& to, const StampedPose& pose) {
@@ -48,7 +52,7 @@ void put_pose(CdrEncoder& to, const StampedPose& pose) {
   const double c = pose.d[0] / length, s = pose.d[1] / length;
   if (pose.lean[0] != 0 || pose.lean[1] != 0) {
     const Quaternion q = leaning({c, s}, {pose.lean[0], pose.lean[1]});
-    for (const double x : pose.p) to.put(x);
+    put_all(to, pose.p);
     to.put(q.x).put(q.y).put(q.z).put(q.w);
     return;
   }
@@ -56,7 +60,7 @@ void put_pose(CdrEncoder& to, const StampedPose& pose) {
   const double smaller = 0.5 * std::abs(s) / larger;
   const double w = c >= 0 ? larger : smaller;
   const double z = std::copysign(c >= 0 ? smaller : larger, s);
-  for (const double x : pose.p) to.put(x);
+  put_all(to, pose.p);
   to.put(0.0).put(0.0).put(z).put(w);
 }
 
@@ -129,8 +133,8 @@ void encode_pose(std::vector<std::byte>& bytes, std::string_view frame, const St
 void encode_twist(std::vector<std::byte>& bytes, std::string_view frame, const StampedTwist& twist) {
   CdrEncoder to(bytes);
   put_header(to, twist.time, frame);
-  for (const double v : twist.linear) to.put(v);
-  for (const double w : twist.angular) to.put(w);
+  put_all(to, twist.linear);
+  put_all(to, twist.angular);
 }
 
 void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uint64_t time,
@@ -147,7 +151,7 @@ void encode_path(std::vector<std::byte>& bytes, std::string_view frame, std::uin
 void encode_attitude(std::vector<std::byte>& bytes, std::string_view frame, const StampedAttitude& attitude) {
   CdrEncoder to(bytes);
   put_header(to, attitude.time, frame);
-  for (const double part : attitude.q) to.put(part);
+  put_all(to, attitude.q);
 }
 
 void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, const StampedPose& pose,
@@ -155,17 +159,16 @@ void encode_estimate(std::vector<std::byte>& bytes, std::string_view frame, cons
   CdrEncoder to(bytes);
   put_header(to, pose.time, frame);
   put_pose(to, pose);
-  for (const double part : covariance) to.put(part);
+  put_all(to, covariance);
 }
 
 void encode_rigid_pose(std::vector<std::byte>& bytes, std::string_view frame, const std::array<double, 3>& p,
                        const StampedAttitude& attitude, const PoseCovariance* covariance) {
   CdrEncoder to(bytes);
   put_header(to, attitude.time, frame);
-  for (const double x : p) to.put(x);
-  for (const double part : attitude.q) to.put(part);
-  if (covariance == nullptr) return;
-  for (const double part : *covariance) to.put(part);
+  put_all(to, p);
+  put_all(to, attitude.q);
+  if (covariance != nullptr) put_all(to, *covariance);
 }
 
 std::optional<std::pair<StampedPose, PoseCovariance>> decode_estimate(std::span<const std::byte> bytes) {

@@ -1,6 +1,7 @@
 /// CDR encoding of ROS 2 messages, and the message types of the log.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <concepts>
@@ -17,7 +18,8 @@
 
 namespace sightline {
 
-static_assert(std::endian::native == std::endian::little, "numbers are copied as CDR_LE stores them");
+static_assert(std::endian::native == std::endian::little,
+              "numbers are copied as CDR_LE stores them, or turned");
 
 /// A number that CDR aligns to a multiple of its own size, at most 8 bytes.
 template <class T>
@@ -53,20 +55,25 @@ class CdrEncoder {
   std::vector<std::byte>& bytes_;
 };
 
-/// Decodes bytes of CdrEncoder without trusting them: past the end every value is zero and ok() is
-/// false.
+/// Decodes XCDR1, little- or big-endian, without trusting it: past the end every value is zero and ok()
+/// is false.
 class CdrDecoder {
  public:
   explicit CdrDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
-    constexpr std::array little{std::byte{0}, std::byte{1}};
-    ok_ = bytes.size() >= head && std::memcmp(bytes.data(), little.data(), little.size()) == 0;
+    ok_ = bytes.size() >= head && bytes[0] == std::byte{0} && bytes[1] <= std::byte{1};
+    big_ = ok_ && bytes[1] == std::byte{0};
   }
 
   template <CdrNumber T>
   T number() {
     T value{};
     place_ = head + (place_ - head + sizeof(T) - 1) / sizeof(T) * sizeof(T);
-    if (const auto taken = take(sizeof(T)); ok_) std::memcpy(&value, taken.data(), sizeof(T));
+    const auto taken = take(sizeof(T));
+    if (!ok_) return value;
+    std::array<std::byte, sizeof(T)> of{};
+    std::copy(taken.begin(), taken.end(), of.begin());
+    if (big_) std::reverse(of.begin(), of.end());
+    std::memcpy(&value, of.data(), sizeof(T));
     return value;
   }
 
@@ -102,7 +109,7 @@ class CdrDecoder {
   static constexpr std::size_t head = 4;
   std::span<const std::byte> bytes_;
   std::size_t place_ = head;
-  bool ok_ = true;
+  bool ok_ = true, big_ = false;
 };
 
 /// std_msgs/Header.

@@ -28,6 +28,7 @@ namespace {
 using namespace mcap;
 
 constexpr std::uint64_t window_bytes = 64 << 10;  // smallest read from the file
+constexpr std::size_t schema_name_max = 4096;     // [B]
 
 // Reads without passing the end; after a short read every value is zero and good() is false.
 class Cursor {
@@ -224,12 +225,17 @@ std::vector<McapReader::Topic> McapReader::topics() {
   schemas_.clear();
   channels_.clear();
   Span bytes;
-  std::uint64_t position = magic.size();
+  std::uint64_t position = magic.size(), texts = 0;
   for (Record record; file_ >= 0 && next(position, record) && record.kind != data_end;) {
     if (record.kind != schema_record && record.kind != channel_record) continue;
-    if (!fetch(record.at + record_head, record.length, bytes) ||
-        !read_record(record.at, record.kind, bytes, nullptr))
+    if (!fetch(record.at + record_head, record.length, bytes)) break;
+    const auto id = record.length >= 2 ? Cursor(bytes).number<std::uint16_t>() : std::uint16_t{0};
+    if (!read_record(record.at, record.kind, bytes, nullptr)) break;
+    if (record.kind == channel_record) texts += channels_[id].schema_text.size();
+    if (texts > record_limit) {
+      fail(record.at, fmt::format("channels whose schemas have more than {} bytes", record_limit));
       break;
+    }
   }
   std::vector<Topic> list;
   for (const auto& [id, topic] : channels_) list.push_back(topic);
@@ -380,6 +386,11 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
     schema.name = cursor.string();
     schema.encoding = cursor.string();
     schema.text = cursor.string();
+    if (schema.name.size() > schema_name_max) {  // each channel has a copy
+      fail(at, fmt::format("a schema with a name of {} bytes, expected at most {}", schema.name.size(),
+                           schema_name_max));
+      return false;
+    }
   } else if (kind == channel_record) {
     const auto id = cursor.number<std::uint16_t>();
     const auto schema_id = cursor.number<std::uint16_t>();
@@ -389,7 +400,8 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
       return false;
     }
     const std::string_view topic = cursor.string(), encoding = cursor.string();
-    const Schema of = schema == schemas_.end() ? Schema() : schema->second;
+    Schema of = schema == schemas_.end() ? Schema() : schema->second;
+    if (visitor) of.text.clear();  // of messages the name is enough, and many channels may share a long text
     channels_.insert_or_assign(
         id, Topic{std::string(topic), std::string(encoding), of.name, of.encoding, of.text});
     cursor.words();

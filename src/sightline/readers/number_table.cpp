@@ -7,17 +7,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sightline/base/character.hpp"
+
 namespace sightline {
 namespace {
 
 constexpr std::string_view blanks = " \t\r\v\f", around = " \t\r\v\f\"", marks = ",;";
 constexpr std::size_t shown_max = 40;
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(around);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(around) - first + 1);
-}
 
 }  // namespace
 
@@ -55,7 +51,7 @@ bool NumberTable::next_or_remark() {
     fields_.clear();
     for (std::size_t at = 0; at <= row.size();) {
       const std::size_t to = std::min(row.find_first_of(spaced ? blanks : marks, at), row.size());
-      const std::string_view field = trimmed(row.substr(at, to - at));
+      const std::string_view field = trimmed(row.substr(at, to - at), around);
       empty = empty && field.empty();
       if (!spaced || !field.empty()) fields_.push_back(field);
       at = to + 1;

@@ -12,9 +12,8 @@
 namespace sightline {
 namespace {
 
-constexpr double longest = 86'400.0;  // [s]
 constexpr NumberColumn stamp_column{"t", "s", {-1e10, 1e10, "-1e10 to 1e10"}};
-constexpr NumberColumn id_column{"id", "", {0, 1e6, "0 to 1000000"}};
+constexpr NumberColumn id_column{"id", "", {0, rig_tag_id_max, "0 to 1000000"}};
 constexpr NumberColumn corner_column{"corner", "px", {-1e5, 1e5, "-100000 to 100000"}};
 constexpr NumberColumn place_column{"position", "m", {-1e5, 1e5, "-100000 to 100000"}};
 constexpr NumberColumn turn_column{"quaternion", "", {-1.1, 1.1, "-1.1 to 1.1"}};
@@ -41,9 +40,9 @@ RigRows parse_rig_rows(const std::string& file, std::string_view text) {
                       count));
     const double t = table.number(2, stamp_column);
     if (!first) first = t;
-    if (!(std::abs(t - *first) <= longest))
-      table.refuse(
-          fmt::format("t = {:.3f} s, expected within {:.0f} s of the first, {:.3f} s", t, longest, *first));
+    if (!(std::abs(t - *first) <= rig_recording_max))
+      table.refuse(fmt::format("t = {:.3f} s, expected within {:.0f} s of the first, {:.3f} s", t,
+                               rig_recording_max, *first));
     std::string topic(fields[1]);
     if (tag) {
       const double id = table.number(head, id_column);

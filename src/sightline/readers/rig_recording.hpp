@@ -39,17 +39,26 @@ struct RigRecording {
     double t = 0.0;  ///< [s]
     RigidPose pose{};
   };
+  struct TurnRate {
+    double t = 0.0;        ///< [s]
+    Vec3<double> omega{};  ///< about the axes of B [rad/s]
+  };
 
   std::string name;  ///< of the rig's body
   std::vector<RigCamera> cameras{};
   std::vector<Tag> tags{};
   std::vector<Sighting> sightings{};   ///< in order of time
   std::vector<TimedPose> odometry{};   ///< of B, in a frame of its own; empty: there is none
+  std::vector<TurnRate> turn_rates{};  ///< of B, by a gyroscope; empty: there is none
   std::vector<TimedPose> reference{};  ///< of B in G; empty: unknown
   double corner_noise = 1.0;           ///< of each coordinate of a corner [px]
   std::size_t left_out = 0;            ///< sightings of tags or by cameras that belong to no body used here
   double start = 0.0, end = 0.0;       ///< [s]
 };
+
+/// Longest recording of a rig [s], and numbers of tags.
+inline constexpr double rig_recording_max = 86'400.0;
+inline constexpr int rig_tag_id_max = 1'000'000;
 
 /// Rows of a table of sightings and odometry, or of a reference:
 ///
@@ -66,8 +75,13 @@ struct RigRows {
     std::string topic;
     RigRecording::TimedPose at;
   };
+  struct RateRow {
+    std::string topic;
+    RigRecording::TurnRate at;  ///< about the axes of the sensor
+  };
   std::vector<TagRow> tags{};
   std::vector<PoseRow> poses{};
+  std::vector<RateRow> rates{};
 };
 /// @throws std::invalid_argument naming file, line, column, value and what was expected
 RigRows parse_rig_rows(const std::string& file, std::string_view text);

@@ -16,6 +16,7 @@
 #include "sightline/mcap.hpp"
 #include "sightline/readers/cdr.hpp"
 #include "sightline/world.hpp"
+#include "sightline/world/rigid_motion.hpp"
 
 namespace sightline {
 namespace {
@@ -24,14 +25,17 @@ namespace fs = std::filesystem;
 
 constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
 constexpr double disorder_max = 0.05;                    // part of the samples of a body that are left out
-constexpr std::size_t bodies_max = 4096, topic_shown = 80;
+constexpr std::size_t bodies_max = 4096, topic_shown = 80, name_max = 1024, coefficients_max = 64;
+constexpr std::size_t transform_bytes = 8 + 5 + 5 + 7 * sizeof(double);  // header, child, transform, at least
 constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
                            uncertain_pose_type = "geometry_msgs/msg/PoseWithCovarianceStamped",
                            transform_type = "geometry_msgs/msg/TransformStamped",
                            odometry_type = "nav_msgs/msg/Odometry", tf_type = "tf2_msgs/msg/TFMessage",
                            named_type = "motion_capture_tracking_interfaces/msg/NamedPoseArray",
                            stamped_twist_type = "geometry_msgs/msg/TwistStamped",
-                           twist_type = "geometry_msgs/msg/Twist", camera_type = "sensor_msgs/msg/CameraInfo";
+                           twist_type = "geometry_msgs/msg/Twist", camera_type = "sensor_msgs/msg/CameraInfo",
+                           tags_type = "apriltag_msgs/msg/AprilTagDetectionArray",
+                           imu_type = "sensor_msgs/msg/Imu";
 
 /// A sample of one body; `name` is empty where the topic has one body.
 struct NamedSample {
@@ -47,7 +51,7 @@ class MessageDecoder {
   double header() {
     const auto seconds = from_.number<std::int32_t>();
     const auto nanoseconds = from_.number<std::uint32_t>();
-    from_.string();
+    frame_ = name();
     return seconds + nanosecond * nanoseconds;
   }
   Vec3<double> vector() {
@@ -68,10 +72,24 @@ class MessageDecoder {
     sample.heading = std::atan2(d.y, d.x);
     return sample;
   }
+  /// The frame of the last header, as tf2 names it.
+  std::string frame() const { return frame_name(frame_); }
+  static std::string frame_name(std::string_view frame) {
+    return std::string(frame.substr(frame.starts_with('/') ? 1 : 0));
+  }
+  /// A name, of a length that memory for all of them bears.
+  std::string_view name() {
+    const std::string_view text = from_.string();
+    fits_ = fits_ && text.size() <= name_max;
+    return text;
+  }
+  bool ok() const { return fits_ && from_.ok(); }
   CdrDecoder& from() { return from_; }
 
  private:
   CdrDecoder from_;
+  std::string_view frame_;
+  bool fits_ = true;
 };
 
 /// The samples of a body, or the commands of a topic, as they were recorded. One whose `value` is not
@@ -121,7 +139,7 @@ std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
     samples.push_back({"", read.pose(read.header())});
   } else if (message.schema == transform_type) {
     const double t = read.header();
-    const std::string_view child = read.from().string();
+    const std::string_view child = read.name();
     samples.push_back({child, read.pose(t)});
   } else if (message.schema == odometry_type) {
     RecordedSample sample{.t = read.header()};
@@ -133,21 +151,20 @@ std::optional<std::vector<NamedSample>> samples_in(const McapMessage& message) {
     if (R) sample.v = R->to_G(v);
     samples.push_back({"", MessageDecoder::with_heading(sample, R)});
   } else if (message.schema == tf_type) {
-    constexpr std::size_t least = 8 + 5 + 5 + 7 * sizeof(double);  // header, child, transform [bytes]
-    for (std::size_t left = read.from().length(least); left > 0 && read.from().ok(); --left) {
+    for (std::size_t left = read.from().length(transform_bytes); left > 0 && read.ok(); --left) {
       const double t = read.header();
-      const std::string_view child = read.from().string();
+      const std::string_view child = read.name();
       samples.push_back({child, read.pose(t)});
     }
   } else if (message.schema == named_type) {
     const double t = read.header();
     constexpr std::size_t least = 5 + 7 * sizeof(double);  // name and pose [bytes]
-    for (std::size_t left = read.from().length(least); left > 0 && read.from().ok(); --left) {
-      const std::string_view name = read.from().string();
+    for (std::size_t left = read.from().length(least); left > 0 && read.ok(); --left) {
+      const std::string_view name = read.name();
       samples.push_back({name, read.pose(t)});
     }
   }
-  if (!read.from().ok()) return {};
+  if (!read.ok()) return {};
   return samples;
 }
 
@@ -157,7 +174,7 @@ std::optional<VelocityCommand> command_in(const McapMessage& message) {
   if (message.schema == stamped_twist_type) command.t = read.header();
   command.v = read.vector();
   command.yaw_rate = read.vector().z;
-  if (!read.from().ok()) return {};
+  if (!read.ok()) return {};
   return command;
 }
 
@@ -168,16 +185,86 @@ bool is_command(const McapMessage& message) {
 std::optional<BagCamera> camera_in(const McapMessage& message) {
   MessageDecoder read(message);
   read.header();
-  BagCamera camera{.topic = one_line(message.topic)};
+  BagCamera camera{.topic = one_line(message.topic), .frame = read.frame()};
   camera.height = read.from().number<std::uint32_t>();
   camera.width = read.from().number<std::uint32_t>();
-  camera.distortion_model = read.from().string();
+  camera.distortion_model = read.name();
   camera.D.resize(read.from().length(sizeof(double)));
   for (double& d : camera.D) d = read.from().number<double>();
   for (double& k : camera.K) k = read.from().number<double>();
   for (double& r : camera.R) r = read.from().number<double>();
-  if (!read.from().ok()) return {};
+  for (double& p : camera.P) p = read.from().number<double>();
+  if (!read.ok() || camera.D.size() > coefficients_max) return {};
   return camera;
+}
+
+/// Adds the sightings of a message. @return whether it is sound
+bool add_tags(const McapMessage& message, BagRig& rig) {
+  constexpr std::size_t least = 5 + 4 * 4 + 2 * 8 + 8 * 8 + 9 * 8;  // of one detection [bytes]
+  constexpr double corner_max = 1e5;                                // [px]
+  MessageDecoder read(message);
+  const double t = read.header();
+  const std::string topic(message.topic);
+  rig.frames.try_emplace(topic, read.frame());
+  for (std::size_t left = read.from().length(least); left > 0 && read.ok(); --left) {
+    read.from().string();  // family
+    RigRows::TagRow row{topic, t, read.from().number<std::int32_t>(), {}};
+    bool sound = row.id >= 0 && row.id <= rig_tag_id_max;
+    read.from().number<std::int32_t>();  // corrected bits
+    for (int i = 0; i < 2; ++i) read.from().number<float>();
+    for (int i = 0; i < 2; ++i) read.from().number<double>();  // centre
+    for (Vec2<double>& corner : row.corners) {
+      corner.x = read.from().number<double>(), corner.y = read.from().number<double>();
+      sound = sound && std::abs(corner.x) <= corner_max && std::abs(corner.y) <= corner_max;
+    }
+    for (int i = 0; i < 9; ++i) read.from().number<double>();  // homography
+    if (!sound) return false;
+    rig.rows.tags.push_back(std::move(row));
+  }
+  return read.ok();
+}
+
+/// Adds the pose of an odometry; one without an attitude is left out. @return whether it is sound
+bool add_odometry_pose(const McapMessage& message, BagRig& rig) {
+  MessageDecoder read(message);
+  const double t = read.header();
+  const std::string child = MessageDecoder::frame_name(read.name());
+  const Vec3<double> p = read.vector();
+  const auto R = read.attitude();
+  if (!read.ok()) return false;
+  if (!R || !std::isfinite(p.x + p.y + p.z)) return true;
+  const std::string topic(message.topic);
+  rig.frames.try_emplace(topic, child);
+  rig.rows.poses.push_back({topic, {t, {p, *R}}});
+  return true;
+}
+
+/// Adds the angular velocity of an IMU; one that is not finite is left out. @return whether it is sound
+bool add_turn_rate(const McapMessage& message, BagRig& rig) {
+  MessageDecoder read(message);
+  const double t = read.header();
+  for (int i = 0; i < 4 + 9; ++i) read.from().number<double>();  // attitude and its covariance
+  const Vec3<double> omega = read.vector();
+  if (!read.ok()) return false;
+  if (!std::isfinite(omega.x + omega.y + omega.z)) return true;
+  const std::string topic(message.topic);
+  rig.frames.try_emplace(topic, read.frame());
+  rig.rows.rates.push_back({topic, {t, omega}});
+  return true;
+}
+
+/// Adds the transforms of /tf_static. @return whether the message is sound
+bool add_mountings(const McapMessage& message, BagRig& rig) {
+  MessageDecoder read(message);
+  for (std::size_t left = read.from().length(transform_bytes); left > 0 && read.ok(); --left) {
+    read.header();
+    const std::string child = MessageDecoder::frame_name(read.name());
+    const Vec3<double> p = read.vector();
+    const auto R = read.attitude();
+    if (R && std::isfinite(p.x + p.y + p.z) && rig.mountings.size() < bodies_max)
+      rig.mountings.insert_or_assign(child, BagRig::Mounting{read.frame(), {p, *R}});
+  }
+  return read.ok();
 }
 
 std::string body_name(const McapMessage& message, std::string_view name) {
@@ -194,6 +281,9 @@ void each_message(const std::vector<fs::path>& files, Take&& take) {
       std::size_t index = 0;
       reader.visit([&](const McapMessage& message) {
         ++index;
+        if (message.topic.size() > name_max)
+          throw_invalid("{}: message {} on a topic with a name of {} bytes, expected at most {}",
+                        file.native(), index, message.topic.size(), name_max);
         if (message.encoding == "cdr" && !take(message))
           throw_invalid("{}: message {} on {} is no sound {}", file.native(), index,
                         one_line(shortened(message.topic, topic_shown)), message.schema);
@@ -235,6 +325,19 @@ void add_velocities(RecordedMotion& motion) {
 }
 
 }  // namespace
+
+std::optional<RigidPose> BagRig::pose_in(const std::string& ancestor, const std::string& frame) const {
+  RigidPose pose;
+  std::string at = frame;
+  // As many steps as there are mountings lead to the root, unless they form a circle.
+  for (std::size_t left = mountings.size(); at != ancestor; --left) {
+    const auto mounted = mountings.find(at);
+    if (left == 0 || mounted == mountings.end()) return {};
+    pose = mounted->second.pose * pose;
+    at = mounted->second.parent;
+  }
+  return pose;
+}
 
 RosBag::RosBag(const fs::path& place) : place_(place.native()) {
   std::error_code error;
@@ -341,6 +444,43 @@ std::vector<BagCamera> RosBag::cameras() const {
   std::vector<BagCamera> all;
   for (auto& [topic, camera] : found) all.push_back(std::move(camera));
   return all;
+}
+
+BagRig RosBag::rig() const {
+  BagRig rig;
+  // When the messages of each row were recorded [s].
+  std::vector<double> tags_recorded, poses_recorded, rates_recorded;
+  each_message(files_, [&](const McapMessage& message) {
+    bool sound = true;
+    if (message.schema == tags_type) sound = add_tags(message, rig);
+    if (message.schema == odometry_type) sound = add_odometry_pose(message, rig);
+    if (message.schema == imu_type) sound = add_turn_rate(message, rig);
+    if (message.schema == tf_type && message.topic.ends_with("/tf_static"))
+      sound = add_mountings(message, rig);
+    const double recorded = nanosecond * static_cast<double>(message.log_time);
+    tags_recorded.resize(rig.rows.tags.size(), recorded);
+    poses_recorded.resize(rig.rows.poses.size(), recorded);
+    rates_recorded.resize(rig.rows.rates.size(), recorded);
+    return sound;
+  });
+  std::optional<double> first;
+  const auto set_times = [&](auto& rows, const std::vector<double>& recorded, const auto& time_of) {
+    std::set<std::string> stamped;
+    for (auto& row : rows)
+      if (time_of(row) != 0) stamped.insert(row.topic);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      double& t = time_of(rows[i]);
+      if (!stamped.contains(rows[i].topic)) t = recorded[i];
+      if (!first) first = t;
+      if (!(std::abs(t - *first) <= rig_recording_max))
+        throw_invalid("{}: t = {:.3f} s on {}, expected within {:.0f} s of the first, {:.3f} s", place_, t,
+                      one_line(shortened(rows[i].topic, topic_shown)), rig_recording_max, *first);
+    }
+  };
+  set_times(rig.rows.tags, tags_recorded, [](RigRows::TagRow& row) -> double& { return row.t; });
+  set_times(rig.rows.poses, poses_recorded, [](RigRows::PoseRow& row) -> double& { return row.at.t; });
+  set_times(rig.rows.rates, rates_recorded, [](RigRows::RateRow& row) -> double& { return row.at.t; });
+  return rig;
 }
 
 }  // namespace sightline

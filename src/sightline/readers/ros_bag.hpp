@@ -1,13 +1,16 @@
-/// Motion of bodies and commanded velocities in a bag of ROS 2 (rosbag2 in MCAP).
+/// Motion of bodies, commanded velocities and sightings of tags in a bag of ROS 2 (rosbag2 in MCAP).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sightline/readers/recorded_motion.hpp"
+#include "sightline/readers/rig_recording.hpp"
 
 namespace sightline {
 
@@ -22,15 +25,34 @@ struct BagTopics {
 
 /// The calibration of a camera, the first message of a topic of sensor_msgs/CameraInfo.
 struct BagCamera {
-  std::string topic;
+  std::string topic, frame{};           ///< the frame of its optics
   std::uint32_t width = 0, height = 0;  ///< [px]
   std::string distortion_model{};       ///< "plumb_bob"
   std::vector<double> D{};              ///< coefficients of the distortion
   std::array<double, 9> K{}, R{};       ///< matrices of the camera [px] and of the rectification, row-major
+  std::array<double, 12> P{};           ///< matrix (3 x 4) of the rectified picture [px]; all 0: unknown
+};
+
+/// What a camera rig recorded in a bag.
+struct BagRig {
+  /// Corners by apriltag_msgs/AprilTagDetectionArray, from the tag's bottom left counterclockwise, poses
+  /// by nav_msgs/Odometry, and angular velocities by sensor_msgs/Imu.
+  RigRows rows{};
+  std::map<std::string, std::string>
+      frames{};  ///< by their topics: of the camera, the odometry's body, the IMU
+  struct Mounting {
+    std::string parent{};
+    RigidPose pose{};  ///< of the child in it
+  };
+  std::map<std::string, Mounting> mountings{};  ///< by the child's frame; topics /tf_static
+
+  /// The pose of a frame in a frame that it is mounted on, by any number of mountings; empty if it is on
+  /// another one.
+  std::optional<RigidPose> pose_in(const std::string& ancestor, const std::string& frame) const;
 };
 
 /// A bag, one file or a folder with its files; also the log of a run or its folder, of which run.mcap
-/// counts. Messages are CDR, little-endian; chunks are plain or compressed by zstd or lz4. Times are
+/// counts. Messages are CDR; chunks are plain or compressed by zstd or lz4. Times are
 /// those of the headers, or of the recording if all headers of a body are 0. A quaternion of 0 is an
 /// unknown attitude.
 ///
@@ -55,6 +77,9 @@ class RosBag {
   /// Cameras by their topics.
   /// @throws std::invalid_argument as topics()
   std::vector<BagCamera> cameras() const;
+  /// Times are those of the headers, or of the recording if all headers of a topic are 0.
+  /// @throws std::invalid_argument as topics(), and for times more than a day apart
+  BagRig rig() const;
 
  private:
   std::string body_called(const std::string& name) const;

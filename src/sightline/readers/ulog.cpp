@@ -23,6 +23,8 @@ constexpr std::string_view ulog_magic = "ULog\x01\x12\x35";
 constexpr std::string_view sync_bytes = "\x2f\x73\x13\x20\x25\x0c\xbb\x12";
 constexpr std::size_t file_header = 16, message_header = 3, id_size = 2;  // [bytes]
 constexpr std::size_t message_max = 65535, nested_max = 16;
+constexpr std::size_t definitions_max = std::size_t{1}
+                                        << 20;  // fields, keys and topics: each takes 100 bytes or more
 
 /// Basic types; a field of any other type has the fields of the format with that name.
 enum class Basic { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64, truth, character };
@@ -157,6 +159,12 @@ class ULog::Parser {
  private:
   static constexpr std::size_t none = ~std::size_t{0};
 
+  /// Counts what takes more memory than the file.
+  void define(std::size_t at) {
+    if (++definitions_ > definitions_max)
+      refuse(at, fmt::format("more than {} fields, keys and topics", definitions_max));
+  }
+
   [[noreturn]] void refuse(std::size_t at, std::string_view what) const {
     throw_invalid("{}: byte {}: {}", log_.file_, at, what);
   }
@@ -260,6 +268,7 @@ class ULog::Parser {
       const std::optional<ArrayType> type = array_type(taken_before(text, ' '));
       if (!type || !is_name(text))
         refuse(at, fmt::format("a field of the format {} that has no type and name", name));
+      define(at);
       format.fields.push_back({std::string(type->type), std::string(text), type->count, type->is_array});
     }
     if (format.fields.empty()) refuse(at, fmt::format("the format {} has no fields", name));
@@ -302,6 +311,7 @@ class ULog::Parser {
     const int instance = static_cast<unsigned char>(content[0]);
     const auto [known, is_new] = log_.topic_of_.try_emplace({name, instance}, log_.topics_.size());
     if (is_new) {
+      define(at);
       log_.topics_.push_back({name, instance});
       least_.push_back(format.least), most_.push_back(format.size);
     }
@@ -340,6 +350,7 @@ class ULog::Parser {
 
   void read_info(std::size_t at, std::string_view content, bool continues) {
     const Pair pair = read_pair(at, content);
+    define(at);
     const std::optional<std::size_t> type = basic_type(pair.type.type);
     std::string text;
     if (pair.type.type == "char") {
@@ -361,6 +372,7 @@ class ULog::Parser {
 
   void read_parameter(std::size_t at, std::string_view content) {
     const Pair pair = read_pair(at, content);
+    define(at);
     const std::optional<std::size_t> type = basic_type(pair.type.type);
     if (!type || pair.type.is_array || pair.value.size() != basic_types[*type].size)
       refuse(at, fmt::format("the parameter {}, expected one number", pair.name));
@@ -370,6 +382,7 @@ class ULog::Parser {
   ULog& log_;
   std::vector<std::size_t> topic_of_id_, least_, most_;
   std::vector<std::size_t> appended_;  // where sections begin [bytes]
+  std::size_t definitions_ = 0;
 };
 
 ULog::ULog(std::string bytes, std::string file) : bytes_(std::move(bytes)), file_(std::move(file)) {

@@ -127,11 +127,15 @@ FileKind yaml_kind(const std::vector<std::string_view>& lines) {
       const std::string_view key = yaml_key(line);
       return !key.empty() && std::find(one.keys.begin(), one.keys.end(), key) != one.keys.end();
     });
-    if (has) return one.kind;
+    if (!has) continue;
+    FileKind kind = one.kind;
+    kind.is_yaml = true;
+    return kind;
   }
   const std::string_view first = lines.front();
   const bool begins = first.starts_with("---") || first.starts_with("%YAML") || first.starts_with("- ");
-  if (begins || !yaml_key(first).empty()) return {"YAML", scenario_file, true};
+  if (begins || !yaml_key(first).empty())
+    return {.what = "YAML", .expected = scenario_file, .is_text = true, .is_yaml = true};
   return {};
 }
 

@@ -18,12 +18,14 @@ enum class RecordingKind { none, ulog, bag, table, run };  // run: our own log, 
 /// @param expected  the expected file, "a scenario file (TOML)", and what to do
 /// @param is_text   a text format, so that the file may be TOML nevertheless
 /// @param recording  what reads it
+/// @param is_yaml    YAML, in which a table is a word
 /// @param packed_by  "gzip" or "zstd", if `what` is in an archive; else empty
 struct FileKind {
   std::string_view what{}, expected{};
   bool is_text = false;
   RecordingKind recording = RecordingKind::none;
   std::string_view packed_by{};
+  bool is_yaml = false;
 
   /// Whether RosBag reads it.
   bool is_bag() const {

@@ -120,6 +120,23 @@ void check_beside_first(const TomlTable& sensor, const RobotCamera& first, const
     sensor.table("camera").throw_invalid("correlation_time", "0 s of each of several cameras of a robot");
 }
 
+/// The cameras by which a coupling's first robot sees the second body: those of the pair's couplings with a
+/// sensor, or if they have none, that of the robot.
+std::vector<const RobotCamera*> cameras_of(const ScenarioSpec& scenario, const Coupling& coupling) {
+  std::vector<const RobotCamera*> cameras;
+  const auto add = [&](const SensorMount* mount) {
+    const RobotCamera* const camera = scenario.vision.camera_of(coupling.between.first, mount);
+    if (camera != nullptr && std::find(cameras.begin(), cameras.end(), camera) == cameras.end())
+      cameras.push_back(camera);
+  };
+  for (const Coupling& other : scenario.team.couplings())
+    if (other.between.first == coupling.between.first && other.between.second == coupling.between.second &&
+        other.term.potential.mount() != nullptr)
+      add(other.term.potential.mount());
+  if (cameras.empty()) add(nullptr);
+  return cameras;
+}
+
 }  // namespace
 
 std::optional<SensorMount> read_mount(const TomlTable& agent) {
@@ -183,20 +200,20 @@ std::vector<TagReading> tag_readings(const ScenarioSpec& scenario) {
   constexpr double half_found = SyntheticDetections::half_found;
   std::vector<TagReading> all;
   for (const Coupling& coupling : scenario.team.couplings()) {
-    const BodyId observer = coupling.between.first, target = coupling.between.second;
-    const RobotCamera* const camera = scenario.vision.camera_of(observer, coupling.term.potential.mount());
-    const BodyTags* const tags = scenario.vision.tags_of(target);
-    if (camera == nullptr || tags == nullptr) continue;
+    const BodyTags* const tags = scenario.vision.tags_of(coupling.between.second);
+    if (tags == nullptr) continue;
     const double between_faces = tags->tags.faces >= 3 ? std::numbers::pi / tags->tags.faces : 0.0;
     const auto add = [&](std::string_view key, const std::optional<double>& distance) {
       if (!distance) return;
-      const auto same = [&](const TagReading& one) {
-        return one.observer == observer && one.target == target && one.distance == *distance;
-      };
-      if (std::any_of(all.begin(), all.end(), same)) return;
-      all.push_back({observer, target, std::string(key), *distance,
-                     camera->camera.pixels(tags->tags.size, *distance), half_found,
-                     half_found / SyntheticDetections::readable(cos(between_faces))});
+      for (const RobotCamera* const camera : cameras_of(scenario, coupling)) {
+        const auto same = [&](const TagReading& one) {
+          return one.camera == camera && one.target == tags->body && one.distance == *distance;
+        };
+        if (std::any_of(all.begin(), all.end(), same)) continue;
+        all.push_back({camera, tags->body, std::string(key), *distance,
+                       camera->camera.pixels(tags->tags.size, *distance), half_found,
+                       half_found / SyntheticDetections::readable(cos(between_faces))});
+      }
     };
     add("d_min", coupling.term.potential.d_min());
     add("d_max", coupling.term.potential.d_max());
@@ -229,7 +246,7 @@ std::string camera_words(const ScenarioSpec& scenario) {
         one.hull.radius);
   for (const TagReading& one : tag_readings(scenario))
     fmt::format_to(std::back_inserter(text), "pixels      {} sees a tag of {} with {:.1f} px at {} = {} m\n",
-                   team.name(one.observer), team.name(one.target), one.pixels, one.key, one.distance);
+                   camera_name(*one.camera, team), team.name(one.target), one.pixels, one.key, one.distance);
   return text;
 }
 

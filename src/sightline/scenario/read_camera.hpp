@@ -29,7 +29,8 @@ bool renders_pictures(const CameraOptions& options);
 
 /// Size of a target's tags in the image of an observer, at a distance that a coupling states.
 struct TagReading {
-  BodyId observer{}, target{};
+  const RobotCamera* camera = nullptr;  ///< of the scenario
+  BodyId target{};
   std::string key;                               ///< of the coupling, "d_max"
   double distance = 0.0;                         ///< that the coupling keeps [m]
   double pixels = 0.0;                           ///< side of a tag in the image at that distance [px]

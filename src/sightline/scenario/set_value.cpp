@@ -12,9 +12,12 @@
 #include <vector>
 
 #include "sightline/base.hpp"
+#include "sightline/base/character.hpp"
 
 namespace sightline {
 namespace {
+
+constexpr std::string_view around_words = " \t";
 
 using Step = std::variant<std::string, std::size_t>;  // a key of a table, an index of an array
 
@@ -56,12 +59,6 @@ std::optional<std::vector<Step>> steps_of(std::string_view key) {
   return steps;
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view space = " \t";
-  const std::size_t from = text.find_first_not_of(space);
-  return from == std::string_view::npos ? "" : text.substr(from, text.find_last_not_of(space) - from + 1);
-}
-
 /// The value in a table of its own, which keeps the value's source.
 std::optional<toml::table> value_of(std::string_view text, const TomlLayer& layer) {
   try {
@@ -84,7 +81,7 @@ bool is_bare_word(std::string_view text) {
 }  // namespace
 
 std::string assignment(std::string_view key, double value) {
-  if (key.find('=') != std::string_view::npos || !steps_of(trimmed(key)))
+  if (key.find('=') != std::string_view::npos || !steps_of(trimmed(key, around_words)))
     throw_invalid("{}, expected a key as couple[0].weight", one_line(shortened(key, shown_size)));
   return fmt::format("{}={}", key, value);
 }
@@ -96,10 +93,10 @@ TomlLayer set_layer(std::string_view assignment) {
 void set_value(toml::table& root, const TomlLayer& layer) {
   const std::string_view assignment = layer.text;
   const std::size_t equals = assignment.find('=');
-  const auto steps = steps_of(trimmed(assignment.substr(0, equals)));
+  const auto steps = steps_of(trimmed(assignment.substr(0, equals), around_words));
   if (equals == std::string_view::npos || !steps)
     refuse_layer(layer, "KEY=VALUE with a key as couple[0].weight");
-  const std::string_view text = trimmed(assignment.substr(equals + 1));
+  const std::string_view text = trimmed(assignment.substr(equals + 1), around_words);
   std::optional<toml::table> parsed = value_of(text, layer);
   if (!parsed && is_bare_word(text)) parsed = value_of(fmt::format("\"{}\"", text), layer);
   if (!parsed)

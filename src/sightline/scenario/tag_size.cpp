@@ -10,7 +10,7 @@ namespace sightline {
 
 std::string describe(const TagReading& one, const Team& team) {
   return fmt::format("a tag of {} has {:.1f} px for the camera of {} at {} = {} m", team.name(one.target),
-                     one.pixels, team.name(one.observer), one.key, one.distance);
+                     one.pixels, camera_name(*one.camera, team), one.key, one.distance);
 }
 
 TagSize judge_tag_sizes(const Scenario& scenario) {
@@ -19,7 +19,7 @@ TagSize judge_tag_sizes(const Scenario& scenario) {
   for (const TagReading& one : readings) {
     const std::string what = describe(one, scenario.team);
     const bool is_nearest = std::none_of(readings.begin(), readings.end(), [&](const TagReading& other) {
-      return other.observer == one.observer && other.target == one.target && other.distance < one.distance;
+      return other.camera == one.camera && other.target == one.target && other.distance < one.distance;
     });
     if (one.pixels < one.from_ahead && is_nearest) {
       judged.refusals.push_back(fmt::format("{}: {}, expected at least {} px, or it is not read",

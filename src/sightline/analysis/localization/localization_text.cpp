@@ -4,7 +4,6 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string_view>
 
 #include "sightline/analysis/localization/noise_text.hpp"
@@ -15,8 +14,6 @@ namespace sightline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 Json as_json(const InnovationStatistics& of) {
   Json lags = Json::array();
@@ -52,19 +49,20 @@ std::string to_string(const LocalizedRecording& localized) {
   for (std::size_t i = 0; i < recording.robots.size(); ++i) {
     const TeamLocalization::Robot& of = result.robots[i];
     text += fmt::format("{:<10} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>6.2f}  {:<13} {:<28} {:<14} {}\n",
-                        recording.robots[i].name, of.rmse, of.max_error, of.sigma, degrees * of.heading_rmse,
-                        of.anees, fmt::format("{:.2f} to {:.2f}", of.bounds[0], of.bounds[1]),
+                        recording.robots[i].name, of.rmse, of.max_error, of.sigma,
+                        degrees_of_radian * of.heading_rmse, of.anees,
+                        fmt::format("{:.2f} to {:.2f}", of.bounds[0], of.bounds[1]),
                         fmt::format("{}, {}, {}", of.accepted, of.rejected, of.left_out),
                         innovation_text(of.range), innovation_text(of.bearing));
   }
   text += fmt::format("\nposition {:.3f} m, heading {:.2f} degrees (RMS), ANEES {:.2f}, 3 is consistent\n",
-                      result.rmse, degrees * result.heading_rmse, result.anees);
+                      result.rmse, degrees_of_radian * result.heading_rmse, result.anees);
   if (localized.run.anchor != TeamRun::no_robot)
     text += fmt::format("without {}, whose pose is known at {:.0f} Hz: {:.3f} m\n",
                         recording.robots[static_cast<std::size_t>(localized.run.anchor)].name,
                         TeamRun::anchor_rate, result.rmse_without_anchor);
   text += fmt::format("poses relative to each other: {:.3f} m, {:.2f} degrees (mean absolute)\n",
-                      result.relative_position, degrees * result.relative_heading);
+                      result.relative_position, degrees_of_radian * result.relative_heading);
   if (localized.wall_seconds > 0)
     text += fmt::format("{:.2f} s, {:.0f} times real time\n", localized.wall_seconds,
                         result.seconds / localized.wall_seconds);

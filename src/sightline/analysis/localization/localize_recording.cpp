@@ -74,17 +74,15 @@ bool give_walk(const LocalizeOptions& options) {
          });
 }
 
-/// Seconds that a run takes. Done before a folder is made: a recording that cannot be localized leaves none.
+/// The result of a run, whose refusals name the recording. Done before a folder is made: a recording that
+/// cannot be localized leaves none.
 template <class Run>
-double timed(const std::filesystem::path& place, const Run& run) {
-  using Steady = std::chrono::steady_clock;
-  const auto begun = Steady::now();
+auto result_of(const std::filesystem::path& place, const Run& run) {
   try {
-    (void)run();
+    return run();
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", place.native(), error.what()));
   }
-  return std::chrono::duration<double>(Steady::now() - begun).count();
 }
 
 /// The folder of the results, locked.
@@ -103,6 +101,9 @@ void add(LocalizedFiles& written, const FolderLock& lock, const char* name, cons
 }  // namespace
 
 TeamRun team_run(const TeamRecording& recording, const LocalizeOptions& options) {
+  if (!options.pixels.empty())
+    throw std::invalid_argument(fmt::format(
+        "--pixels = {}, expected none: {} is no recording of a camera rig", options.pixels, recording.kind));
   TeamRun run{.noise = recording.noise, .seed = options.seed};
   run.sees_landmarks = robots_named(recording, "--landmarks", options.landmarks);
   run.sees_robots = robots_named(recording, "--robots", options.robots);
@@ -131,7 +132,12 @@ LocalizedFiles localize_recording(const std::filesystem::path& place, const Loca
   namespace fs = std::filesystem;
   const TeamRecording recording = read_team_recording(place);
   TeamRun run = team_run(recording, options);
-  const double wall = timed(place, [&] { return localize_team(recording, run); });
+  const double wall = result_of(place, [&] {
+    using Steady = std::chrono::steady_clock;
+    const auto begun = Steady::now();
+    (void)localize_team(recording, run);
+    return std::chrono::duration<double>(Steady::now() - begun).count();
+  });
   const FolderLock lock = folder_for(place, folder);
   std::optional<IdentifiedNoise> identified;
   if (options.identify_noise) {
@@ -181,18 +187,18 @@ LocalizedFiles localize_recording(const RigRecording& recording, const std::file
   if (options.seed != none.seed) refuse("--seed", fmt::format("{}", options.seed));
   RigNoise noise{.corner_noise = recording.corner_noise};
   read_noise(options, noise);
-  const double wall = timed(place, [&] { return localize_rig(recording, noise, false); });
-  const FolderLock lock = folder_for(place, folder);
   const bool identified = !give_walk(options);
-  if (identified) noise = identify_motion(recording, noise).noise;
-  const RigLocalization result = localize_rig(recording, noise);
+  const RigLocalization result = result_of(place, [&] {
+    if (identified) noise = identify_motion(recording, noise).noise;
+    return localize_rig(recording, noise);
+  });
+  const FolderLock lock = folder_for(place, folder);
   const LocalizedRig localized{.place = place.native(),
                                .command = command,
                                .recording = recording,
                                .noise = noise,
                                .result = result,
-                               .identified = identified,
-                               .wall_seconds = wall};
+                               .identified = identified};
   LocalizedFiles written{to_string(localized), to_json(localized)};
   const fs::path log_file = lock.folder() / "localize.mcap";
   write_rig_log(beside(log_file), localized);

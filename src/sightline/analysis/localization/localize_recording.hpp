@@ -20,6 +20,7 @@ struct LocalizeOptions {
   std::vector<std::string> set{};  ///< KEY=VALUE of [localize], over the file
   std::uint64_t seed = 1;
   bool identify_noise = false;  ///< first fit the noise to the recording of a team
+  std::string pixels{};         ///< of the cameras of a bag, as in read_rig_recording()
 };
 
 /// @throws std::invalid_argument naming option, value and what was expected; ScenarioError for keys

@@ -1,6 +1,7 @@
 #include "sightline/analysis/localization/localize_rig.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -37,6 +38,37 @@ class OdometryTrack {
   std::size_t next_ = 0;
 };
 
+/// Turns by a gyroscope whose rate is linear between its samples, and constant beyond them.
+class TurnTrack {
+ public:
+  explicit TurnTrack(const std::vector<RigRecording::TurnRate>& all) : all_(all) {}
+  /// The rotation vector of the turn over [from, to], times that rise; empty without a gyroscope.
+  std::optional<Vec3<double>> turn(double from, double to) {
+    if (all_.empty()) return {};
+    Rotation R;
+    while (next_ < all_.size() && all_[next_].t <= from) ++next_;
+    for (double t = from; t < to;) {
+      const double end = next_ < all_.size() ? std::min(to, all_[next_].t) : to;
+      R = compose(R, turn_by((0.5 * (end - t)) * (rate(t) + rate(end))));
+      if (next_ < all_.size() && end == all_[next_].t) ++next_;
+      t = end;
+    }
+    return rotation_vector(R);
+  }
+
+ private:
+  /// At a time between the sample before the next one and it.
+  Vec3<double> rate(double t) const {
+    if (next_ == 0) return all_.front().omega;
+    if (next_ == all_.size()) return all_.back().omega;
+    const RigRecording::TurnRate &a = all_[next_ - 1], &b = all_[next_];
+    return a.omega + ((t - a.t) / (b.t - a.t)) * (b.omega - a.omega);
+  }
+
+  const std::vector<RigRecording::TurnRate>& all_;
+  std::size_t next_ = 0;
+};
+
 /// One instant of the filter.
 struct Instant {
   double t = 0.0;
@@ -57,7 +89,11 @@ class RigRun {
  public:
   /// @param shown  times of the estimates; both must outlive this object
   RigRun(const RigRecording& recording, const RigNoise& noise, const std::vector<double>& shown)
-      : recording_(recording), shown_(shown), filter_(recording, noise), track_(recording.odometry) {}
+      : recording_(recording),
+        shown_(shown),
+        filter_(recording, noise),
+        track_(recording.odometry),
+        turns_(recording.turn_rates) {}
 
   bool done() const { return next_seen_ >= recording_.sightings.size() && next_shown_ >= shown_.size(); }
   const RigFilter& filter() const { return filter_; }
@@ -79,7 +115,7 @@ class RigRun {
       instant.fits.resize(next_seen_ - instant.first);
       instant.anew =
           filter_.take({all.data() + instant.first, instant.fits.size()}, instant.fits) && was_started;
-      if (filter_.started() && !was_started && !filter_.has_velocity()) odometry_ = track_.at(instant.t);
+      if (filter_.started() && !was_started && !recording_.odometry.empty()) odometry_ = track_.at(instant.t);
       if (smooth) instant.forgotten = filter_.forgotten();
       if (instant.anew) instant.before_restart = std::move(before);
     }
@@ -92,16 +128,18 @@ class RigRun {
  private:
   RigFilter::Step propagate(double t, bool smooth) {
     const double dt = t - last_;
-    if (filter_.has_velocity()) return filter_.coast(dt, smooth);
+    const auto turn = turns_.turn(last_, t);
+    if (recording_.odometry.empty()) return filter_.coast(turn, dt, smooth);
     const RigidPose there = track_.at(t), motion = inverse(odometry_) * there;
     odometry_ = there;
-    return filter_.move(motion, dt, smooth);
+    return filter_.move(motion, turn, dt, smooth);
   }
 
   const RigRecording& recording_;
   const std::vector<double>& shown_;
   RigFilter filter_;
   OdometryTrack track_;
+  TurnTrack turns_;
   double last_ = 0.0;
   RigidPose odometry_{};
   std::size_t next_seen_ = 0, next_shown_ = 0;
@@ -367,6 +405,7 @@ RigLocalization rig_estimates(const RigRecording& recording, const RigNoise& noi
   // the smoother; the copies of the filter, (6 tags)^2 numbers each, take about the memory of a piece.
   const auto piece =
       static_cast<std::size_t>(sqrt(static_cast<double>((sightings + shown.size()) * tags))) + 1;
+  const auto begun = std::chrono::steady_clock::now();
   std::vector<RigRun> starts;
   RigRun run(recording, noise, shown);
   std::optional<double> seen_at;
@@ -391,6 +430,7 @@ RigLocalization rig_estimates(const RigRecording& recording, const RigNoise& noi
   if (!run.filter().started())
     throw std::invalid_argument(
         "no view of a tag with a known pose gives a first pose, expected one sighting of such a tag");
+  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   result.places = static_cast<std::size_t>(std::count(mapped.begin(), mapped.end(), true));
   if (smooth) {
     result.smoothed = result.filter;
@@ -442,9 +482,11 @@ RigLocalization localize_rig(const RigRecording& recording, const RigNoise& nois
 IdentifiedMotion identify_motion(const RigRecording& recording, RigNoise noise) {
   constexpr double widest_factor = 2.0, finest_factor = 1.15, least_decrease = 0.5;
   constexpr int trials_max = 80;
-  const bool velocity = recording.odometry.empty();
+  const bool velocity = recording.odometry.empty(), gyro = !recording.turn_rates.empty();
   const std::array members = {velocity ? &RigNoise::acceleration_walk : &RigNoise::position_walk,
-                              velocity ? &RigNoise::turn_acceleration_walk : &RigNoise::rotation_walk};
+                              gyro       ? &RigNoise::gyro_noise
+                              : velocity ? &RigNoise::turn_acceleration_walk
+                                         : &RigNoise::rotation_walk};
   IdentifiedMotion found{noise, 0};
   const auto cost_with = [&](const RigNoise& tried) {
     ++found.runs;

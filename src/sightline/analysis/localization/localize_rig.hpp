@@ -41,6 +41,7 @@ struct RigLocalization {
       no_value;  ///< mean of the squared normalised innovations of a coordinate; 1 is consistent
   double longest_unseen = 0.0;  ///< [s]
   double seconds = 0.0;         ///< of the recording
+  double wall_seconds = 0.0;    ///< that the filter took
   /// Twice the negative logarithm of the likelihood of all sightings; those beyond the gate count as
   /// outliers.
   double cost = 0.0;

@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <type_traits>
 
 #include "sightline/base.hpp"
 
 namespace sightline {
+
+/// Angles of texts are in degrees.
+inline constexpr double degrees_of_radian = 180 / std::numbers::pi;
 
 /// A number with 4 digits that TOML takes for a float.
 inline std::string float_text(double value) {

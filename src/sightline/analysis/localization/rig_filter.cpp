@@ -17,6 +17,7 @@ constexpr double wide_place = 5.0, wide_turn = 2;  // sigma of a pose without pr
 constexpr double new_place = 1.0,
                  new_turn = 0.5;        // sigma of a tag about the pose that its corners give [m], [rad]
 constexpr double velocity_start = 1.0;  // sigma of v at the start [m/s], [rad/s]
+constexpr double bias_start = 0.05;     // sigma of a gyroscope's bias at the start [rad/s]
 constexpr double lost_place = 3.0, lost_turn = 1.0;  // sigma beyond linearisation [m], [rad]
 constexpr int refusals_max = 8;
 constexpr int iterations = 10;
@@ -35,6 +36,12 @@ Mat<6, 6> diagonal(double place, double turn) {
   Mat<6, 6> D;
   for (int i = 0; i < 6; ++i) D(i, i) = square(i < 3 ? place : turn);
   return D;
+}
+
+Mat<6, 6> diagonal_signs(double place, double turn) {
+  Mat<6, 6> S;
+  for (int i = 0; i < 6; ++i) S(i, i) = i < 3 ? place : turn;
+  return S;
 }
 
 }  // namespace
@@ -78,7 +85,7 @@ void GrowingCovariance::add_to_pose(const Mat<6, 6>& F) {
 RigFilter::RigFilter(const RigRecording& recording, const RigNoise& noise)
     : recording_(recording),
       noise_(noise),
-      rig_(recording.odometry.empty() ? 12 : 6),
+      rig_(recording.odometry.empty() || !recording.turn_rates.empty() ? 12 : 6),
       P_(rig_),
       place_of_tag_(recording.tags.size(), -1),
       pending_(recording.tags.size()) {
@@ -185,28 +192,45 @@ RigFilter::Step RigFilter::finish(Step step, bool smooth) {
   return step;
 }
 
-RigFilter::Step RigFilter::move(const RigidPose& motion, double dt, bool smooth) {
-  Step step;
+RigFilter::Step RigFilter::move(RigidPose motion, const std::optional<Vec3<double>>& turn, double dt,
+                                bool smooth) {
+  if (turn) motion.R = turn_by(*turn - dt * vec3(v_, 3));
   X_ = X_ * motion;
-  const Mat<6, 6> A = adjoint(X_),
-                  Q = A * (dt * diagonal(noise_.position_walk, noise_.rotation_walk)) * transposed(A);
+  const Mat<6, 6> A = adjoint(X_);
+  const auto walk = diagonal(noise_.position_walk, turn ? noise_.gyro_noise : noise_.rotation_walk);
+  // Of v the bias alone has an effect; the rest stays as it began.
+  if (turn) return spread(A, diagonal_signs(0, -1), diagonal(0, noise_.gyro_bias_walk), walk, dt, smooth);
+  Step step;
+  const Mat<6, 6> Q = A * (dt * walk) * transposed(A);
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) step.Q.push_back(Q(i, j));
   return finish(std::move(step), smooth);
 }
 
-RigFilter::Step RigFilter::coast(double dt, bool smooth) {
-  Step step{.per_velocity = dt * adjoint(X_)};
+RigFilter::Step RigFilter::coast(const std::optional<Vec3<double>>& turn, double dt, bool smooth) {
+  const Mat<6, 6> A = adjoint(X_);
+  Column<6> twist = dt * v_;
+  if (turn) set_block(twist, 3, 0, column(*turn - dt * vec3(v_, 3)));
+  X_ = X_ * exp_of(twist);
+  return turn ? spread(A, diagonal_signs(1, -1), diagonal(noise_.acceleration_walk, noise_.gyro_bias_walk),
+                       diagonal(0, noise_.gyro_noise), dt, smooth)
+              : spread(A, diagonal_signs(1, 1),
+                       diagonal(noise_.acceleration_walk, noise_.turn_acceleration_walk), {}, dt, smooth);
+}
+
+RigFilter::Step RigFilter::spread(const Mat<6, 6>& A, const Mat<6, 6>& S, const Mat<6, 6>& W,
+                                  const Mat<6, 6>& w, double dt, bool smooth) {
+  const Mat<6, 6> F = A * S;
+  Step step{.per_velocity = dt * F};
   P_.add_to_pose(step.per_velocity);
-  const Mat<6, 6> A = adjoint(X_), W = diagonal(noise_.acceleration_walk, noise_.turn_acceleration_walk);
-  const Mat<6, 6> Q_XX = (dt * dt * dt / 3) * (A * W * transposed(A)), Q_Xv = (dt * dt / 2) * (A * W);
+  const Mat<6, 6> Q_XX = (dt * dt * dt / 3) * (F * W * transposed(F)) + A * (dt * w) * transposed(A),
+                  Q_Xv = (dt * dt / 2) * (F * W);
   Mat<12, 12> Q;
   set_block(Q, 0, 0, Q_XX);
   set_both(Q, 0, 6, Q_Xv);
   set_block(Q, 6, 6, dt * W);
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j) step.Q.push_back(Q(i, j));
-  X_ = X_ * exp_of(dt * v_);
   return finish(std::move(step), smooth);
 }
 
@@ -288,7 +312,8 @@ bool RigFilter::start(std::span<const RigRecording::Sighting> sightings) {
     for (int j = 0; j < P_.order(); ++j) P_(i, j) = P_(j, i) = 0.0;
   const Mat<6, 6> A = adjoint(X_);
   P_.set(0, 0, A * diagonal(wide_place, wide_turn) * transposed(A));
-  for (int i = 6; i < rig_; ++i) P_(i, i) = square(velocity_start);
+  const bool has_bias = !recording_.turn_rates.empty();
+  for (int i = 6; i < rig_; ++i) P_(i, i) = square(has_bias && i >= 9 ? bias_start : velocity_start);
   started_ = true, refused_ = 0;
   return true;
 }

@@ -22,6 +22,8 @@ struct RigNoise {
   double rotation_walk = 0.02;
   double acceleration_walk = 0.3;
   double turn_acceleration_walk = 0.5;
+  double gyro_noise = 0.002;
+  double gyro_bias_walk = 1e-4;
 
   static constexpr auto parameters() {
     using N = RigNoise;
@@ -34,7 +36,11 @@ struct RigNoise {
         parameter("acceleration_walk", &N::acceleration_walk, "m/s/sqrt(s)", above_zero,
                   "random walk of the velocity without odometry, each axis"),
         parameter("turn_acceleration_walk", &N::turn_acceleration_walk, "rad/s/sqrt(s)", above_zero,
-                  "random walk of the angular velocity without odometry, each axis")};
+                  "random walk of the angular velocity without odometry, each axis"),
+        parameter("gyro_noise", &N::gyro_noise, "rad/sqrt(s)", above_zero,
+                  "random walk of the turn by a gyroscope, each axis, in place of that of the odometry"),
+        parameter("gyro_bias_walk", &N::gyro_bias_walk, "rad/s/sqrt(s)", above_zero,
+                  "random walk of its bias, each axis")};
   }
   /// @throws std::invalid_argument naming a number out of its range
   void check() const { check_parameters(*this); }
@@ -71,11 +77,12 @@ struct TagFit {
 /// The state, and its error as twists on the left, in G:
 ///
 ///   X, xi_X   pose of B         X_true = exp(xi_X) X
-///   v, xi_v   twist of B, (velocity, angular velocity) in B; without odometry alone
+///   v, xi_v   twist of B, (velocity, angular velocity) in B; without odometry alone. With a gyroscope,
+///             its bias is in place of the angular velocity
 ///   T, xi_T   of each tag       T_true = exp(xi_T) T
 ///
 /// With odometry, X' = X D exp(w): the error stays, plus Ad_X' w. Without it, X' = X exp(v dt), so
-/// xi_X grows by Ad_X dt xi_v. A corner c of a tag is pictured at pi((X M)^-1 T c), with the mounting
+/// xi_X grows by Ad_X dt xi_v. A gyroscope turns by exp(theta - b dt) in place of either. A corner c of a tag is pictured at pi((X M)^-1 T c), with the mounting
 /// M of the camera and its lens pi, whose error is J Ad_{(X M)^-1} (xi_T - xi_X): a motion of the rig
 /// and of all tags together is never observed, at whatever estimate the filter linearises. Updates are
 /// iterated.
@@ -99,11 +106,13 @@ class RigFilter {
   };
 
   bool started() const { return started_; }
+  /// Whether v is there.
   bool has_velocity() const { return rig_ > 6; }
   /// Propagates by the odometry's motion in B over dt [s].
-  Step move(const RigidPose& motion, double dt, bool smooth);
+  /// @param turn  theta by the gyroscope [rad], if there is one
+  Step move(RigidPose motion, const std::optional<Vec3<double>>& turn, double dt, bool smooth);
   /// Propagates at a constant twist over dt [s].
-  Step coast(double dt, bool smooth);
+  Step coast(const std::optional<Vec3<double>>& turn, double dt, bool smooth);
   /// Takes the sightings of one time. @param fits  one for each
   /// @return true if the pose was started anew, so that it does not depend on the past
   bool take(std::span<const RigRecording::Sighting> sightings, std::span<TagFit> fits);
@@ -144,6 +153,9 @@ class RigFilter {
     int views = 0;
   };
   int row_of(std::size_t place) const { return rig_ + 6 * static_cast<int>(place); }
+  /// Propagates the covariance: xi_X += dt A S xi_v, with the white noise W of v and A w A^T of X, a second.
+  Step spread(const Mat<6, 6>& A, const Mat<6, 6>& S, const Mat<6, 6>& W, const Mat<6, 6>& w, double dt,
+              bool smooth);
   Step finish(Step step, bool smooth);
   std::vector<Candidate> candidates_of(const RigRecording::Sighting& z) const;
   double cost_of(const RigRecording::Sighting& z, const RigidPose& X, const RigidPose& T) const;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <stdexcept>
 #include <string_view>
 
@@ -20,7 +19,6 @@ namespace {
 
 using RigJson = nlohmann::ordered_json;
 
-constexpr double degrees_of_radian = 180 / std::numbers::pi;
 constexpr std::string_view smoothed_suffix = "_smoothed";
 
 RigJson accuracy_json(const RigAccuracy& of) {
@@ -57,8 +55,9 @@ std::string to_string(const LocalizedRig& localized) {
   std::string text = fmt::format(
       "{}: camera rig {}, {} cameras, {} tags seen, {} sightings, {}, {:.0f} s\n", localized.place,
       recording.name, recording.cameras.size(), result.places, recording.sightings.size(),
-      recording.odometry.empty() ? "no odometry"
-                                 : fmt::format("{} poses of odometry", recording.odometry.size()),
+      (recording.odometry.empty() ? "no odometry"
+                                  : fmt::format("{} poses of odometry", recording.odometry.size())) +
+          (recording.turn_rates.empty() ? "" : fmt::format(", {} turn rates", recording.turn_rates.size())),
       result.seconds);
   if (recording.left_out > 0)
     text +=
@@ -78,9 +77,9 @@ std::string to_string(const LocalizedRig& localized) {
         "s.\n"
         "smoothed: the whole recording is used. ANEES is of position and attitude, 6 is consistent.\n";
   }
-  if (localized.wall_seconds > 0)
-    text += fmt::format("{:.2f} s, {:.0f} times real time\n", localized.wall_seconds,
-                        result.seconds / localized.wall_seconds);
+  if (result.wall_seconds > 0)
+    text += fmt::format("{:.2f} s, {:.0f} times real time\n", result.wall_seconds,
+                        result.seconds / result.wall_seconds);
   if (localized.identified)
     text += "\nrandom walks identified from the whole recording, without the reference:\n" +
             noise_text(localized.noise);
@@ -96,10 +95,11 @@ std::string to_json(const LocalizedRig& localized) {
                   {"version", version},
                   {"seconds", result.seconds},
                   {"times_real_time",
-                   localized.wall_seconds > 0 ? RigJson(result.seconds / localized.wall_seconds) : RigJson()},
+                   result.wall_seconds > 0 ? RigJson(result.seconds / result.wall_seconds) : RigJson()},
                   {"cameras", recording.cameras.size()},
                   {"tags", result.places},
                   {"odometry", recording.odometry.size()},
+                  {"turn_rates", recording.turn_rates.size()},
                   {"sightings",
                    {{"accepted", result.accepted},
                     {"rejected", result.rejected},

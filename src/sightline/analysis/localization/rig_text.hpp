@@ -14,8 +14,7 @@ struct LocalizedRig {
   const RigRecording& recording;
   const RigNoise& noise;
   const RigLocalization& result;
-  bool identified = false;    ///< the random walks are those of identify_motion()
-  double wall_seconds = 0.0;  ///< that the filter took
+  bool identified = false;  ///< the random walks are those of identify_motion()
 };
 
 std::string to_string(const LocalizedRig& localized);

@@ -15,6 +15,8 @@
 namespace sightline {
 namespace {
 
+constexpr std::string_view around_names = " \t\n";
+
 using Clock = std::chrono::steady_clock;
 
 /// Processor time of this thread [s]: excludes waiting, as with one computer per part.
@@ -26,11 +28,6 @@ double processor_time() noexcept {
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-std::string_view trimmed(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\n");
-  return first == s.npos ? std::string_view() : s.substr(first, s.find_last_not_of(" \t\n") - first + 1);
 }
 
 /// Checks that every robot is in exactly one subteam.
@@ -73,17 +70,18 @@ ExchangeOrder exchange_order(std::string_view word) {
 std::vector<PartSpec> parse_parts(std::string_view text) {
   std::vector<PartSpec> parts;
   for (std::string_view words : split(text, '|')) {
-    words = trimmed(words);
+    words = trimmed(words, around_names);
     PartSpec part;
     if (const auto colon = words.find(':'); colon != words.npos) {
-      const std::string_view name = trimmed(words.substr(0, colon));
+      const std::string_view name = trimmed(words.substr(0, colon), around_names);
       if (std::any_of(parts.begin(), parts.end(), [&](const PartSpec& one) { return one.name == name; }))
         throw_invalid("partition = \"{}\" has part \"{}\" twice, expected each name once", text, name);
       part.name = name;
-      words = trimmed(words.substr(colon + 1));
+      words = trimmed(words.substr(colon + 1), around_names);
     }
     if (!words.empty())
-      for (const std::string_view word : split(words, ',')) part.robots.emplace_back(trimmed(word));
+      for (const std::string_view word : split(words, ','))
+        part.robots.emplace_back(trimmed(word, around_names));
     parts.push_back(std::move(part));
   }
   return parts;
