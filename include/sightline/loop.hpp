@@ -489,6 +489,10 @@ struct CertifiedView {
                   "greatest speed of a robot that slows down to speed_max on request; 0: the target is none"),
         parameter("request_delay", &CertifiedView::request_delay, "s", Bounds{0.0, 2.0, "0 to 2"},
                   "from a request to the target's command"),
+        KeyText{"velocity_error", "> 0",
+                "of an observer localized by vision: greatest error of its own velocity [m/s]", "none"},
+        KeyText{"turn_error", "> 0",
+                "of an observer localized by vision: greatest error of its own yaw rate [rad/s]", "none"},
         parameter("outside", &CertifiedView::outside, outside_views,
                   "outside the set: the solver's command, or the one nearest to the set")};
   }
@@ -539,9 +543,11 @@ class Guard {
   /// @param stamps  time of the measurement of each body [s]
   /// @param sigma  of each body, standard deviation of an estimated position [m]; 0: it is
   ///               measured; infinity: unknown. Empty: all are measured
+  /// @param poses  of each body, its estimate if it is localized by vision; they must outlive
+  ///               keep_distances(), which uses them for certified views. Empty: none is
   const ValidStates& accept_measurement(double t, std::span<const double> measured,
-                                        std::span<const double> stamps,
-                                        std::span<const double> sigma = {}) noexcept;
+                                        std::span<const double> stamps, std::span<const double> sigma = {},
+                                        std::span<const PoseEstimate> poses = {}) noexcept;
   /// Whether a measurement of each body was accepted once; without a supervisor, whether each
   /// present robot had a position. Until then the loop requests no plan.
   bool knows_all() const noexcept { return supervisor_ ? supervisor_->knows_all() : !awaits_position_; }

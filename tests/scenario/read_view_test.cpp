@@ -256,15 +256,6 @@ TEST(CertifiedViews, ReadTheLimitsOfThePairAndStateWhatTheyCertify) {
   EXPECT_TRUE(warnings_of_views(scenario).empty());
 }
 
-TEST(CertifiedViews, AreRefusedForAnObserverWithoutAPositionOfItsOwn) {
-  EXPECT_EQ(refusal_of<ScenarioError>([] {
-              read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/localize.toml", built_in_registry(),
-                            {R"(certify_view=[{observer="uav0",target="uav1"}])"});
-            }),
-            R"(--set certify_view=[{observer="uav0",target="uav1"}]: certify_view[0].observer = "uav0", )"
-            "expected a robot with localization = \"global\", whose own state is measured");
-}
-
 TEST(CertifiedViews, BelongToThePartOfTheirObserver) {
   std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified);
   text.insert(text.find("[agent.uav0]"),

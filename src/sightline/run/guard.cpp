@@ -96,9 +96,10 @@ Guard::Guard(const Team& team, const GuardOptions& options)
 Guard::~Guard() = default;
 
 const ValidStates& Guard::accept_measurement(double t, std::span<const double> measured,
-                                             std::span<const double> stamps,
-                                             std::span<const double> sigma) noexcept {
+                                             std::span<const double> stamps, std::span<const double> sigma,
+                                             std::span<const PoseEstimate> poses) noexcept {
   events_.clear();
+  if (view_) view_->accept_poses(poses);
   if (sigma.empty())
     std::fill(sigmas_.begin(), sigmas_.end(), 0.0);
   else

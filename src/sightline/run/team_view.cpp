@@ -53,6 +53,7 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
     const std::size_t nu = size(agent.model.nu());
     const std::size_t robot = team_.agent_index(view.observer);
     const bool is_first = !has_view_in_force(robot);
+    const ViewTask& task = view.filter->certificate().task;
     observers_.push_back({.view = &view,
                           .is_observed = is_first,
                           .is_in_force = is_first,
@@ -65,11 +66,17 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .u_max = std::vector<double>(nu),
                           .next = std::vector<double>(nu),
                           .limits = &agent.limits,
-                          .estimate = SlowEstimate(view.bounds, options_.period),
-                          .own = SlowState(agent.model, view.filter->certificate().task),
-                          .most_lag = view_prediction(view.bounds, options_.period).lag,
-                          .known = view.bounds.known(options_.period),
-                          .followed = followed_within(view.bounds, options_.period)});
+                          .estimate = SlowEstimate(task.bounds, options_.period),
+                          .own = SlowState(agent.model, task),
+                          .most_lag = view_prediction(task.bounds, options_.period).lag,
+                          .known = task.bounds.known(options_.period),
+                          .followed = followed_within(task.bounds, options_.period)});
+    if (!task.odometry.is_used()) continue;
+    ViewBounds bounds = view.bounds;
+    bounds.age -= task.odometry.delay;
+    observers_.back().odometry.emplace(agent.model, task);
+    observers_.back().most_lag = task.odometry.velocity_error(bounds, options_.period) +
+                                 task.odometry.velocity + bounds.wind * view.bounds.age;
   }
   for (Observer& of : observers_) {
     if (!of.view->is_on_request()) continue;
@@ -141,6 +148,47 @@ void TeamView::approach(Observer& of, const Vec3<double>& p) const noexcept {
   of.target.p = sure < 1 ? on_way(sure) : p;
 }
 
+/// Follows the robot's own state, where the command takes effect.
+/// @return the target's position, as measured, in the frame of that state
+Vec3<double> TeamView::follow_own(const TeamSituation& now, Observer& of, bool follows,
+                                  const Sight<double>& seen) const noexcept {
+  const BodyId robot = of.view->observer;
+  const std::span<const double> later = now.x.subspan(of.x, of.nx);
+  if (!of.odometry) {
+    const double delay = options_.command_delays.empty() ? 0.0 : options_.command_delays[at(robot)];
+    if (follows)
+      of.own.follow(of.next, later, now.ages[at(robot)] + delay > nearly);
+    else
+      of.own.begin(later);
+    return seen.p;
+  }
+  const PoseEstimate& pose = poses_[at(robot)];
+  if (follows)
+    of.odometry->follow(pose);
+  else
+    of.odometry->begin(pose);
+  const std::span<const double> own = of.odometry->carry(pose, now.estimated.subspan(of.x, of.nx), later);
+  if (follows)
+    of.own.follow(of.next, own, true);
+  else
+    of.own.begin(own);
+  const Vec3<double> slow = team_.model(robot).sight(of.own.state().data(), no_inputs_.data()).p;
+  return of.odometry->place(seen.p, {slow.x, slow.y});
+}
+
+/// Whether three standard deviations of what the view uses are within their bounds.
+bool TeamView::is_sure(const TeamSituation& now, const Observer& of,
+                       const Vec3<double>& target) const noexcept {
+  const BodyId robot = of.view->observer;
+  const double sigma = now.sigmas[at(of.view->target)], most = of.view->bounds.error;
+  if (!of.odometry) return 3 * norm(now.sigmas[at(robot)], sigma) <= most;
+  const PoseEstimate& pose = poses_[at(robot)];
+  const ViewOdometry& limits = of.odometry->limits();
+  const double of_heading = norm(pose.v.x, pose.v.y) * pose.heading_sigma();
+  return 3 * norm(relative_sigma(pose, target), sigma) <= most &&
+         3 * (pose.velocity_sigma + of_heading) <= limits.velocity && 3 * pose.yaw_rate_sigma <= limits.turn;
+}
+
 /// Takes the position of the target, and finds what is not as the certificate assumes.
 void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexcept {
   const BodyId robot = of.view->observer, target = of.view->target;
@@ -149,7 +197,8 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   const bool was_known =
       std::exchange(of.is_known, now.presence[at(robot)] == Presence::steered &&
                                      now.levels[at(robot)] <= FallbackLevel::predicted &&
-                                     now.is_there(target) && std::isfinite(own_age) && std::isfinite(age));
+                                     now.is_there(target) && std::isfinite(own_age) && std::isfinite(age) &&
+                                     (!of.odometry || (!poses_.empty() && poses_[at(robot)].known)));
   if (!of.is_known) return;
   const bool is_agent = team_.is_agent(target);
   const std::span<const double> states = is_agent ? now.x : now.estimated;
@@ -158,31 +207,33 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   const ViewTarget before = of.target;
   const double elapsed = t - std::exchange(of.seen_at, t);
   const bool follows = was_known && elapsed < 1.5 * options_.period;
-  if (!follows) of.estimate = SlowEstimate(of.view->bounds, options_.period);
+  const Vec3<double> measured = follow_own(now, of, follows, seen);
+  if (!follows) of.estimate = SlowEstimate(of.view->filter->certificate().task.bounds, options_.period);
   const bool lags = of.slow_down && follows && of.was_certified;
-  of.target = {lags ? before.p : of.estimate.follow(seen.p), {seen.v.x, seen.v.y}};
+  of.target = {lags ? before.p : of.estimate.follow(measured), {seen.v.x, seen.v.y}};
 
   const ViewBounds& bounds = of.view->bounds;
   const double delay = options_.command_delays.empty() ? 0.0 : options_.command_delays[at(robot)];
-  const std::span<const double> own = now.x.subspan(of.x, of.nx);
-  if (follows)
-    of.own.follow(of.next, own, own_age + delay > nearly);
-  else
-    of.own.begin(own);
   if (lags) approach(of, seen.p);
-  const Vec3<double>& ahead = of.ahead = seen.p - of.target.p;
+  const Vec3<double>& ahead = of.ahead = measured - of.target.p;
   const bool is_present = own_age <= nearly || options_.supervisor.has_value();
   if (!is_present || std::max(own_age, is_agent ? 0.0 : age) + delay > bounds.age + nearly ||
       age > bounds.age + nearly)
     return;
+  of.missed = ViewReserve::error;
+  if (!is_sure(now, of, seen.p)) {
+    if (of.odometry) of.seen_at = -infinity;
+    return;
+  }
   of.missed = ViewReserve::motion;
-  if (of.own.lag() > of.most_lag + nearly) {
-    of.own.begin(own);
+  if ((of.odometry ? of.own.velocity_lag() : of.own.lag()) > of.most_lag + nearly) {
     of.left_at = t;
+    if (of.odometry)
+      of.seen_at = -infinity;  // begins anew
+    else
+      of.own.begin(now.x.subspan(of.x, of.nx));
   }
   if (t - of.left_at < settling_time) return;
-  of.missed = ViewReserve::error;
-  if (3 * norm(now.sigmas[at(robot)], now.sigmas[at(target)]) > bounds.error) return;
   // A target that is faster than it may be without requests gains more than `request_gain`.
   if (of.slow_down && !lags &&
       norm(seen.v.x, seen.v.y) > of.view->unrequested + bounds.wind * options_.period + nearly) {
@@ -234,6 +285,8 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     const std::span<double> applied = u.subspan(of.u, of.nu);
     std::copy(applied.begin(), applied.end(), of.next.begin());
+    // An estimate that is too uncertain may mislead; the search for the target goes on.
+    if (of.odometry && of.missed == ViewReserve::error) continue;
     const ViewFilterResult result =
         of.view->filter->filter(of.own.state(), of.target, of.u_min, of.u_max, of.next);
     if (result.reserve < -nearly && of.view->outside == OutsideView::solver) continue;

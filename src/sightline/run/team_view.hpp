@@ -12,6 +12,7 @@
 
 #include "sightline/loop.hpp"
 #include "sightline/run/team_barrier.hpp"
+#include "sightline/run/view_odometry.hpp"
 #include "sightline/safety/slow_down.hpp"
 #include "sightline/safety/view_filter.hpp"
 
@@ -30,6 +31,9 @@ class TeamView {
 
   /// Takes what each robot observes, and its limits, which must outlive the next call.
   void follow(const Membership& now) noexcept;
+  /// Takes the estimates of robots that are localized by vision, for each body; empty: none is. They
+  /// must outlive the next keep_views().
+  void accept_poses(std::span<const PoseEstimate> poses) noexcept { poses_ = poses; }
   /// Changes u (nu) to inputs that keep the states in their sets.
   void keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept;
   /// Judges the inputs u (nu) that the robots receive, after keep_views().
@@ -48,8 +52,8 @@ class TeamView {
     std::vector<double> u_min, u_max, next;  // limits now; a command, at last the applied one
     const InputLimits* limits;               // in force
     SlowEstimate estimate;
-    SlowState own;               // of the robot, as the filter uses it
-    double most_lag;             // of `own` behind the predicted state [m]
+    SlowState own;    // of the robot, as the filter uses it
+    double most_lag;  // of `own` behind the predicted state [m]; of its velocity with `odometry` [m/s]
     double left_at = -infinity;  // when `own` was farther behind the last time [s]
     ViewBounds::Known known;     // greatest motion of the estimate
     ViewBounds::Known followed;  // greatest way from the estimate to a measurement
@@ -60,9 +64,13 @@ class TeamView {
     ViewReserve missed = ViewReserve::age;          // what is not as assumed; `command`: all is
     bool is_judged = false, was_certified = false;  // since the view is in force
     std::optional<SlowDown> slow_down{};            // of a target that does on request
+    std::optional<OdometryFrame> odometry{};        // of a robot that is localized by vision
   };
 
   void see(double t, const TeamSituation& now, Observer& of) const noexcept;
+  Vec3<double> follow_own(const TeamSituation& now, Observer& of, bool follows,
+                          const Sight<double>& seen) const noexcept;
+  bool is_sure(const TeamSituation& now, const Observer& of, const Vec3<double>& target) const noexcept;
   void approach(Observer& of, const Vec3<double>& p) const noexcept;
   bool has_view_in_force(std::size_t robot) const noexcept;
   void choose_views() noexcept;
@@ -70,6 +78,7 @@ class TeamView {
   const Team& team_;
   const GuardOptions& options_;
   std::vector<Observer> observers_;
+  std::span<const PoseEstimate> poses_;
   std::vector<double> no_inputs_;  // as many zeros as a model has inputs, or more
   std::vector<ViewRecord> records_;
   std::vector<Change> changes_;

@@ -124,7 +124,7 @@ bool Sets::prepare(const Limits& limits) {
   if (corridor_ >= ViewSection::distances) return false;
 
   // The longest interval of distances with heights.
-  const double above = inset + known_.height + robot.climb.lag * climb;
+  const double above = inset + known_.height + robot.climb.lag * climb + task_.odometry.delay * bounds.climb;
   for (int k = 0; k < ViewSection::distances; ++k) {
     const ViewSection::Heights all = section_.heights(k, theta + late, known_.radius + own_.radius);
     heights_[size(k)] = {all.low + above, all.high - above};
@@ -315,6 +315,24 @@ ViewPrediction view_prediction(const ViewBounds& bounds, double dt) {
   if (bounds.age == 0) return {};
   const double late = bounds.age + dt, lag = bounds.wind * bounds.age * late;
   return {2 * bounds.wind * late, 0.5 * bounds.wind * square(bounds.age) + lag, lag};
+}
+
+double ViewOdometry::velocity_error(const ViewBounds& bounds, double dt) const {
+  const double pushed = bounds.wind * dt;
+  return estimate_radius(velocity + bounds.wind * bounds.age, pushed, estimate_rate * pushed) +
+         bounds.wind * (bounds.age + delay);
+}
+
+ViewBounds ViewOdometry::seen(const ViewBounds& bounds, double reach, double dt) const {
+  if (!is_used()) return bounds;
+  const double late = bounds.age + delay;
+  ViewBounds seen = bounds;
+  seen.speed += velocity_error(bounds, dt) + turn * reach;
+  seen.climb += velocity;
+  seen.spread += bounds.speed * delay;
+  seen.error += late * (velocity + 0.5 * bounds.wind * late + turn * reach);
+  seen.wind *= estimate_rate;
+  return seen;
 }
 
 ViewRegion view_region(std::vector<Potential> limits, const ViewMotion& motion) {
@@ -518,8 +536,11 @@ ViewCertificate certify_view(const ViewTask& task, const ViewSection& section) {
 }
 
 CertifiedSpeed certified_speed(ViewTask task, const ViewSection& section) {
+  const ViewBounds given = task.bounds;
   const auto holds = [&](double speed, ViewLimit ignored) {
     task.bounds.speed = speed;
+    // In the delay a faster target moves farther, as ViewOdometry::seen() counts.
+    task.bounds.spread = std::max(0.0, given.spread + task.odometry.delay * (speed - given.speed));
     return any_certificate(task, section, ignored).has_value();
   };
   constexpr double fine = 0.005, slowest = 0.01, fastest = 32.0;  // relative; [m/s]

@@ -96,6 +96,7 @@ class ViewSection {
   explicit ViewSection(const ViewRegion& region);
 
   double step() const { return step_; }                        ///< between distances [m]
+  double reach() const { return distance(distances - 1); }     ///< beyond all of the region [m]
   double distance(int k) const { return first_ + k * step_; }  ///< r_k [m]
   static double bearing(int i) { return bearing_step * (i + 1); }
   /// Heights at r_k and all bearings up to `bearing`, with the target anywhere within `radius` [m].
@@ -117,11 +118,28 @@ struct ViewBrake {
   double fastest(double distance) const noexcept;  ///< greatest v with n(v) <= distance [m/s]
 };
 
+/// Greatest errors of the motion by which an observer that is localized by vision keeps track of its
+/// target; all 0 of one whose own state is measured.
+struct ViewOdometry {
+  double velocity = 0.0;  ///< of its estimated velocity [m/s]
+  double turn = 0.0;      ///< of its estimated yaw rate [rad/s]
+  double delay = 0.0;     ///< from a command to its effect, constant [s]
+
+  bool is_used() const { return velocity > 0; }
+  /// Distance of the filter's velocity to the true one [m/s], for an estimate of the age `bounds.age`.
+  double velocity_error(const ViewBounds& bounds, double dt) const;
+  /// The bounds of the target as it moves in the frame of this odometry.
+  /// @param bounds  of the target itself; `error` is that of its position relative to the robot
+  /// @param reach  greatest distance of the target in the region [m]
+  ViewBounds seen(const ViewBounds& bounds, double reach, double dt) const;
+};
+
 /// The task of a certificate.
 struct ViewTask {
   ViewMotion motion{};
-  ViewBounds bounds{};
-  double dt = 0.01;  ///< period of the commands [s]
+  ViewBounds bounds{};  ///< of an observer that is localized by vision: those of ViewOdometry::seen()
+  double dt = 0.01;     ///< period of the commands [s]
+  ViewOdometry odometry{};
 };
 
 /// What `age` costs an observer whose own state is predicted, from a measurement of that age, by its

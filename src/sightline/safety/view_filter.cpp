@@ -80,7 +80,7 @@ SlowState::SlowState(const Model& model, const ViewTask& task)
 
 void SlowState::begin(std::span<const double> x) noexcept {
   std::copy(x.begin(), x.end(), x_.begin());
-  is_late_ = false, lag_ = 0.0;
+  is_late_ = false, lag_ = velocity_lag_ = 0.0;
 }
 
 void SlowState::follow(std::span<const double> u, std::span<const double> x, bool predicted) noexcept {
@@ -98,7 +98,7 @@ void SlowState::follow(std::span<const double> u, std::span<const double> x, boo
     for (const std::size_t k : states) x_[k] += rest * (moved[k] - x[k]);
     return rest * off;
   };
-  keep(velocity_, most_v_);
+  velocity_lag_ = keep(velocity_, most_v_);
   lag_ = keep(position_, most_p_);
 }
 

@@ -56,15 +56,16 @@ class SlowState {
   void follow(std::span<const double> u, std::span<const double> x, bool predicted) noexcept;
 
   std::span<const double> state() const noexcept { return x_; }
-  /// Distance to the predicted position at the last follow() [m].
+  /// Distance to the predicted position at the last follow() [m], and to the predicted velocity [m/s].
   double lag() const noexcept { return lag_; }
+  double velocity_lag() const noexcept { return velocity_lag_; }
 
  private:
   Model model_;
   double dt_, most_v_, most_p_;                   // greatest corrections of a period [m/s], [m]
   std::vector<std::size_t> position_, velocity_;  // horizontal ones among the states
   bool is_late_ = false;
-  double lag_ = 0.0;
+  double lag_ = 0.0, velocity_lag_ = 0.0;
   std::vector<double> x_;
 };
 

@@ -128,6 +128,34 @@ void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views
   }
 }
 
+/// What is assumed of the motion that an observer localized by vision estimates; 0 of another one.
+ViewOdometry read_odometry(const TomlTable& at, const ScenarioSpec& scenario, const CertifiedView& view) {
+  const auto& localized = scenario.localization.robots;
+  const auto found = std::find_if(localized.begin(), localized.end(),
+                                  [&](const LocalizedRobot& of) { return of.robot == view.observer; });
+  const bool is_localized = found != localized.end();
+  for (const char* key : {"velocity_error", "turn_error"}) {
+    if (!is_localized && at.has(key))
+      at.throw_invalid(key, "no such key for an observer whose own state is measured");
+  }
+  if (!is_localized) return {};
+  if (found->filter.filter != FilterKind::attitude)
+    at.throw_invalid("observer",
+                     "a robot with localization = \"global\", or with estimate.filter = \"attitude\", which "
+                     "estimates its velocity");
+  if (scenario.links) at.throw_invalid("observer", "a robot with localization = \"global\" beside a [fleet]");
+  if (view.is_on_request())
+    at.throw_invalid("speed_unrequested", "no such key for an observer that is localized by vision");
+  if (view.bounds.error == 0)
+    at.throw_invalid("error", "above 0 for an observer that is localized by vision");
+  ViewOdometry odometry;
+  for (const RobotCompensation& of : scenario.compensations)
+    if (of.robot == view.observer) odometry.delay = of.command_delay;
+  odometry.velocity = at.number("velocity_error", positive("> 0 m/s"));
+  odometry.turn = at.number("turn_error", positive("> 0 rad/s"));
+  return odometry;
+}
+
 /// The certificate of a view, its filter and the largest speed.
 /// @return its set as a part of the cost; of weight 0: none
 Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
@@ -141,13 +169,19 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
   if (has_two_sensors(scenario, view))
     at.throw_invalid("target", fmt::format("a body that {} observes through one sensor in the whole scenario",
                                            team.name(view.observer)));
+  const ViewOdometry odometry = read_odometry(at, scenario, view);
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
-    const ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
-                           scenario.horizon.dt};
+    ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
+                     scenario.horizon.dt, odometry};
     const ViewSection section(view_region(std::move(limits.all), task.motion));
+    if (odometry.is_used()) {
+      task.bounds.age -= odometry.delay;
+      task.bounds = odometry.seen(task.bounds, section.reach(), task.dt);
+    }
     const CertifiedSpeed most = certified_speed(task, section);
-    view.speed_most = most.speed, view.limited_by = to_string(most.limit);
+    const double seen = task.bounds.speed - view.bounds.speed;  // of a target at rest
+    view.speed_most = std::max(0.0, most.speed - seen), view.limited_by = to_string(most.limit);
     const ViewCertificate certificate = certify_view(task, section);
     if (certificate.exists()) view.filter = std::make_shared<const ViewFilter>(model, certificate);
   });
@@ -194,10 +228,6 @@ CertifiedView read_view(const TomlTable& at, const ScenarioSpec& scenario) {
   read_keys(at, {}, view.bounds, view);
   view.observer = team.find(read_name(at, "observer", team, Among::robots, "a robot"));
   view.target = team.find(read_name(at, "target", team, Among::bodies, "a robot, target or obstacle"));
-  for (const LocalizedRobot& of : scenario.localization.robots) {
-    if (of.robot == view.observer)
-      at.throw_invalid("observer", "a robot with localization = \"global\", whose own state is measured");
-  }
   if (scenario.links) {
     if (!scenario.safety || !scenario.safety->supervisor)
       at.throw_invalid("observer",
@@ -266,6 +296,12 @@ std::string describe(const CertifiedView& view, const Team& team) {
       view.limited_by, view.bounds.speed, z.near, z.far, z.theta * 180 / std::numbers::pi,
       z.task.motion.ahead.x == 1 ? "the heading" : "the sensor's direction", z.at(z.low, middle),
       z.at(z.high, middle), middle, z.sideward, z.turn);
+  if (const ViewOdometry& odometry = z.task.odometry; odometry.is_used())
+    text += fmt::format(
+        "certify     {} is localized by vision: while three standard deviations are within {} m "
+        "relative to {}, {} m/s and {} rad/s; counted as a target of {:.2f} m/s seen within {:.2f} m\n",
+        team.name(view.observer), view.bounds.error, team.name(view.target), odometry.velocity, odometry.turn,
+        z.task.bounds.speed, z.task.bounds.error);
   if (view.is_on_request())
     text +=
         fmt::format("certify     {} flies at up to {} m/s, gains up to {:.2f} m, and slows down on request\n",

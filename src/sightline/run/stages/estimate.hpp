@@ -13,9 +13,10 @@ struct Supervise {
 
   void run(Period& p) noexcept {
     if (guard == nullptr) return;
-    p.estimate =
-        &guard->accept_measurement(p.t, p.seen.measured, p.seen.stamps,
-                                   localizer != nullptr ? localizer->sigma() : std::span<const double>{});
+    p.estimate = &guard->accept_measurement(
+        p.t, p.seen.measured, p.seen.stamps,
+        localizer != nullptr ? localizer->sigma() : std::span<const double>{},
+        localizer != nullptr ? localizer->estimates() : std::span<const PoseEstimate>{});
     if (localizer != nullptr) guard->look(p.t, localizer->views());
   }
 };
