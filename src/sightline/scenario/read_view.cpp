@@ -305,7 +305,14 @@ std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
         sentences.push_back(fmt::format("{} assumes speed_max = {} m/s, the target moves at up to {:.3g} m/s",
                                         who, view.bounds.speed, speed));
     }
+    const bool has_barrier = scenario.safety && scenario.safety->barrier == BarrierMode::on;
     const auto d_hard = hard_distance(scenario, view.observer, view.target);
+    for (const UncooperativeBody& of : scenario.uncooperative)
+      if (of.body == view.target && has_barrier && d_hard && of.speed_max > view.bounds.speed)
+        sentences.push_back(fmt::format(
+            "{} assumes speed_max = {} m/s, and the barrier may break it, which assumes {} m/s of "
+            "the target",
+            who, view.bounds.speed, of.speed_max));
     const ViewCertificate& z = filter.certificate();
     double nearest = infinity;
     for (std::size_t k = 0; k < z.low.size(); ++k) {
@@ -313,7 +320,7 @@ std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
       nearest = std::min(nearest, norm(z.near + static_cast<double>(k) * z.step(), h));
     }
     constexpr double apart = 0.2;  // [m] within which the barrier acts on states of the set
-    if (scenario.safety && scenario.safety->barrier == BarrierMode::on && d_hard && *d_hard > nearest - apart)
+    if (has_barrier && d_hard && *d_hard > nearest - apart)
       sentences.push_back(
           fmt::format("{} allows {:.2f} m, and the barrier may break it with d_hard = {} m, "
                       "expected at most {:.2f} m",
