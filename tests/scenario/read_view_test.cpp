@@ -277,8 +277,11 @@ TEST(CertifiedViews, WarnWhereAnotherPartOfTheScenarioEndangersThem) {
       std::vector<std::string>{"the certified view of ball by uav0 assumes speed_max = 0.5 m/s, the target "
                                "moves at up to 0.8 m/s"});
   const std::vector<std::string> near = warnings(0.9, "[safety]\nbarrier = \"on\"\nd_hard = 0.95\n");
-  ASSERT_EQ(near.size(), 1U);
-  EXPECT_NE(near[0].find("the barrier may break it with d_hard = 0.95 m"), std::string::npos);
+  ASSERT_EQ(near.size(), 2U);
+  EXPECT_EQ(near[0],
+            "the certified view of ball by uav0 assumes speed_max = 0.5 m/s, and the barrier may break it, "
+            "which assumes 1.5 m/s of the target");
+  EXPECT_NE(near[1].find("the barrier may break it with d_hard = 0.95 m"), std::string::npos);
 }
 
 TEST(CertifyView, SeveralCouplingsOfOneEventTurnItsObserverOnce) {
@@ -416,6 +419,48 @@ TEST(CertifyView, TheSetsOfAnEventAreThoseOfThePairsObservedAfterIt) {
                   "{ observer = \"uav1\", target = \"ball\" }]\n",
                   {{"uav0", "cube"}, {"uav1", "ball"}}),
             (Sets{"uav0 cube", "uav1 ball"}));
+}
+
+// The other coupling moves with the one that observes, or is added and given a sensor by two events.
+TEST(CertifyView, ACouplingThatIsGivenASensorBeginsTheSetOfItsPair) {
+  using Sets = std::vector<std::string>;
+  const auto event = [](const char* name, double at, const std::string& actions) {
+    return fmt::format("[[event]]\nname = \"{}\"\nat = {}\n{}\n", name, at, actions);
+  };
+  const auto retune = [&](const char* name, double at, const char* potential) {
+    return event(name, at, fmt::format("retune = {{ couple = \"near\", potential = {{ {} }} }}", potential));
+  };
+  const std::string near =
+                        "[[couple]]\nname = \"near\"\npotential = { cohesion = { d_max = 2.5 } }\n"
+                        "between = [\"uav0\", \"ball\"]\n",
+                    others =
+                        "[[couple]]\npotential = { cohesion = { d_max = 3.0 } }\nbetween = [\"uav0\", "
+                        "\"ball\"]\n" +
+                        views_of("uav1", "cube", ""),
+                    cone = retune("retune", 3.0, "sensor_cone = { alpha = 0.6 }");
+  const auto after = [&](const std::string& rest, const std::vector<std::string>& names,
+                         const char* target = "ball") {
+    return sets_after(two_observers(rest, {{"uav0", target}, {"uav1", "cube"}}), names);
+  };
+  const Sets both = {"uav0 ball", "uav1 cube"};
+  EXPECT_EQ(after(near + others + cone, {}), Sets{"uav1 cube"});
+  EXPECT_EQ(after(near + others + cone, {"retune"}), both);
+  const std::string add = event("add", 1.0,
+                                "add = { couple = { name = \"near\", potential = { cohesion = { d_max "
+                                "= 2.5 } }, between = [\"uav0\", \"ball\"] } }");
+  EXPECT_EQ(after(others + add + cone, {"add"}), Sets{"uav1 cube"});
+  EXPECT_EQ(after(others + add + cone, {"add", "retune"}), both);
+  const std::string sees =
+                        "[[couple]]\nname = \"sees\"\npotential = { bearing = { alpha = 0.7 } }\n"
+                        "between = [\"uav0\", \"ball\"]\n",
+                    turn = event("turn", 1.0, "observe = { observer = \"uav0\", target = \"cube\" }") +
+                           event("end", 2.0, "remove = { couple = \"sees\" }");
+  const Sets moved = {"uav0 cube", "uav1 cube"};
+  EXPECT_EQ(after(near + others + sees + turn + cone, {"turn"}, "cube"), moved);
+  EXPECT_EQ(after(near + others + sees + turn + cone, {"turn", "end"}, "cube"), Sets{"uav1 cube"});
+  EXPECT_EQ(after(near + others + sees + turn + cone, {"turn", "end", "retune"}, "cube"), moved);
+  const std::string blind = retune("blind", 4.0, "cohesion = { d_max = 2.0 }");
+  EXPECT_EQ(after(near + others + cone + blind, {"retune", "blind"}), Sets{"uav1 cube"});
 }
 
 TEST(CertifyView, TheSetOfARelayIsThatOfItsObserver) {

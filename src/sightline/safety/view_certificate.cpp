@@ -52,6 +52,8 @@ class Sets {
 
   /// @return false if no set exists for any distances
   bool prepare(const Limits& limits);
+  /// Whether the conditions hold from r_i to r_j, at least corridor() apart.
+  bool holds(int i, int j);
   /// Volume of the set from r_i to r_j; 0 if a condition fails.
   double volume(int i, int j);
   ViewCertificate certificate(int i, int j);
@@ -61,8 +63,15 @@ class Sets {
   int corridor() const { return corridor_; }  ///< least j - i, (C1)
 
  private:
-  bool follows(int i, int j) const;         ///< (C2)
-  bool holds_sideward(int i, int j) const;  ///< (C6)
+  void tabulate_heights(double bearing, double above);
+  double fastest_within(int k) const;  ///< fastest_[k]
+  /// The left sides of (C2) over r at r_k, for the greatest speeds ahead and back there [rad/s].
+  Vec2<double> rates(int k, double ahead, double back) const;
+  bool follows(const Vec2<double>& rates) const {
+    return rates.x <= limits_.turn && rates.y <= 2 * limits_.turn;
+  }
+  bool follows(int i, int j) const;           ///< (C2)
+  bool holds_sideward(double fastest) const;  ///< (C6)
 
   ViewTask task_;
   const ViewSection& section_;
@@ -72,12 +81,16 @@ class Sets {
   ViewLimit ignored_;
   Limits limits_{};
   Vec2<double> push_{};  // b, b_s
-  double across_ = 0, held_ = 0, sine_ahead_ = 0, sine_back_ = 0, sine_between_ = 0;
+  double across_ = 0, held_ = 0, sine_ahead_ = 0, sine_back_ = 0, sine_between_ = 0, moved_ = 0, varied_ = 0;
   ViewBrake brake_{};
   int first_ = 0, last_ = 0, corridor_ = 0;
   // [k]: greatest v_f within a period from a state whose braking distance is at most (k + 1) steps.
   std::array<double, most_nodes> fastest_{};
+  // [k]: greatest v_f with a braking distance of k steps, for k < speed_count_.
+  std::array<double, most_nodes> speeds_{};
+  int speed_count_ = 0;
   std::array<ViewSection::Heights, most_nodes> heights_{};
+  double bearing_ = -1, above_ = 0;  // of heights_
   std::array<double, most_nodes> low_{}, high_{};
 };
 
@@ -123,10 +136,29 @@ bool Sets::prepare(const Limits& limits) {
       ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
   if (corridor_ >= ViewSection::distances) return false;
 
-  // The longest interval of distances with heights.
-  const double above = inset + known_.height + robot.climb.lag * climb + task_.odometry.delay * bounds.climb;
+  tabulate_heights(theta + late,
+                   inset + known_.height + robot.climb.lag * climb + task_.odometry.delay * bounds.climb);
+  if (corridor_ > last_ - first_) return false;
+
+  moved_ = dt * (W_e + brake_.fastest((last_ - first_) * section_.step())), varied_ = varied;
+  // The shortest corridor at the greatest distances has the least speeds and rates. If these fail at one
+  // of its ends, all sets do.
+  const double slowest = fastest_within(0), fastest = fastest_within(corridor_ - 1);
+  if (!holds_sideward(fastest)) return false;
+  if (ignored_ != ViewLimit::yaw &&
+      !(follows(rates(last_ - corridor_, slowest, fastest)) && follows(rates(last_ - 1, fastest, slowest))))
+    return false;
+  for (int k = 0; k < last_ - first_; ++k) fastest_[size(k)] = fastest_within(k);
+  speed_count_ = 0;
+  return true;
+}
+
+/// The longest interval of distances with heights.
+void Sets::tabulate_heights(double bearing, double above) {
+  if (bearing == bearing_ && above == above_) return;
+  bearing_ = bearing, above_ = above;
   for (int k = 0; k < ViewSection::distances; ++k) {
-    const ViewSection::Heights all = section_.heights(k, theta + late, known_.radius + own_.radius);
+    const ViewSection::Heights all = section_.heights(k, bearing, known_.radius + own_.radius);
     heights_[size(k)] = {all.low + above, all.high - above};
   }
   first_ = last_ = 0;
@@ -134,44 +166,43 @@ bool Sets::prepare(const Limits& limits) {
     if (heights_[size(k)].is_empty()) begin = k + 1;
     if (k - begin > last_ - first_) first_ = begin, last_ = k;
   }
-
-  if (corridor_ > last_ - first_) return false;
-
-  const double moved = dt * (W_e + brake_.fastest((last_ - first_) * section_.step()));
-  for (int k = 0; k <= last_ - first_; ++k)
-    fastest_[size(k)] = brake_.fastest((k + 1) * section_.step() + moved) + varied;
-  return true;
 }
 
-bool Sets::holds_sideward(int i, int j) const {
+double Sets::fastest_within(int k) const {
+  return brake_.fastest((k + 1) * section_.step() + moved_) + varied_;
+}
+
+bool Sets::holds_sideward(double fastest) const {
   const ViewMotion& robot = task_.motion;
   if (robot.across.input < 0) return true;
-  const double held = held_ + (between_ + (robot.is_level ? limits_.turn : 0.0)) * fastest_[size(j - i - 1)];
+  const double held = held_ + (between_ + (robot.is_level ? limits_.turn : 0.0)) * fastest;
   return held < 0.95 * push_.y && limits_.sideward > 2 * held * task_.dt;
+}
+
+Vec2<double> Sets::rates(int k, double ahead, double back) const {
+  const double r = section_.distance(k) - 4 * task_.motion.most_push().x * square(task_.dt);
+  // At theta = Theta behind the lag: the heading itself may be on the other side of the target.
+  const double drawn = ahead > 0        ? std::max(ahead * sine_between_, back * sine_back_)
+                       : sine_back_ > 0 ? std::max(0.0, back * sine_back_)
+                                        : ahead * sine_ahead_;
+  return {(across_ + drawn) / r, (across_ + std::max({0.0, ahead, back}) * sine_between_) / r};
 }
 
 bool Sets::follows(int i, int j) const {
   if (ignored_ == ViewLimit::yaw) return true;
-  const double below = 4 * task_.motion.most_push().x * square(task_.dt);
-  double most = 0.0;  // rate of the line of sight [rad/s]
+  double most = 0.0;
   for (int k = i; k < j; ++k) {
-    const double r = section_.distance(k) - below, ahead = fastest_[size(k - i)],
-                 back = fastest_[size(j - k - 1)];
-    // At theta = Theta behind the lag: the heading itself may be on the other side of the target.
-    const double drawn = ahead > 0        ? std::max(ahead * sine_between_, back * sine_back_)
-                         : sine_back_ > 0 ? std::max(0.0, back * sine_back_)
-                                          : ahead * sine_ahead_;
-    const double left = across_ + drawn, right = across_ + std::max({0.0, ahead, back}) * sine_between_;
-    if (left > limits_.turn * r || right > 2 * limits_.turn * r) return false;
-    most = std::max({most, left / r, right / r});
+    const Vec2<double> one = rates(k, fastest_[size(k - i)], fastest_[size(j - k - 1)]);
+    if (!follows(one)) return false;
+    most = std::max({most, one.x, one.y});
   }
   return limits_.theta >= (limits_.turn + most) * task_.dt + spare;
 }
 
-double Sets::volume(int i, int j) {
-  if (!follows(i, j) || !holds_sideward(i, j)) return 0.0;
+bool Sets::holds(int i, int j) {
+  if (!holds_sideward(fastest_[size(j - i - 1)]) || !follows(i, j)) return false;
   const double climb = limits_.climb - known_.climb, d = section_.step();
-  if (climb < 0 && ignored_ != ViewLimit::height) return 0.0;
+  if (climb < 0 && ignored_ != ViewLimit::height) return false;
   for (int k = i; k <= j; ++k)
     low_[size(k - i)] = heights_[size(k)].low, high_[size(k - i)] = heights_[size(k)].high;
   const int n = j - i;
@@ -186,12 +217,20 @@ double Sets::volume(int i, int j) {
   }
   const double least =
       ignored_ == ViewLimit::height ? 0.0 : 4 * limits_.climb * task_.dt + 2 * spare;  // (C3)
+  for (int k = 0; k <= n; ++k)
+    if (high_[size(k)] - low_[size(k)] < least) return false;
+  return true;
+}
+
+double Sets::volume(int i, int j) {
+  if (!holds(i, j)) return 0.0;
+  const double d = section_.step();
+  const int n = j - i;
+  for (; speed_count_ <= n; ++speed_count_) speeds_[size(speed_count_)] = brake_.fastest(speed_count_ * d);
   double sum = 0.0;
-  for (int k = 0; k <= n; ++k) {
-    const double height = high_[size(k)] - low_[size(k)], r = section_.distance(i + k);
-    if (height < least) return 0.0;
-    sum += height * (brake_.fastest(k * d) + brake_.fastest((n - k) * d)) * r * d;
-  }
+  for (int k = 0; k <= n; ++k)
+    sum += (high_[size(k)] - low_[size(k)]) * (speeds_[size(k)] + speeds_[size(n - k)]) *
+           section_.distance(i + k) * d;
   return std::max(4 * limits_.theta * std::max(limits_.sideward, 1e-3) * sum, 1e-12);
 }
 
@@ -286,7 +325,7 @@ std::optional<Candidate> any_certificate(const ViewTask& task, const ViewSection
   CertificateSearch(task, section, ignored).any(1, [&](Sets& sets, Candidate of) {
     for (of.near = sets.first(); of.near + sets.corridor() <= sets.last(); ++of.near) {
       of.far = of.near + sets.corridor();
-      if (sets.volume(of.near, of.far) == 0) continue;
+      if (!sets.holds(of.near, of.far)) continue;
       found = of;
       return true;
     }
@@ -340,13 +379,17 @@ ViewRegion view_region(std::vector<Potential> limits, const ViewMotion& motion) 
   const auto holds = [](const Potential& limit, const Sight<double>& robot, const Sight<double>& target) {
     return limit.violation(robot, target) <= 0;
   };
+  // Upright first, as other limits than those of sensors that tilt need no more.
   std::vector<Vec2<double>> leans = {{0, 0}};
-  const bool tilts = std::any_of(limits.begin(), limits.end(), [](const Potential& limit) {
-    return limit.mount() != nullptr && limit.mount()->frame == MountFrame::body;
-  });
+  const auto is_level = [](const Potential& limit) {
+    return limit.mount() == nullptr || limit.mount()->frame != MountFrame::body;
+  };
+  // Those come first: most places are too far.
+  const bool tilts = std::stable_partition(limits.begin(), limits.end(), is_level) != limits.end();
   if (tilts) {
     for (const double f : {-1.0, 0.0, 1.0})
-      for (const double s : {-1.0, 0.0, 1.0}) leans.push_back({f * lean.x, s * lean.y});
+      for (const double s : {-1.0, 0.0, 1.0})
+        if (f != 0 || s != 0) leans.push_back({f * lean.x, s * lean.y});
   }
   for (const Potential& limit : limits) {
     // The same relative position with another place, heading, velocity and time.
@@ -368,15 +411,15 @@ ViewRegion view_region(std::vector<Potential> limits, const ViewMotion& motion) 
           "of the position alone",
           limit.name());
   }
-  return [limits = std::move(limits), leans = std::move(leans), holds, direction = motion.ahead](
+  return [limits = std::move(limits), leans = std::move(leans), holds, is_level, direction = motion.ahead](
              double ahead, double left, double above) {
     const Vec2<double> p = rotate(direction, {ahead, left});
     const Sight<double> target = {{{p.x, p.y, 0}, {1, 0}}, {}};
     return std::all_of(limits.begin(), limits.end(), [&](const Potential& limit) {
-      const bool once = limit.mount() == nullptr || limit.mount()->frame != MountFrame::body;
-      return std::all_of(leans.begin(), once ? leans.begin() + 1 : leans.end(), [&](const Vec2<double>& xi) {
-        return holds(limit, {{{0, 0, above}, {1, 0}}, {}, xi}, target);
-      });
+      return std::all_of(leans.begin(), is_level(limit) ? leans.begin() + 1 : leans.end(),
+                         [&](const Vec2<double>& xi) {
+                           return holds(limit, {{{0, 0, above}, {1, 0}}, {}, xi}, target);
+                         });
     });
   };
 }
@@ -409,15 +452,15 @@ ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * b
   first_ = std::max(0.5 * coarse, first - coarse);
   step_ = (last + coarse - first_) / (distances - 1);
 
-  const double reach = std::max(3.0, last);
+  // Heights as far apart as distances and bearings of the table are.
+  const double reach = std::max(3.0, last), scan = std::max(0.02, 1.5 * step_);
   const auto longest = [&](double r, double theta, Heights within) {
     const double x = r * std::cos(theta), y = r * std::sin(theta);
-    constexpr double scan = 0.02;  // [m]
     Heights best = {1, 0};
     double begin = 0.0, before = within.low;
     bool in = false;
     const auto border = [&](double out, double inside) {  // by bisection, on the inner side
-      for (int k = 0; k < 8; ++k) {
+      while (std::abs(out - inside) > 1e-4) {
         const double middle = 0.5 * (out + inside);
         (region(x, y, middle) ? inside : out) = middle;
       }
@@ -480,7 +523,12 @@ double ViewBrake::slope(double v) const noexcept {
 double ViewBrake::fastest(double d) const noexcept {
   if (d <= 0) return -speed;
   double v = -speed + std::sqrt(2 * thrust * d);
-  for (int k = 0; k < 6; ++k) v -= (distance(v) - d) / slope(v);
+  constexpr double settled = 1e-13;  // [m/s]
+  for (int k = 0; k < 6; ++k) {
+    const double change = (distance(v) - d) / slope(v);
+    v -= change;
+    if (std::abs(change) < settled) break;
+  }
   return v;
 }
 

@@ -106,7 +106,7 @@ std::array<bool, 2 * sight_size> seen_by(const Potential& potential) {
   return seen;
 }
 
-std::vector<Coupling> stated_couplings(const Scenario& scenario) {
+std::vector<Coupling> stated_couplings(const ScenarioSpec& scenario) {
   std::vector<Coupling> all = scenario.team.couplings();
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {

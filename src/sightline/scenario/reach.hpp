@@ -18,7 +18,7 @@ std::array<bool, sight_size> reach_of(const Model& model);
 std::array<bool, 2 * sight_size> seen_by(const Potential& potential);
 
 /// The couplings of a scenario's team, then those that its events add.
-std::vector<Coupling> stated_couplings(const Scenario& scenario);
+std::vector<Coupling> stated_couplings(const ScenarioSpec& scenario);
 
 /// A sentence for each coupling and constraint, events' ones included, that none of the robots it
 /// acts on can change.

@@ -15,6 +15,7 @@
 #include "sightline/run/team_view.hpp"
 #include "sightline/safety/view_cost.hpp"
 #include "sightline/safety/view_filter.hpp"
+#include "sightline/scenario/reach.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -50,25 +51,38 @@ bool is_observed(std::span<const Coupling> couplings, BodyId observer, BodyId ta
   });
 }
 
-/// The couplings of the start, or after the first event by which the observer observes the target.
+/// The couplings of the start, or after the first event by which the observer observes the target: the
+/// event alone, or with those before it.
 std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const CertifiedView& view) {
   const std::vector<Coupling>& at_start = scenario.team.couplings();
   if (is_observed(at_start, view.observer, view.target)) return at_start;
+  ActiveTeam together(scenario.team, scenario.presence);
   for (const TeamEvent& event : scenario.script.events) {
-    ActiveTeam after(scenario.team, scenario.presence);
-    for (const Action& action : event.actions) (void)after.apply(action, 0.0, 0.0);
-    std::vector<Coupling> couplings = after.couplings();
-    std::erase_if(couplings, [](const Coupling& c) { return !c.ramp.lasts(); });
-    if (is_observed(couplings, view.observer, view.target)) return couplings;
+    ActiveTeam alone(scenario.team, scenario.presence);
+    for (ActiveTeam* const after : {&alone, &together}) {
+      for (const Action& action : event.actions) (void)after->apply(action, 0.0, 0.0);
+      std::vector<Coupling> couplings = after->couplings();
+      std::erase_if(couplings, [](const Coupling& c) { return !c.ramp.lasts(); });
+      if (is_observed(couplings, view.observer, view.target)) return couplings;
+    }
   }
   return {};
 }
 
-/// The couplings that an action adds.
-std::span<const Coupling> added_by(const Action& action) {
-  if (const auto* add = std::get_if<AddCoupling>(&action)) return {&add->coupling, 1};
+/// The couplings that an action adds, and those of the observer that it gives another potential: these may
+/// have moved to the target by then.
+std::vector<Coupling> made_by(const Action& action, const ScenarioSpec& scenario, const CertifiedView& view) {
+  if (const auto* add = std::get_if<AddCoupling>(&action)) return {add->coupling};
   if (const auto* hand_over = std::get_if<HandOver>(&action)) return hand_over->couplings;
-  return {};
+  const auto* retune = std::get_if<RetuneTerm>(&action);
+  std::vector<Coupling> made;
+  if (retune == nullptr || !retune->potential) return made;
+  for (Coupling& c : stated_couplings(scenario)) {
+    if (c.name != retune->name || c.between.first != view.observer) continue;
+    c.between.second = view.target, c.term.potential = *retune->potential;
+    made.push_back(std::move(c));
+  }
+  return made;
 }
 
 /// Whether an action turns the observer to the target.
@@ -78,8 +92,8 @@ bool turns_to(const Action& action, const CertifiedView& view) {
 }
 
 /// Whether the observer may observe the target by this action, which it did not before.
-bool begins_view(const Action& action, const CertifiedView& view) {
-  return turns_to(action, view) || is_observed(added_by(action), view.observer, view.target);
+bool begins_view(const Action& action, const ScenarioSpec& scenario, const CertifiedView& view) {
+  return turns_to(action, view) || is_observed(made_by(action, scenario, view), view.observer, view.target);
 }
 
 /// Whether the observer observes the target through two sensors in the scenario; at one time or not.
@@ -97,7 +111,7 @@ bool has_two_sensors(const ScenarioSpec& scenario, const CertifiedView& view) {
   if (have_another(scenario.team.couplings())) return true;
   for (const TeamEvent& event : scenario.script.events) {
     for (const Action& action : event.actions) {
-      if (have_another(added_by(action))) return true;
+      if (have_another(made_by(action, scenario, view))) return true;
       if (!turns_to(action, view)) continue;
       const auto& through = std::get<Observe>(action).through;
       if (through && is_another(&*through)) return true;
@@ -114,8 +128,9 @@ void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views
   for (TeamEvent& event : scenario.script.events) {
     std::vector<Action>& actions = event.actions;
     for (std::size_t k = 0; k < views.size(); ++k) {
-      const bool begins = std::any_of(actions.begin(), actions.end(),
-                                      [&](const Action& action) { return begins_view(action, views[k]); });
+      const bool begins = std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
+        return begins_view(action, scenario, views[k]);
+      });
       if (begins && sets[k].term.weight > 0)
         actions.push_back(HandOver{AgentId{views[k].observer}, {sets[k].name}, {sets[k]}});
     }
@@ -326,7 +341,14 @@ std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
         sentences.push_back(fmt::format("{} assumes speed_max = {} m/s, the target moves at up to {:.3g} m/s",
                                         who, view.bounds.speed, speed));
     }
+    const bool has_barrier = scenario.safety && scenario.safety->barrier == BarrierMode::on;
     const auto d_hard = hard_distance(scenario, view.observer, view.target);
+    for (const UncooperativeBody& of : scenario.uncooperative)
+      if (of.body == view.target && has_barrier && d_hard && of.speed_max > view.bounds.speed)
+        sentences.push_back(fmt::format(
+            "{} assumes speed_max = {} m/s, and the barrier may break it, which assumes {} m/s of "
+            "the target",
+            who, view.bounds.speed, of.speed_max));
     const ViewCertificate& z = filter.certificate();
     double nearest = infinity;
     for (std::size_t k = 0; k < z.low.size(); ++k) {
@@ -334,7 +356,7 @@ std::vector<std::string> warnings_of_views(const ScenarioSpec& scenario) {
       nearest = std::min(nearest, norm(z.near + static_cast<double>(k) * z.step(), h));
     }
     constexpr double apart = 0.2;  // [m] within which the barrier acts on states of the set
-    if (scenario.safety && scenario.safety->barrier == BarrierMode::on && d_hard && *d_hard > nearest - apart)
+    if (has_barrier && d_hard && *d_hard > nearest - apart)
       sentences.push_back(
           fmt::format("{} allows {:.2f} m, and the barrier may break it with d_hard = {} m, "
                       "expected at most {:.2f} m",
