@@ -19,7 +19,7 @@ namespace {
 
 using Settings = std::vector<std::string>;
 
-Scenario localized_view(Settings set) {
+Scenario localized_view(const Settings& set) {
   return read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/certified_view.toml", built_in_registry(), set);
 }
 
@@ -126,8 +126,8 @@ TEST(LocalizedView, IsStatedWithItsConditions) {
 }
 
 TEST(LocalizedView, IsRefusedWhereTheEstimateDoesNotBoundIt) {
-  const auto refused = [](Settings set) {
-    return refusal_of<ScenarioError>([&] { localized_view(std::move(set)); });
+  const auto refused = [](const Settings& set) {
+    return refusal_of<ScenarioError>([&] { localized_view(set); });
   };
   EXPECT_TRUE(
       refused({"estimate.filter=\"heading\""})
