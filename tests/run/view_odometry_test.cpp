@@ -19,14 +19,14 @@
 namespace sightline {
 namespace {
 
-constexpr double dt = 0.01, reach = 3.0;
+constexpr double odometry_period = 0.01, odometry_reach = 3.0;
 
 Vec2<double> direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
-Vec2<double> into(double psi, const Vec2<double>& v_G) { return rotate(direction(-psi), v_G); }
+Vec2<double> turned_into(double psi, const Vec2<double>& v_G) { return rotate(direction(-psi), v_G); }
 double heading_of(std::span<const double> x) { return std::atan2(x[4], x[3]); }
 /// A body's horizontal position relative to a robot, in the frame of its heading.
 Vec2<double> seen_from(std::span<const double> x, const Vec3<double>& p) {
-  return into(heading_of(x), {p.x - x[0], p.y - x[1]});
+  return turned_into(heading_of(x), {p.x - x[0], p.y - x[1]});
 }
 Vec2<double> any_within(Random& random, double most) {
   const Vec2<double> d = direction(uniform(random, -4, 4));
@@ -52,15 +52,17 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
                                .climb = 0.2,
                                .error = uniform(random, 0.01, 0.08),
                                .wind = flight % 4 == 0 ? 0.0 : uniform(random, 0.1, 0.8)};
-    const ViewOdometry errors = {
-        .velocity = uniform(random, 0.03, 0.15), .turn = uniform(random, 0.0, 0.05), .delay = late * dt};
+    const ViewOdometry errors = {.velocity = uniform(random, 0.03, 0.15),
+                                 .turn = uniform(random, 0.0, 0.05),
+                                 .delay = late * odometry_period};
     ViewTask task = test::view_task(robot, bounds);
-    task.odometry = errors, task.bounds = errors.seen(bounds, reach, dt);
-    const ViewBounds::Known known = task.bounds.known(dt);
-    const double c = task.motion.along.drag, E = (1 - std::exp(-c * dt)) / c, F = (dt - E) / c;
+    task.odometry = errors, task.bounds = errors.seen(bounds, odometry_reach, odometry_period);
+    const ViewBounds::Known known = task.bounds.known(odometry_period);
+    const double c = task.motion.along.drag, E = (1 - std::exp(-c * odometry_period)) / c,
+                 F = (odometry_period - E) / c;
     OdometryFrame frame(model, task);
     SlowState own(model, task);
-    SlowEstimate estimate(task.bounds, dt);
+    SlowEstimate estimate(task.bounds, odometry_period);
 
     std::vector<double> x = test::state_of(model, {.z = 2.0});
     Vec3<double> target = {1.5, 0.0, 1.4};
@@ -80,17 +82,20 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
       const double share = 0.01;  // of the vertical velocity, which the mean over a period does not have
       PoseEstimate pose{
           .known = true,
-          .stamp = k * dt,
+          .stamp = k * odometry_period,
           .p = {target.x - from.x, target.y - from.y, x[2] + uniform(random, -bounds.error, bounds.error)},
-          .v = {v.x, v.y, climbed / dt + uniform(random, share - errors.velocity, errors.velocity - share)},
+          .v = {v.x, v.y,
+                climbed / odometry_period +
+                    uniform(random, share - errors.velocity, errors.velocity - share)},
           .psi = psi,
-          .yaw_rate = turned / dt + uniform(random, -errors.turn, errors.turn)};
+          .yaw_rate = turned / odometry_period + uniform(random, -errors.turn, errors.turn)};
       // The state that the loop has: another velocity, predicted by the commands under way.
       std::vector<double> here(x.size());
       model.at_rest({pose.p, direction(psi)}, here.data());
       here[5] = x[5] + uniform(random, -0.3, 0.3), here[6] = x[6] + uniform(random, -0.3, 0.3);
       std::vector<double> there = here;
-      for (std::size_t i = now; i < now + size(late); ++i) model.step(there.data(), commands[i].data(), dt);
+      for (std::size_t i = now; i < now + size(late); ++i)
+        model.step(there.data(), commands[i].data(), odometry_period);
       k == 0 ? frame.begin(pose) : frame.follow(pose);
       const std::span<const double> carried = frame.carry(pose, here, there);
       k == 0 ? own.begin(carried) : own.follow(u, carried, true);
@@ -114,9 +119,9 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
            0.2 * std::sin(0.02 * k), 0.4 * std::sin(0.013 * k)};
       commands.push_back(u);
       const double psi_before = heading_of(x), z_before = x[2];
-      model.step(x.data(), commands[now].data(), dt);
-      const double blown = k / 80;
-      const Vec2<double> wind = direction(2.4 * blown), wind_V = into(heading_of(x), wind);
+      model.step(x.data(), commands[now].data(), odometry_period);
+      const int blown = k / 80, turns = k / 60;
+      const Vec2<double> wind = direction(2.4 * blown), wind_V = turned_into(heading_of(x), wind);
       x[0] += bounds.wind * F * wind.x, x[1] += bounds.wind * F * wind.y;
       x[5] += bounds.wind * E * wind_V.x, x[6] += bounds.wind * E * wind_V.y;
       turned = std::remainder(heading_of(x) - psi_before, 2 * std::numbers::pi), climbed = x[2] - z_before;
@@ -124,15 +129,16 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
       const Vec2<double> away = {x[0] - target.x, x[1] - target.y};
       const Vec2<double> way =
           far ? Vec2<double>{away.x / norm(away.x, away.y), away.y / norm(away.x, away.y)}
-              : direction(k / 60 * 1.9);
-      target = {target.x + bounds.speed * dt * way.x, target.y + bounds.speed * dt * way.y,
-                target.z + bounds.climb * dt * (x[2] - target.z > 0.6 ? 1.0 : -1.0)};
+              : direction(1.9 * turns);
+      target = {target.x + bounds.speed * odometry_period * way.x,
+                target.y + bounds.speed * odometry_period * way.y,
+                target.z + bounds.climb * odometry_period * (x[2] - target.z > 0.6 ? 1.0 : -1.0)};
     }
     constexpr double rounding = 2e-3;  // of the wind that turns within a period, and of the delay's drag
-    ASSERT_LT(farthest, reach);
+    ASSERT_LT(farthest, odometry_reach);
     EXPECT_LE(off, known.radius + rounding) << flight;
     EXPECT_GT(off, 0.3 * bounds.error) << flight;
-    EXPECT_LE(off_v, errors.velocity_error(bounds, dt) + rounding) << flight;
+    EXPECT_LE(off_v, errors.velocity_error(bounds, odometry_period) + rounding) << flight;
     EXPECT_LE(off_h, known.height + errors.delay * task.bounds.climb + rounding) << flight;
   }
 }
@@ -145,11 +151,11 @@ TEST(ViewOdometry, KeepsPlaceAndVelocityWhateverThePoseEstimateDoes) {
 TEST(ViewOdometry, ItsBoundsGrowWithEachError) {
   const ViewBounds bounds = {.speed = 0.3, .climb = 0.1, .error = 0.04, .wind = 0.5};
   const ViewOdometry least = {.velocity = 0.05, .turn = 0.02, .delay = 0.1};
-  const ViewBounds seen = least.seen(bounds, reach, dt);
-  EXPECT_EQ(ViewOdometry{}.seen(bounds, reach, dt).speed, bounds.speed);
-  EXPECT_GT(seen.speed, bounds.speed + least.velocity + least.turn * reach);
+  const ViewBounds seen = least.seen(bounds, odometry_reach, odometry_period);
+  EXPECT_EQ(ViewOdometry{}.seen(bounds, odometry_reach, odometry_period).speed, bounds.speed);
+  EXPECT_GT(seen.speed, bounds.speed + least.velocity + least.turn * odometry_reach);
   for (const ViewOdometry& more : {ViewOdometry{0.1, 0.02, 0.1}, {0.05, 0.04, 0.1}, {0.05, 0.02, 0.2}}) {
-    const ViewBounds other = more.seen(bounds, reach, dt);
+    const ViewBounds other = more.seen(bounds, odometry_reach, odometry_period);
     EXPECT_GT(other.speed, seen.speed);
     EXPECT_GT(other.error, seen.error);
   }
@@ -168,12 +174,12 @@ TEST(ViewOdometry, RelativeDeviationIsThatOfDrawnPoses) {
     for (const auto& cause : L)
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) pose.P(i, j) += cause[size(i)] * cause[size(j)];
-    const Vec2<double> q = into(psi, {body.x - p.x, body.y - p.y});
+    const Vec2<double> q = turned_into(psi, {body.x - p.x, body.y - p.y});
     double sum = 0.0;
     for (const auto& cause : L) {  // linear: the variances of the causes add up
       constexpr double small = 1e-3;
-      const Vec2<double> off =
-          into(psi + small * cause[3], {body.x - p.x - small * cause[0], body.y - p.y - small * cause[1]});
+      const Vec2<double> off = turned_into(
+          psi + small * cause[3], {body.x - p.x - small * cause[0], body.y - p.y - small * cause[1]});
       sum += (square(off.x - q.x) + square(off.y - q.y)) / square(small) + square(cause[2]);
     }
     EXPECT_NEAR(relative_sigma(pose, body), std::sqrt(sum), 1e-4 * std::sqrt(sum));

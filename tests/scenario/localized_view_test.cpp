@@ -19,7 +19,7 @@ namespace {
 
 using Settings = std::vector<std::string>;
 
-Scenario localized_view(Settings set) {
+Scenario localized_view(const Settings& set) {
   return read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/certified_view.toml", built_in_registry(), set);
 }
 
@@ -36,17 +36,17 @@ double three_sigma(const PoseEstimate& pose, const Vec3<double>& p) {
   return 3 * std::sqrt(variance);
 }
 
-struct Flown {
+struct LocalizedFlown {
   int updates = 0, certified = 0;  // after the first 3 s, in which the estimate settles
   int lost = 0, unsure = 0;        // certified: out of a limit; with a covariance beyond `error`
   double withdrawn = infinity, searched = infinity, found = infinity;  // first events after 3 s [s]
   bool is_certified = false;                                           // at the end
 };
 
-Flown fly(const Scenario& scenario) {
+LocalizedFlown fly_localized(const Scenario& scenario) {
   const Team& team = scenario.team;
   const CertifiedView& view = scenario.certified_views[0];
-  Flown flown;
+  LocalizedFlown flown;
   for (const Sample& sample : test::samples_of(scenario)) {
     if (sample.of != Sample::Of::update || sample.time < 3.0) continue;
     const ViewRecord& record = sample.views[0];
@@ -73,7 +73,7 @@ Flown fly(const Scenario& scenario) {
 }
 
 TEST(LocalizedView, IsKeptWhileTheCovarianceKeepsTheStatedErrors) {
-  const Flown flown = fly(localized_view({"simulation.duration=20.0"}));
+  const LocalizedFlown flown = fly_localized(localized_view({"simulation.duration=20.0"}));
   EXPECT_GT(flown.certified, 0.99 * flown.updates);
   EXPECT_EQ(flown.lost, 0);
   EXPECT_EQ(flown.unsure, 0);
@@ -84,7 +84,7 @@ TEST(LocalizedView, IsKeptWhileTheCovarianceKeepsTheStatedErrors) {
 TEST(LocalizedView, OfLostDetectionsIsCertifiedLess) {
   int before = 1 << 20;
   for (const char* dropout : {"0.3", "0.8", "0.97"}) {
-    const Flown flown = fly(
+    const LocalizedFlown flown = fly_localized(
         localized_view({"simulation.duration=20.0", std::string("agent.uav0.camera.dropout=") + dropout}));
     EXPECT_LE(flown.certified, before) << dropout;
     EXPECT_EQ(flown.lost, 0) << dropout;
@@ -97,10 +97,10 @@ TEST(LocalizedView, OfLostDetectionsIsCertifiedLess) {
 // A pillar hides the target for seconds. The certificate ends before the view counts as lost, and the search
 // leads back into the set.
 TEST(LocalizedView, EndsBeforeTheViewIsLostAndTheSearchEndsInTheSet) {
-  const Flown flown =
-      fly(localized_view({"simulation.duration=40.0", "agent.uav1.reference.circle.rate=0.0",
-                          "obstacle.pillar={d_hard=0.01,speed_max=0.1,hull={radius=0.4,height=6.0},"
-                          "motion={path={points=[[1.1,1.5,1.0],[1.1,-9.0,1.0]],speed=0.1}}}"}));
+  const LocalizedFlown flown =
+      fly_localized(localized_view({"simulation.duration=40.0", "agent.uav1.reference.circle.rate=0.0",
+                                    "obstacle.pillar={d_hard=0.01,speed_max=0.1,hull={radius=0.4,height=6.0},"
+                                    "motion={path={points=[[1.1,1.5,1.0],[1.1,-9.0,1.0]],speed=0.1}}}"}));
   EXPECT_GT(flown.certified, 500);
   EXPECT_LT(flown.withdrawn, flown.searched);
   EXPECT_LT(flown.searched, flown.found);
@@ -126,8 +126,8 @@ TEST(LocalizedView, IsStatedWithItsConditions) {
 }
 
 TEST(LocalizedView, IsRefusedWhereTheEstimateDoesNotBoundIt) {
-  const auto refused = [](Settings set) {
-    return refusal_of<ScenarioError>([&] { localized_view(std::move(set)); });
+  const auto refused = [](const Settings& set) {
+    return refusal_of<ScenarioError>([&] { localized_view(set); });
   };
   EXPECT_TRUE(
       refused({"estimate.filter=\"heading\""})

@@ -84,7 +84,7 @@ outside = "return"
 }
 
 /// Draws the wind of a flight, and the target's turns.
-void draw(Scenario& scenario, Random& random) {
+void draw_turns(Scenario& scenario, Random& random) {
   const double from = uniform(random, -4, 4), push = uniform(random, 0.0, 1.0);
   scenario.simulation.disturbances.wind = {push * std::cos(from), push * std::sin(from), 0.0};
   scenario.simulation.seed = random() % 100000;
@@ -110,7 +110,7 @@ TEST_P(RotorViewCampaign, NoVehicleLosesAViewThatItCertifies) {
   long certified = 0, active = 0, updates = 0;
   std::array<long, 12> missed{};
   for (int flight = 0; flight < flights; ++flight) {
-    draw(scenario, random);
+    draw_turns(scenario, random);
     // Localization begins, by the first pictures, with an uncertain velocity.
     const double begin = of.by_vision ? 3.0 : 0.0;
     bool is_lost = false, was_announced = false;
