@@ -122,6 +122,8 @@ struct ViewTask {
   ViewMotion motion{};
   ViewBounds bounds{};
   double dt = 0.01;  ///< period of the commands [s]
+  /// Horizontal speed to which the robot itself may be requested to keep [m/s]: its set needs no more.
+  double requested = infinity;
 };
 
 /// What `age` costs an observer whose own state is predicted, from a measurement of that age, by its
@@ -134,7 +136,7 @@ struct ViewPrediction {
 ViewPrediction view_prediction(const ViewBounds& bounds, double dt);
 
 /// A condition of the theorem that can limit the certified speed.
-enum class ViewLimit { none, range, yaw, height, thrust };
+enum class ViewLimit { none, range, yaw, height, thrust, request };
 std::string_view to_string(ViewLimit limit) noexcept;
 
 struct ViewCertificate {
