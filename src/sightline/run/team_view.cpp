@@ -258,30 +258,44 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   if (!keeps) of.missed = ViewReserve::speed;
 }
 
+/// Requests the target to slow down while it is ahead of the point that the filter follows, and lets it.
+void TeamView::slow_down(const TeamSituation& now, Observer& of, std::span<double> u) noexcept {
+  const AgentId target{of.view->target};
+  const Model& model = team_.model(target);
+  // A target that brakes or lands on its own is judged, and goes on as it does.
+  const bool obeys = now.presence[at(of.view->target)] == Presence::steered &&
+                     now.levels[at(of.view->target)] < FallbackLevel::land;
+  const bool is_ahead = norm(of.ahead.x, of.ahead.y) > 0;
+  const std::span<double> command = u.subspan(size(team_.input_offset(target)), size(model.nu()));
+  std::array<double, ViewFilter::most_inputs> unused{};
+  std::copy(command.begin(), command.end(), unused.begin());
+  records_[of.robot].requests = is_ahead && obeys;
+  of.slow_down->filter(is_ahead, now.x.subspan(size(team_.state_offset(target)), size(model.nx())),
+                       obeys ? command : std::span<double>(unused).first(command.size()));
+}
+
+/// Whether a command (nu) of a robot keeps the bounds of all that request it to slow down.
+bool TeamView::keeps_requests(std::size_t robot, std::span<const double> u) const noexcept {
+  return std::all_of(observers_.begin(), observers_.end(), [&](const Observer& of) {
+    return !of.is_in_force || !of.is_known || !of.slow_down ||
+           team_.agent_index(AgentId{of.view->target}) != robot || of.slow_down->keeps(u);
+  });
+}
+
 void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> u) noexcept {
   changes_.clear();
   choose_views();
   std::fill(records_.begin(), records_.end(), ViewRecord{});
   for (Observer& of : observers_) {
     if (!of.is_in_force) continue;
-    ViewRecord& record = records_[of.robot];
-    record.target = of.view->target;
+    records_[of.robot].target = of.view->target;
     see(t, now, of);
-    if (!of.is_known) continue;
-    if (of.slow_down) {
-      const AgentId target{of.view->target};
-      const Model& model = team_.model(target);
-      // A target that brakes or lands on its own is judged, and goes on as it does.
-      const bool obeys = now.presence[at(of.view->target)] == Presence::steered &&
-                         now.levels[at(of.view->target)] < FallbackLevel::land;
-      const bool is_ahead = norm(of.ahead.x, of.ahead.y) > 0;
-      const std::span<double> command = u.subspan(size(team_.input_offset(target)), size(model.nu()));
-      std::array<double, ViewFilter::most_inputs> unused{};
-      std::copy(command.begin(), command.end(), unused.begin());
-      record.requests = is_ahead && obeys;
-      of.slow_down->filter(is_ahead, now.x.subspan(size(team_.state_offset(target)), size(model.nx())),
-                           obeys ? command : std::span<double>(unused).first(command.size()));
-    }
+    if (of.is_known && of.slow_down) slow_down(now, of, u);
+  }
+  // A set needs no more than what its robot may do on request.
+  for (Observer& of : observers_) {
+    if (!of.is_in_force || !of.is_known) continue;
+    ViewRecord& record = records_[of.robot];
     now.limit(*of.limits, t, of.u, of.u_min, of.u_max);
     const std::span<double> applied = u.subspan(of.u, of.nu);
     std::copy(applied.begin(), applied.end(), of.next.begin());
@@ -289,7 +303,9 @@ void TeamView::keep_views(double t, const TeamSituation& now, std::span<double> 
     if (of.odometry && of.missed == ViewReserve::error) continue;
     const ViewFilterResult result =
         of.view->filter->filter(of.own.state(), of.target, of.u_min, of.u_max, of.next);
-    if (result.reserve < -nearly && of.view->outside == OutsideView::solver) continue;
+    if (result.reserve < -nearly &&
+        (of.view->outside == OutsideView::solver || !keeps_requests(of.robot, of.next)))
+      continue;
     record.active = result.active;
     std::copy(of.next.begin(), of.next.end(), applied.begin());
   }

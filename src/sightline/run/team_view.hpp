@@ -72,6 +72,8 @@ class TeamView {
                           const Sight<double>& seen) const noexcept;
   bool is_sure(const TeamSituation& now, const Observer& of, const Vec3<double>& target) const noexcept;
   void approach(Observer& of, const Vec3<double>& p) const noexcept;
+  void slow_down(const TeamSituation& now, Observer& of, std::span<double> u) noexcept;
+  bool keeps_requests(std::size_t robot, std::span<const double> u) const noexcept;
   bool has_view_in_force(std::size_t robot) const noexcept;
   void choose_views() noexcept;
 

@@ -131,6 +131,7 @@ bool Sets::prepare(const Limits& limits) {
   // (C1): a thrust for one border uses up at most `lost` of the other's reserve, 2 q_0.
   const double change = (most + c * W_e) * dt * std::exp(c * dt);
   const double lost = 2 * change * (2 * W_e + change) / (least + c * W_e);
+  if (ignored_ != ViewLimit::request && norm(W_e + 2 * change, sideward) > task_.requested) return false;
   const double length = brake_.distance(W_e) + 2 * (lost + spare);
   corridor_ =
       ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
@@ -336,7 +337,7 @@ std::optional<Candidate> any_certificate(const ViewTask& task, const ViewSection
 
 /// The condition without which the task would be certified; the thrust if no single one.
 ViewLimit limit_of(const ViewTask& task, const ViewSection& section) {
-  for (const ViewLimit one : {ViewLimit::range, ViewLimit::yaw, ViewLimit::height})
+  for (const ViewLimit one : {ViewLimit::range, ViewLimit::yaw, ViewLimit::height, ViewLimit::request})
     if (any_certificate(task, section, one)) return one;
   return ViewLimit::thrust;
 }
@@ -533,8 +534,9 @@ double ViewBrake::fastest(double d) const noexcept {
 }
 
 std::string_view to_string(ViewLimit limit) noexcept {
-  constexpr std::array<std::string_view, 5> names = {"nothing", "the range corridor", "the yaw rate",
-                                                     "the height", "the thrust"};
+  constexpr std::array<std::string_view, 6> names = {
+      "nothing",    "the range corridor", "the yaw rate",
+      "the height", "the thrust",         "the speed that the observer keeps on request"};
   return names[static_cast<std::size_t>(limit)];
 }
 

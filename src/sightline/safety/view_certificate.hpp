@@ -140,6 +140,8 @@ struct ViewTask {
   ViewBounds bounds{};  ///< of an observer that is localized by vision: those of ViewOdometry::seen()
   double dt = 0.01;     ///< period of the commands [s]
   ViewOdometry odometry{};
+  /// Horizontal speed to which the robot itself may be requested to keep [m/s]: its set needs no more.
+  double requested = infinity;
 };
 
 /// What `age` costs an observer whose own state is predicted, from a measurement of that age, by its
@@ -152,7 +154,7 @@ struct ViewPrediction {
 ViewPrediction view_prediction(const ViewBounds& bounds, double dt);
 
 /// A condition of the theorem that can limit the certified speed.
-enum class ViewLimit { none, range, yaw, height, thrust };
+enum class ViewLimit { none, range, yaw, height, thrust, request };
 std::string_view to_string(ViewLimit limit) noexcept;
 
 struct ViewCertificate {

@@ -172,8 +172,10 @@ ViewOdometry read_odometry(const TomlTable& at, const ScenarioSpec& scenario, co
 }
 
 /// The certificate of a view, its filter and the largest speed.
+/// @param views  all of the scenario: some may request the observer to slow down
 /// @return its set as a part of the cost; of weight 0: none
-Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedView& view) {
+Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, const std::vector<CertifiedView>& views,
+                 CertifiedView& view) {
   const Team& team = scenario.team;
   const Model& model = team.model(view.observer);
   ViewLimits limits = limits_of(couplings_of_view(scenario, view), view.observer, view.target);
@@ -185,10 +187,21 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, CertifiedVie
     at.throw_invalid("target", fmt::format("a body that {} observes through one sensor in the whole scenario",
                                            team.name(view.observer)));
   const ViewOdometry odometry = read_odometry(at, scenario, view);
+  const auto requests = [&](const CertifiedView& other) {
+    return other.is_on_request() && other.target == view.observer;
+  };
+  if (odometry.is_used() && std::any_of(views.begin(), views.end(), requests))
+    at.throw_invalid("observer",
+                     "a robot that no certified view requests to slow down, as it is localized by vision");
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
     ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
                      scenario.horizon.dt, odometry};
+    for (const CertifiedView& other : views) {
+      if (!requests(other)) continue;
+      task.requested = std::min(task.requested, other.bounds.speed);
+      task.motion.climb.most = std::min(task.motion.climb.most, other.bounds.climb);
+    }
     const ViewSection section(view_region(std::move(limits.all), task.motion));
     if (odometry.is_used()) {
       task.bounds.age -= odometry.delay;
@@ -276,15 +289,9 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
   const std::vector<Coupling>& at_start = scenario.team.couplings();
   for (const TomlTable& at : root.tables("certify_view")) {
     CertifiedView view = read_view(at, scenario);
-    sets.push_back(certify(at, scenario, view));
-    sets.back().name = fmt::format("{}{}]", name_of_view_sets, views.size());
     places.push_back(at.where());
     const bool is_first = is_observed(at_start, view.observer, view.target);
     for (const CertifiedView& other : views) {
-      if ((view.is_on_request() && view.target == other.observer) ||
-          (other.is_on_request() && other.target == view.observer))
-        at.throw_invalid(view.is_on_request() ? "target" : "observer",
-                         "no robot that slows down on request and has a certified view of its own");
       if (view.target == other.target && view.is_on_request() != other.is_on_request())
         at.throw_invalid("target", "speed_unrequested in all certified views of a body, or in none");
       if (other.observer != view.observer) continue;
@@ -294,6 +301,10 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
         at.throw_invalid("observer", "a robot that observes no other target of a certified view at once");
     }
     views.push_back(std::move(view));
+  }
+  for (const TomlTable& at : root.tables("certify_view")) {
+    sets.push_back(certify(at, scenario, views, views[sets.size()]));
+    sets.back().name = fmt::format("{}{}]", name_of_view_sets, sets.size() - 1);
   }
   couple_sets(scenario, views, std::move(sets), places);
   return views;
