@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/recorded_rig.hpp"
 #include "tests/support/recorded_team.hpp"
+#include "tests/support/rig_bag.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace sightline::test {
@@ -104,6 +106,7 @@ TEST(LocalizeCommand, RefusesInOneSentence) {
               HasSubstr("--landmarks = robot, expected all, none or some of"));
   EXPECT_THAT(of(at + " --start later"), HasSubstr("--start = later, expected known or unknown"));
   EXPECT_THAT(of(at + " --start unknown --no-identities"), HasSubstr("expected known poses at the start"));
+  EXPECT_THAT(of(at + " --pixels raw"), HasSubstr("--pixels = raw, expected none"));
   EXPECT_THAT(of(at + " --set range_nois=1"), HasSubstr("range_noise"));
   EXPECT_THAT(of(at + " --set range_noise=-1"), HasSubstr("range_noise = -1"));
   EXPECT_THAT(of(at + " --noise " + (folder / "none.toml").string()), HasSubstr("none.toml"));
@@ -174,6 +177,16 @@ TEST(LocalizeCommand, LocalizesACameraRig) {
   EXPECT_TRUE(log.visit([&](const McapMessage& one) { ++messages[std::string(one.topic)]; })) << log.error();
   for (const char* topic : {"/rig/estimate", "/rig_smoothed/estimate", "/rig/pose"})
     EXPECT_EQ(messages[topic], static_cast<int>(rig.recording.reference.size())) << topic;
+  // The same sightings in a bag that has its cameras, too.
+  for (const char* name : {"walk_tag_detections.csv", "walk_cameras.yaml", "walk_camera_poses.yaml"})
+    fs::remove(folder / name);
+  std::ofstream(folder / "walk.mcap", std::ios::binary) << bag_with_cameras(rig.recording, 0.0).bytes("lz4");
+  const auto bag = sightline(
+      "localize " + (folder / "walk.mcap").string() + " --pixels raw --json -o " + (folder / "bag").string(),
+      folder);
+  ASSERT_EQ(bag.code, 0) << bag.err;
+  EXPECT_EQ(json::parse(bag.out).at("sightings"), summary.at("sightings"));
+  EXPECT_NEAR(json::parse(bag.out).at("rmse").get<double>(), summary.at("rmse").get<double>(), 1e-3);
 }
 
 TEST(LocalizeCommand, FitsTheWalksOfARigUnlessTheyAreGiven) {

@@ -48,7 +48,7 @@ std::optional<PlanarPose> TeamRecording::truth(int robot, double t) const {
 TeamRecording read_team_recording(const fs::path& place) {
   const std::string expected =
       "expected a folder of MRCLAM (Robot1_Odometry.dat, ...), files of MURP (NAME_base-1_targ-2.csv), or a "
-      "camera rig (folder with tagslam.yaml, PREFIX of PREFIX_tagslam.yaml)";
+      "camera rig (folder with tagslam.yaml, PREFIX of PREFIX_tagslam.yaml or its bag PREFIX.mcap)";
   std::error_code error;
   const fs::file_status status = fs::status(place, error);
   if (!fs::exists(status))
