@@ -266,7 +266,7 @@ RareEvent estimate_rare_event(int dimensions, int trials, std::uint64_t seed,
   const double deviation = std::sqrt(second / (n - 1)), skewness = third / n / std::pow(second / n, 1.5);
   constexpr double t = 2.576;  // 99.5 % of the normal distribution
   const double root = std::sqrt(static_cast<double>(n)), shift = skewness * (1 + 2 * t * t) / (6 * root);
-  event.bounds = {std::max(0.0, event.probability + (shift - t) * deviation / root),
+  event.bounds = {std::max(0.0, event.probability - t * deviation / root),
                   std::min(1.0, event.probability + (shift + t) * deviation / root)};
   return event;
 }
