@@ -456,12 +456,12 @@ struct ProgramSize {
 };
 ProgramSize size_of(const Program& program);
 
-/// The program as a function template over the lane L, in the order of its instructions:
+/// The program as a function template over the lane L, instructions before a long path first:
 ///
 ///   template <class L> static void name(const double* constants, const double* in..., double* out...)
 ///
-/// with one argument per block; the packs of a block are contiguous. Its bits equal the
-/// interpreter's.
+/// with one argument per block; the packs of a block are contiguous. An output block NAME_out is the
+/// block NAME of the next call. The bits equal the interpreter's.
 std::string emit(const Program& program, std::string_view name, std::span<const Block> inputs,
                  std::span<const Block> outputs);
 

@@ -572,6 +572,9 @@ class StageGroup final : public Group {
     start_carry(carry_[0]);
     typename Kernel::Carry carry(carry_[0]), next(carry_[1]);
     for (int k = stages_ - 1; k > 0; --k) {
+      // Gains are most of what an update writes; no processor foresees writes that go back stage by stage.
+      const double* const next_gain = gain_[0] + (k - 1) * n.gain() * W;
+      for (int i = 0; i < n.gain() * W; i += row_quantum) __builtin_prefetch(next_gain + i, 1);
       kernel_.back(x_[0] + k * n.nx * W, u + k * n.nu * W, x_ref_[0] + k * ref_stage_, held + k * n.nu * W,
                    weights_[0], c + k * n.coupling() * W, carry.numbers(), H_u + k * n.nu * W,
                    gain_[0] + k * n.gain() * W, k_rows + k * n.nu * W, next.numbers());
