@@ -382,6 +382,24 @@ TEST(TeamFilter, DoesNotLocateARobotByARangeAlone) {
   EXPECT_FALSE(filter.locate(0, std::array{z}));
 }
 
+TEST(TeamFilter, DoesNotLocateARobotByFalseSightings) {
+  Random random(6);
+  const std::vector<TeamFilter::Landmark> marks = {{3, 0, 0}, {2, 1.5, 0}, {3.5, -1, 0}, {4, 1, 0}};
+  TeamFilter filter({0.0}, marks, calibrated(), 0.0);
+  std::array<TeamSighting, 4> frame;
+  const auto located = [&](auto&& range, auto&& bearing) {
+    for (std::size_t k = 0; k < frame.size(); ++k)
+      frame[k].subject = 1 + static_cast<int>(k), frame[k].range = range(marks[k]),
+      frame[k].bearing = bearing(marks[k]);
+    return filter.locate(0, frame).has_value();
+  };
+  EXPECT_TRUE(located([](const auto& at) { return norm(at.x, at.y); },
+                      [](const auto& at) { return std::atan2(at.y, at.x); }));
+  for (int k = 0; k < 50; ++k)
+    EXPECT_FALSE(located([&](const auto&) { return uniform(random, 0.5, 5); },
+                         [&](const auto&) { return uniform(random, -0.5, 0.5); }));
+}
+
 TEST(TeamFilter, BadInputLeavesTheEstimateFiniteAndUnchanged) {
   TeamFilter filter({0.0, 0.0}, {{3.0, 0.0, 0.0}}, {}, 0.0);
   filter.start(0, guess({}, 0.1, 0.1));

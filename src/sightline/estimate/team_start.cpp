@@ -17,7 +17,12 @@ struct Fitted {
   Mat<3, 3> information{};
   Column<3> slope{};
   double cost = infinity;  // y^T R^-1 y
+  int components = 0;
 };
+
+/// Gate of a sum of squares with that many degrees of freedom: above the 99.9 % quantile of chi^2, by
+/// Laurent and Massart.
+double sum_gate(int freedom) { return freedom + 2 * sqrt(6.9 * freedom) + 13.8; }
 
 bool same(const PlanarPose& a, const PlanarPose& b) {
   return norm(a.x - b.x, a.y - b.y) < apart_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
@@ -57,7 +62,7 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
   const std::array sigma_squared = {square(noise_.range_error), square(noise_.bearing_error)};
   const auto fit = [&](const PlanarPose& pose) {
     x_[at(k)] = pose.x, x_[at(k + 1)] = pose.y, x_[at(k + 2)] = pose.psi;
-    Fitted of{pose, {}, {}, 0.0};
+    Fitted of{pose, {}, {}, 0.0, 0};
     std::fill(lasting_.begin(), lasting_.end(), LastingError{});
     for (const TeamSighting& z : frame) {
       if (!used(z)) continue;
@@ -72,7 +77,11 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
         Column<3> H;
         for (int l = 0; l < row.used; ++l) {
           const int column = row.columns[at(l)], i = column - k;
-          if (i >= 0 && i < 3) H(i, 0) = row.H(a, l);
+          if (i >= 0 && i < 3) {
+            H(i, 0) = row.H(a, l);
+          } else if (column < robots_ * robot_states && column % robot_states < first_constant) {
+            w += square(row.H(a, l)) * P(column, column);  // pose of the other robot
+          }
           // Each sighting shows the constants of its sensor in another way.
           if (column >= index(z.observer, RobotState::range_scale) &&
               column <= index(z.observer, RobotState::bearing_scale))
@@ -81,6 +90,7 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
         of.information += (1 / w) * (H * transposed(H));
         of.slope += (y / w) * H;
         of.cost += square(y) / w;
+        ++of.components;
         LastingError& one = lasting_[at(2 * other + component)];
         one.q += square(s) / w, one.v += s * y / w, one.u += (s / w) * H;
       }
@@ -133,7 +143,8 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
   const Fitted& found = *std::min_element(best.begin(), best.end(),
                                           [](const Fitted& a, const Fitted& b) { return a.cost < b.cost; });
   const Cholesky<3> factor(found.information);
-  if (!std::isfinite(found.cost) || !factor.positive) return {};
+  const int freedom = std::max(found.components - 3, 0);
+  if (!(found.cost <= sum_gate(freedom)) || !factor.positive) return {};  // false sightings fit nowhere
   for (const Fitted& one : best)
     if (!same(one.pose, found.pose) && one.cost < found.cost + clear) return {};
   return PoseGuess{found.pose, factor.solve(identity<3>())};
