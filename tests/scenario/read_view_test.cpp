@@ -256,6 +256,30 @@ TEST(CertifiedViews, ReadTheLimitsOfThePairAndStateWhatTheyCertify) {
   EXPECT_TRUE(warnings_of_views(scenario).empty());
 }
 
+// A tighter limit from the start, or by an event at any time, makes the same certificate.
+TEST(CertifiedViews, KeepTheLimitsThatEventsGiveThePair) {
+  const auto speed = [](const std::string& cone, const std::string& rest) {
+    std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", std::string(certified) + rest);
+    text.replace(text.find("[[couple]]"), 10, "[[couple]]\nname = \"sees\"");
+    const std::string wide = "sensor_cone = { alpha = 0.5 }";
+    text.replace(text.find(wide), wide.size(), cone);
+    return test::scenario_of(text).certified_views.at(0).speed_most;
+  };
+  const auto event = [](const std::string& action) { return "[[event]]\nat = 3.0\n" + action; };
+  const std::string wide = "sensor_cone = { alpha = 0.5 }", narrow = "sensor_cone = { alpha = 0.3 }";
+  const double by_narrow = speed(narrow, "");
+  EXPECT_LT(by_narrow, speed(wide, ""));
+  EXPECT_EQ(speed(wide, event("retune = { couple = \"sees\", potential = { " + narrow + " } }\n")),
+            by_narrow);
+  EXPECT_EQ(speed(narrow, event("retune = { couple = \"sees\", potential = { " + wide + " } }\n")),
+            by_narrow);
+  const std::string far = "{ potential = { keep_out = { d_min = 1.2 } }, between = [\"ball\", \"uav0\"] }";
+  EXPECT_EQ(
+      speed(wide, event("add = { couple = " + far + " }\n")),
+      speed(wide,
+            "[[couple]]\npotential = { keep_out = { d_min = 1.2 } }\nbetween = [\"ball\", \"uav0\"]\n"));
+}
+
 TEST(CertifiedViews, BelongToThePartOfTheirObserver) {
   std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified);
   text.insert(text.find("[agent.uav0]"),

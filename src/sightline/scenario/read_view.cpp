@@ -69,8 +69,8 @@ std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const Cert
   return {};
 }
 
-/// The couplings that an action adds, and those of the observer that it gives another potential: these may
-/// have moved to the target by then.
+/// The couplings that an action adds or gives another potential. Those of the observer that may have moved
+/// to the target by then are also among them as couplings with the target.
 std::vector<Coupling> made_by(const Action& action, const ScenarioSpec& scenario, const CertifiedView& view) {
   if (const auto* add = std::get_if<AddCoupling>(&action)) return {add->coupling};
   if (const auto* hand_over = std::get_if<HandOver>(&action)) return hand_over->couplings;
@@ -78,11 +78,31 @@ std::vector<Coupling> made_by(const Action& action, const ScenarioSpec& scenario
   std::vector<Coupling> made;
   if (retune == nullptr || !retune->potential) return made;
   for (Coupling& c : stated_couplings(scenario)) {
-    if (c.name != retune->name || c.between.first != view.observer) continue;
-    c.between.second = view.target, c.term.potential = *retune->potential;
+    if (c.name != retune->name) continue;
+    c.term.potential = *retune->potential;
+    made.push_back(c);
+    const bool moves = c.term.potential.mount() != nullptr || c.term.potential.d_max();
+    if (c.between.first != view.observer || c.between.second == view.target || !moves) continue;
+    c.between.second = view.target;
     made.push_back(std::move(c));
   }
   return made;
+}
+
+/// The limits of the pair when the view begins, and all that events give it: the set keeps them at any time.
+ViewLimits all_limits_of(const ScenarioSpec& scenario, const CertifiedView& view) {
+  ViewLimits limits = limits_of(couplings_of_view(scenario, view), view.observer, view.target);
+  for (const TeamEvent& event : scenario.script.events) {
+    for (const Action& action : event.actions) {
+      for (Potential& one : limits_of(made_by(action, scenario, view), view.observer, view.target).all) {
+        const auto is_same = [&](const Potential& known) {  // the one by which the view begins
+          return one.mount() != nullptr && known.mount() == one.mount();
+        };
+        if (std::none_of(limits.all.begin(), limits.all.end(), is_same)) limits.all.push_back(std::move(one));
+      }
+    }
+  }
+  return limits;
 }
 
 /// Whether an action turns the observer to the target.
@@ -178,7 +198,7 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, const std::v
                  CertifiedView& view) {
   const Team& team = scenario.team;
   const Model& model = team.model(view.observer);
-  ViewLimits limits = limits_of(couplings_of_view(scenario, view), view.observer, view.target);
+  ViewLimits limits = all_limits_of(scenario, view);
   if (std::none_of(limits.all.begin(), limits.all.end(),
                    [](const Potential& limit) { return observes(limit); }))
     at.throw_invalid("target",
