@@ -34,7 +34,7 @@ double estimate_radius(double error, double move, double step) {
 }
 
 /// The parameters of a set beside its distances.
-struct Limits {
+struct SetLimits {
   double theta, sideward, turn, climb, across;
 };
 
@@ -51,7 +51,7 @@ class Sets {
         ignored_(ignored) {}
 
   /// @return false if no set exists for any distances
-  bool prepare(const Limits& limits);
+  bool prepare(const SetLimits& limits);
   /// Whether the conditions hold from r_i to r_j, at least corridor() apart.
   bool holds(int i, int j);
   /// Volume of the set from r_i to r_j; 0 if a condition fails.
@@ -79,7 +79,7 @@ class Sets {
   ViewPrediction own_;
   double between_;  // acceleration along per velocity across, by drag [1/s]
   ViewLimit ignored_;
-  Limits limits_{};
+  SetLimits limits_{};
   Vec2<double> push_{};  // b, b_s
   double across_ = 0, held_ = 0, sine_ahead_ = 0, sine_back_ = 0, sine_between_ = 0, moved_ = 0, varied_ = 0;
   ViewBrake brake_{};
@@ -94,7 +94,7 @@ class Sets {
   std::array<double, most_nodes> low_{}, high_{};
 };
 
-bool Sets::prepare(const Limits& limits) {
+bool Sets::prepare(const SetLimits& limits) {
   const double theta = limits.theta, sideward = limits.sideward, turn = limits.turn, climb = limits.climb;
   const ViewMotion& robot = task_.motion;
   const ViewBounds& bounds = task_.bounds;
