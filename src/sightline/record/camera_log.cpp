@@ -42,7 +42,7 @@ uint32 width
 bool do_rectify
 )";
 constexpr std::size_t plumb_bob_numbers = 5;
-constexpr std::size_t coefficients_max = 8;
+constexpr std::size_t stated_coefficients_max = 8;
 
 /// Whether a model of ROS is one of ours; sets it, with its coefficients, unless all are zero.
 bool set_distortion(Camera& camera, std::string_view model, const std::vector<double>& coefficients) {
@@ -110,7 +110,7 @@ std::optional<Camera> decode_camera_info(std::span<const std::byte> bytes) {
   const auto height = from.number<std::uint32_t>(), width = from.number<std::uint32_t>();
   const std::string_view model = from.string();
   const std::size_t count = from.length(sizeof(double));
-  if (count > coefficients_max) return std::nullopt;
+  if (count > stated_coefficients_max) return std::nullopt;
   std::vector<double> coefficients(count);
   for (double& one : coefficients) one = from.number<double>();
   std::array<double, 9> k{};
