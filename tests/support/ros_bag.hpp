@@ -107,7 +107,8 @@ inline Cdr camera_info(const char* model, std::initializer_list<double> coeffici
   for (const double k : {420.5, 0.0, 321.0, 0.0, 419.0, 243.5, 0.0, 0.0, 1.0}) camera << k;
   for (int i = 0; i < 9; ++i) camera << (i % 4 == 0 ? 1.0 : 0.0);
   for (int i = 0; i < 12; ++i) camera << 0.0;
-  return camera;
+  for (int i = 0; i < 6; ++i) camera << std::uint32_t{0};  // no binning, no region
+  return camera << std::uint8_t{0};
 }
 
 /// A flight as a motion capture, an odometry and a commander record it.
