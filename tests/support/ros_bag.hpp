@@ -67,6 +67,15 @@ class BagWriter {
     chunk_ += record(5, packed(id) + packed(std::uint32_t{0}) + packed(time, time) + message.bytes());
   }
 
+  /// Channels without a message, of one schema.
+  void add_channels(int count, const std::string& encoding) {
+    constexpr std::uint16_t schema = 60'000;
+    chunk_ += record(3, packed(schema) + text("Type") + text(encoding) + text("float64 x"));
+    for (int k = 1; k <= count; ++k)
+      chunk_ += record(4, packed(static_cast<std::uint16_t>(schema - k), schema) + text("/t") + text("cdr") +
+                              packed(std::uint32_t{0}));
+  }
+
   /// @param compression  "zstd", "lz4", or empty; any other is named, but not done
   std::string bytes(const std::string& compression) const {
     std::string inside = chunk_;
