@@ -704,6 +704,55 @@ TEST(LocalizeRig, AGyroscopeTurnsInPlaceOfTheOdometryOrOfAConstantVelocity) {
   }
 }
 
+TEST(LocalizeRig, AGyroscopeIsFollowedOverGapsWithAReferenceOrWithout) {
+  test::RecordedRig of{.odometry = false, .seconds = 30.0};
+  of.noise.acceleration_walk = 0.1;
+  test::SyntheticRig rig(of);
+  add_gyroscope(rig.recording, {0.03, -0.02, 0.04}, of.noise.gyro_noise);
+  std::erase_if(rig.recording.sightings, [&](const RigRecording::Sighting& z) {
+    return std::fmod(z.t - rig.recording.start, 6.0) > 1.0;
+  });
+  const RigLocalization with = localize_rig(rig.recording, of.noise);
+  rig.recording.reference.clear();
+  const RigLocalization without = localize_rig(rig.recording, of.noise);
+  ASSERT_EQ(with.fits.size(), without.fits.size());
+  for (std::size_t k = 0; k < with.fits.size(); ++k) {
+    EXPECT_EQ(with.fits[k].verdict, without.fits[k].verdict) << k;
+    if (with.fits[k].verdict == TagVerdict::accepted) {
+      EXPECT_NEAR(with.fits[k].squared, without.fits[k].squared, 0.01 * with.fits[k].squared) << k;
+    }
+  }
+}
+
+TEST(LocalizeRig, ABiasOutlastsThePose) {
+  test::SyntheticRig rig({.odometry = false, .seconds = 20.0});
+  const Vec3<double> bias = {0.06, -0.05, 0.08};
+  add_gyroscope(rig.recording, bias, 0.002);
+  // Everything is elsewhere from the middle on.
+  const double middle = rig.recording.start + 10.0;
+  std::vector<RigRecording::Sighting>& all = rig.recording.sightings;
+  for (RigRecording::Sighting& z : all)
+    if (z.t > middle)
+      for (Vec2<double>& corner : z.corners) corner.x -= 200.0;
+  RigFilter filter(rig.recording, {});
+  double last = rig.recording.start;
+  bool anew = false;
+  for (std::size_t k = 0; k < all.size() && !anew;) {
+    std::size_t end = k;
+    while (end < all.size() && all[end].t == all[k].t) ++end;
+    const double dt = all[k].t - last;
+    const auto at = std::find_if(rig.recording.turn_rates.begin(), rig.recording.turn_rates.end(),
+                                 [&](const auto& one) { return one.t > last; });
+    if (dt > 0) filter.coast(dt * at->omega, dt, false);
+    std::vector<TagFit> fits(end - k);
+    anew = filter.take({all.data() + k, end - k}, fits) && k > 0;
+    last = all[k].t, k = end;
+  }
+  ASSERT_TRUE(anew);
+  EXPECT_LT(norm(vec3(filter.velocity(), 3) - bias), 0.02);
+  for (int i = 9; i < 12; ++i) EXPECT_LT(filter.covariance()(i, i), square(0.02));
+}
+
 TEST(RigRecording, AnImuIsReadAboutTheAxesOfTheBody) {
   test::SyntheticRig rig({.seconds = 2.0});
   const std::filesystem::path folder = test::fresh_folder();
