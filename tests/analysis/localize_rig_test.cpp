@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <tuple>
 
 #include "sightline/analysis/localization/consistency.hpp"
 #include "sightline/import/read_rig.hpp"
@@ -456,7 +457,7 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   const std::filesystem::path folder = test::fresh_folder();
   test::write_rig(rig.recording, (folder / "").string());
   for (const char* file : {"cameras.yaml", "camera_poses.yaml"}) std::filesystem::remove(folder / file);
-  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, 0.0));
+  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, {}));
   const RigRecording read = read_rig_recording(folder);
   ASSERT_EQ(read.cameras.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
@@ -475,7 +476,7 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   EXPECT_THAT(refused("straight"), HasSubstr("--pixels = straight, expected raw or rectified"));
 
   // Without a word about the pictures either would be a guess.
-  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, 555.0));
+  bag_in_place_of_table(folder, test::bag_with_cameras(rig.recording, {.rectified = 555.0}));
   EXPECT_THAT(refused(""),
               HasSubstr("/cam0/camera_info has a rectified picture of its own, expected --pixels"));
   EXPECT_EQ(read_rig_recording(folder, "raw").cameras[0].camera.focal_length[1], 610.0);
@@ -488,7 +489,7 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   test::BagWriter loose = test::bag_of(rig.recording);
   for (const RigRecording::RigCamera& one : rig.recording.cameras) {
     loose.add("/info" + one.name, "sensor_msgs/msg/CameraInfo", 0.0,
-              test::calibration(one.camera, one.name, 0));
+              test::calibration(one.camera, one.name, {}));
     loose.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("b", one.name, {}));
   }
   loose.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("cam0", "b", {}));
@@ -500,6 +501,157 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
   EXPECT_EQ(refused(""), "") << "on the body of the odometry";
   test::write_rig(rig.recording, (folder / "").string());
   EXPECT_THAT(refused("raw"), HasSubstr("--pixels = raw, expected none"));
+}
+
+/// A folder whose cameras are those of its bag.
+std::filesystem::path folder_of(const RigRecording& recording, const test::BagWriter& bag) {
+  const std::filesystem::path folder = test::fresh_folder();
+  test::write_rig(recording, (folder / "").string());
+  for (const char* file : {"cameras.yaml", "camera_poses.yaml"}) std::filesystem::remove(folder / file);
+  bag_in_place_of_table(folder, bag);
+  return folder;
+}
+
+TEST(RigRecording, BinnedAndCroppedPicturesAreThoseOfTheWholePicture) {
+  const test::SyntheticRig rig({.seconds = 0.3});
+  const Camera& whole = rig.recording.cameras[0].camera;
+  const RigidPose T = {{0.3, 0.2, 2.0}, turn_by({3.0, 0.2, 0.1})};
+  const auto full = RigFilter::picture(whole, whole.widest(), 0.4, T);
+  // Binned (b_x, b_y), from the pixel (x, y) on; without a region the whole picture.
+  for (const auto& [part, width, height] :
+       {std::tuple{std::array{2U, 4U, 0U, 0U, 0U, 0U}, 640, 256},
+        std::tuple{std::array{0U, 1U, 100U, 60U, 800U, 900U}, 900, 800},
+        std::tuple{std::array{2U, 2U, 100U, 60U, 800U, 900U}, 450, 400}}) {
+    const auto folder = folder_of(rig.recording, test::bag_with_cameras(rig.recording, {.part = part}));
+    const Camera read = read_rig_recording(folder).cameras[0].camera;
+    EXPECT_EQ(read.width, width);
+    EXPECT_EQ(read.height, height);
+    const auto seen = RigFilter::picture(read, read.widest(), 0.4, T);
+    ASSERT_TRUE(full && seen);
+    for (int k = 0; k < 8; ++k) {
+      const double b = std::max(1U, part[k % 2 == 0 ? 0 : 1]), first = part[k % 2 == 0 ? 2 : 3];
+      EXPECT_NEAR(seen->corners(k, 0), (full->corners(k, 0) - first) / b, 1e-9);
+    }
+  }
+  const auto beyond =
+      folder_of(rig.recording, test::bag_with_cameras(rig.recording, {.part = {1, 1, 500, 0, 1024, 1000}}));
+  EXPECT_THAT(refusal_of<std::exception>([&] { read_rig_recording(beyond); }),
+              HasSubstr("on /cam0/camera_info is no sound sensor_msgs/msg/CameraInfo"));
+}
+
+TEST(RigRecording, TheFrameOfACameraIsThatOfItsRectifiedPicture) {
+  const test::SyntheticRig rig({.seconds = 0.3});
+  const Rotation R = turn_by({0.02, -0.03, 0.01});
+  const auto folder =
+      folder_of(rig.recording, test::bag_with_cameras(rig.recording, {.rectified = 555.0, .R = R}));
+  const RigidPose& frame = rig.recording.cameras[0].mounting;
+  const Vec3<double> corner = {0.5, 3.0, 0.7};  // in B
+  const Vec3<double> in_frame = inverse(frame).R.to_G(corner - frame.p);
+  // Raw pixels are those of R^T X, rectified ones those of X.
+  for (const bool raw : {true, false}) {
+    const RigidPose of = inverse(read_rig_recording(folder, raw ? "raw" : "rectified").cameras[0].mounting);
+    EXPECT_LT(norm(of.p + of.R.to_G(corner) - (raw ? R.to_B(in_frame) : in_frame)), 1e-9) << raw;
+  }
+  const auto refused = [&](const test::CalibrationBeside& beside, const char* pixels) {
+    const auto other = folder_of(rig.recording, test::bag_with_cameras(rig.recording, beside));
+    return refusal_of<std::exception>([&] { read_rig_recording(other, pixels); });
+  };
+  EXPECT_EQ(refused({.R = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}}, "raw"), "");
+  EXPECT_THAT(refused({.R = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}}, "raw"), HasSubstr("expected a rotation"));
+  for (const char* pixels : {"raw", "rectified"})
+    EXPECT_THAT(refused({.rectified = 555.0, .second = -60.0}, pixels),
+                HasSubstr("/cam0/camera_info: P is of the second camera of a pair, expected cameras.yaml"));
+}
+
+TEST(RigRecording, AFrameHasOneCalibrationAndOneTopicOfTags) {
+  const test::SyntheticRig rig({.seconds = 0.3});
+  const RigRecording::RigCamera& first = rig.recording.cameras[0];
+  const auto refused = [&](const test::BagWriter& bag) {
+    const auto folder = folder_of(rig.recording, bag);
+    return refusal_of<std::exception>([&] { read_rig_recording(folder); });
+  };
+  for (const bool same : {true, false}) {
+    test::BagWriter bag = test::bag_with_cameras(rig.recording, {});
+    Camera other = first.camera;
+    other.focal_length[0] *= same ? 1.0 : 0.5;
+    bag.add("/a/camera_info", "sensor_msgs/msg/CameraInfo", 0.0, test::calibration(other, first.name, {}));
+    const std::string sentence = refused(bag);
+    EXPECT_EQ(sentence.empty(), same);
+    if (same) continue;
+    EXPECT_THAT(sentence, HasSubstr("/a/camera_info and /cam0/camera_info differ, expected one calibration "
+                                    "of the frame cam0"));
+  }
+  test::BagWriter bag = test::bag_with_cameras(rig.recording, {});
+  test::Cdr tags;
+  tags << std::int32_t{1000} << std::uint32_t{0} << first.name.c_str() << std::uint32_t{1};
+  test::put_tag(tags, "36h11", 10, {});
+  bag.add("/others", "apriltag_msgs/msg/AprilTagDetectionArray", 1000.0, tags);
+  EXPECT_THAT(refused(bag), HasSubstr("/cam0/tags and /others have tags in the frame cam0, expected"));
+}
+
+TEST(RigRecording, SamplesOfABagAreSoundAndThoseOfOtherTopicsDoNotCount) {
+  const test::SyntheticRig rig({.seconds = 0.5});
+  const auto with = [&](const RigRecording& recording, const std::function<void(test::BagWriter&)>& add) {
+    test::BagWriter bag = test::bag_of(recording);
+    add(bag);
+    const std::filesystem::path folder = test::fresh_folder();
+    test::write_rig(rig.recording, (folder / "").string());
+    replace_in(folder / "tagslam.yaml", "     is_static: false\n",
+               "     is_static: false\n     imu_topic: /imu\n     T_body_imu: {position: {x: 0, y: 0, z: 0}, "
+               "rotation: {x: 0, y: 0, z: 0}}\n");
+    bag_in_place_of_table(folder, bag);
+    return refusal_of<std::exception>([&] { read_rig_recording(folder); });
+  };
+  const auto imus = [](const char* topic, double begin, double rate, double covariance) {
+    return [=](test::BagWriter& bag) {
+      for (int k = 0; k <= 10; ++k) {
+        const double t = begin + 0.05 * k;
+        bag.add(topic, "sensor_msgs/msg/Imu", 1000.0 + 0.05 * k, test::imu(t, {0, 0, rate}, covariance));
+      }
+    };
+  };
+  const auto sound = imus("/imu", 1000.0, 0.1, 0.0);
+  EXPECT_EQ(with(rig.recording, sound), "");
+  EXPECT_THAT(with(rig.recording, imus("/imu", 1000.0, 1e200, 0.0)), HasSubstr("on /imu is no sound"));
+  EXPECT_THAT(with(rig.recording, imus("/imu", 1000.0, 0.0, -1.0)),
+              HasSubstr("no turn rate of a sensor_msgs/Imu by imu_topic = /imu, expected some"))
+      << "-1: there is no measurement";
+  RigRecording far = rig.recording;
+  far.odometry[3].pose.p.x = 1e300;
+  EXPECT_THAT(with(far, sound), HasSubstr("on /odom is no sound nav_msgs/msg/Odometry"));
+  // Since the start of another computer, and damaged.
+  EXPECT_EQ(with(rig.recording,
+                 [&](test::BagWriter& bag) {
+                   sound(bag);
+                   imus("/other/imu", 201'000.0, 1e200, 0.0)(bag);
+                   bag.add("/other/odom", "nav_msgs/msg/Odometry", 1000.0, test::Cdr() << 1.0);
+                 }),
+            "");
+  EXPECT_THAT(with(rig.recording,
+                   [&](test::BagWriter& bag) {
+                     sound(bag);
+                     test::Cdr tags;
+                     tags.stamp(1000.0) << std::uint32_t{1};
+                     bag.add("/cam0/tags", "apriltag_msgs/msg/AprilTagDetectionArray", 1000.0,
+                             test::put_tag(tags, "41h12", 10, {}));
+                   }),
+              HasSubstr("tags of the families 36h11 and 41h12, expected one"));
+}
+
+TEST(RigRecording, CamerasBesideTheOdometryOnACommonFrameAreMountedOnTheBody) {
+  const test::SyntheticRig rig({.seconds = 0.3});
+  const RigidPose odometry = {{0.2, -0.1, 0.3}, turn_by({0.3, 0.1, -0.2})};
+  test::BagWriter bag = test::bag_of(rig.recording);
+  bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("link", "base", odometry));
+  for (const RigRecording::RigCamera& one : rig.recording.cameras) {
+    bag.add("/info" + one.name, "sensor_msgs/msg/CameraInfo", 0.0,
+            test::calibration(one.camera, one.name, {}));
+    bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0,
+            test::transform("link", one.name, odometry * one.mounting));
+  }
+  const RigRecording read = read_rig_recording(folder_of(rig.recording, bag));
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_LT(distance(read.cameras[k].mounting, rig.recording.cameras[k].mounting), 1e-9);
 }
 
 TEST(RigRecording, MutatedRecordingsAreReadOrRefusedInOneSentence) {
@@ -552,6 +704,55 @@ TEST(LocalizeRig, AGyroscopeTurnsInPlaceOfTheOdometryOrOfAConstantVelocity) {
   }
 }
 
+TEST(LocalizeRig, AGyroscopeIsFollowedOverGapsWithAReferenceOrWithout) {
+  test::RecordedRig of{.odometry = false, .seconds = 30.0};
+  of.noise.acceleration_walk = 0.1;
+  test::SyntheticRig rig(of);
+  add_gyroscope(rig.recording, {0.03, -0.02, 0.04}, of.noise.gyro_noise);
+  std::erase_if(rig.recording.sightings, [&](const RigRecording::Sighting& z) {
+    return std::fmod(z.t - rig.recording.start, 6.0) > 1.0;
+  });
+  const RigLocalization with = localize_rig(rig.recording, of.noise);
+  rig.recording.reference.clear();
+  const RigLocalization without = localize_rig(rig.recording, of.noise);
+  ASSERT_EQ(with.fits.size(), without.fits.size());
+  for (std::size_t k = 0; k < with.fits.size(); ++k) {
+    EXPECT_EQ(with.fits[k].verdict, without.fits[k].verdict) << k;
+    if (with.fits[k].verdict == TagVerdict::accepted) {
+      EXPECT_NEAR(with.fits[k].squared, without.fits[k].squared, 0.01 * with.fits[k].squared) << k;
+    }
+  }
+}
+
+TEST(LocalizeRig, ABiasOutlastsThePose) {
+  test::SyntheticRig rig({.odometry = false, .seconds = 20.0});
+  const Vec3<double> bias = {0.06, -0.05, 0.08};
+  add_gyroscope(rig.recording, bias, 0.002);
+  // Everything is elsewhere from the middle on.
+  const double middle = rig.recording.start + 10.0;
+  std::vector<RigRecording::Sighting>& all = rig.recording.sightings;
+  for (RigRecording::Sighting& z : all)
+    if (z.t > middle)
+      for (Vec2<double>& corner : z.corners) corner.x -= 200.0;
+  RigFilter filter(rig.recording, {});
+  double last = rig.recording.start;
+  bool anew = false;
+  for (std::size_t k = 0; k < all.size() && !anew;) {
+    std::size_t end = k;
+    while (end < all.size() && all[end].t == all[k].t) ++end;
+    const double dt = all[k].t - last;
+    const auto at = std::find_if(rig.recording.turn_rates.begin(), rig.recording.turn_rates.end(),
+                                 [&](const auto& one) { return one.t > last; });
+    if (dt > 0) filter.coast(dt * at->omega, dt, false);
+    std::vector<TagFit> fits(end - k);
+    anew = filter.take({all.data() + k, end - k}, fits) && k > 0;
+    last = all[k].t, k = end;
+  }
+  ASSERT_TRUE(anew);
+  EXPECT_LT(norm(vec3(filter.velocity(), 3) - bias), 0.02);
+  for (int i = 9; i < 12; ++i) EXPECT_LT(filter.covariance()(i, i), square(0.02));
+}
+
 TEST(RigRecording, AnImuIsReadAboutTheAxesOfTheBody) {
   test::SyntheticRig rig({.seconds = 2.0});
   const std::filesystem::path folder = test::fresh_folder();
@@ -559,12 +760,7 @@ TEST(RigRecording, AnImuIsReadAboutTheAxesOfTheBody) {
   add_gyroscope(rig.recording, {}, 0.0);
   test::BagWriter bag = test::bag_of(rig.recording);
   const auto add_imu = [&](const RigRecording::TurnRate& one) {
-    test::Cdr imu;
-    imu.stamp(one.t);
-    for (int i = 0; i < 4 + 9; ++i) imu << 0.0;
-    imu << mounting.R.to_B(one.omega);
-    for (int i = 0; i < 9 + 3 + 9; ++i) imu << 0.0;
-    bag.add("/imu", "sensor_msgs/msg/Imu", one.t, imu);
+    bag.add("/imu", "sensor_msgs/msg/Imu", one.t, test::imu(one.t, mounting.R.to_B(one.omega)));
   };
   for (const RigRecording::TurnRate& one : rig.recording.turn_rates) add_imu(one);
   const auto with = [&](const std::string& keys) {
@@ -576,7 +772,7 @@ TEST(RigRecording, AnImuIsReadAboutTheAxesOfTheBody) {
   with("");
   EXPECT_TRUE(read_rig_recording(folder).turn_rates.empty());
   with("     imu_topic: /imus\n");
-  EXPECT_THAT(refused(), HasSubstr("no sensor_msgs/Imu by imu_topic = /imus"));
+  EXPECT_THAT(refused(), HasSubstr("by imu_topic = /imus, expected some, the nearest is \"/imu\""));
   with("     imu_topic: /imu\n");
   EXPECT_THAT(refused(), HasSubstr("map is mounted neither on rig nor on"));
   bag.add("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, test::transform("rig", "map", mounting));

@@ -73,6 +73,15 @@ TEST(RareEvent, ItsBoundsHoldAndTwoThousandTrialsFindItWithinAFactorOfTwo) {
   }
 }
 
+TEST(RareEvent, TheLowerBoundOfAFrequentEventIsRarelyAboveIt) {
+  const Known known = {"frequent", 1, below(-1.645), [](const Trial& t) { return t.point[0] + 1.645; }};
+  constexpr int repetitions = 2000;
+  int above = 0;
+  for (int i = 0; i < repetitions; ++i)
+    above += estimate(known, 200, static_cast<std::uint64_t>(i) + 1).bounds.low > known.probability ? 1 : 0;
+  EXPECT_LE(above, 22) << "0.5 % are meant";
+}
+
 TEST(RareEvent, ItIsTheSameEachTimeAndHasTheBoundOfTheTrueTrialsIfItIsNotSeen) {
   const Known known = known_events()[0];
   const RareEvent first = estimate(known, 1000, 7), again = estimate(known, 1000, 7);

@@ -270,6 +270,16 @@ TEST(RosBag, SchemasOfEitherLanguageNameTheirTypesAndNamesAreBounded) {
               EndsWith("message 1 on a topic with a name of 2001 bytes, expected at most 1024"));
 }
 
+TEST(RosBag, ChannelsWithALongSchemaEncodingAreRefused) {
+  const fs::path file = fresh_folder() / "a.mcap";
+  BagWriter few, many;
+  few.add_channels(3, std::string(64, 'e'));
+  many.add_channels(3, std::string(65, 'e'));
+  EXPECT_TRUE(RosBag(bag_file(file, few.bytes("zstd"))).topics().bodies.empty());
+  EXPECT_THAT(refusal_of([&] { (void)RosBag(bag_file(file, many.bytes("zstd"))).topics(); }),
+              EndsWith("a schema with an encoding of 65 bytes, expected at most 64"));
+}
+
 TEST(RosBag, MutatedBagsAreReadOrRefusedInOneSentence) {
   const int accepted = read_mutated_bags(2'000, 1, fresh_folder() / "a.mcap");
   EXPECT_GT(accepted, 20);

@@ -155,6 +155,11 @@ TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
   EXPECT_NEAR(SyntheticDetections::probability(readings[1].from_ahead, 1.0, 0.0), 0.495, 1e-12);
 }
 
+/// A distance that is kept by what one sensor sees.
+struct TooNearInView : TooNear {
+  SensorMount mount{};
+};
+
 TEST(ReadCamera, EachCameraThatSeesATargetHasItsPixels) {
   std::string text = facing_pair + "[agent.b.tags]\n[simulation]\nduration = 0.2\n";
   const std::string sensor = "[agent.a.sensor]\npitch = 0.2\noffset = 0.1\n";
@@ -174,6 +179,15 @@ TEST(ReadCamera, EachCameraThatSeesATargetHasItsPixels) {
   const std::string said = summary(scenario);
   for (const char* name : {"left", "far"})
     EXPECT_THAT(said, HasSubstr(fmt::format("pixels      a {} sees a tag of b with ", name)));
+  // A coupling with a sensor of its own says nothing of the other one.
+  ScenarioSpec looking = scenario;
+  TooNearInView far;
+  far.d_min = 5.0, far.mount.pitch = 0.1;
+  looking.team.couple(1.0 * far, scenario.team.couplings()[0].between, {AgentId{0}});
+  const std::vector<TagReading> more = tag_readings(looking);
+  ASSERT_EQ(more.size(), 5U);
+  EXPECT_EQ(more[4].distance, 5.0);
+  EXPECT_EQ(more[4].camera->sensor, "far");
   Summary flown(scenario, 1);
   for (const Sample& sample : test::samples_of(scenario)) flown.add(sample);
   std::string lines;

@@ -29,7 +29,7 @@ inline int read_mutated_rigs(int trials, unsigned seed, const std::filesystem::p
   }
   for (const char* file : {"tag_detections.csv", "cameras.yaml", "camera_poses.yaml"})
     std::filesystem::remove(bag / file);
-  std::ofstream(bag / "rig_0.mcap", std::ios::binary) << bag_with_cameras(rig.recording, 0.0).bytes("");
+  std::ofstream(bag / "rig_0.mcap", std::ios::binary) << bag_with_cameras(rig.recording, {}).bytes("");
   const std::array files = {table / "tagslam.yaml",  table / "cameras.yaml", table / "camera_poses.yaml",
                             table / "reference.csv", bag / "tagslam.yaml",   table / "tag_detections.csv",
                             bag / "rig_0.mcap",      bag / "rig_0.mcap"};

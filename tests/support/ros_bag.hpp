@@ -67,6 +67,15 @@ class BagWriter {
     chunk_ += record(5, packed(id) + packed(std::uint32_t{0}) + packed(time, time) + message.bytes());
   }
 
+  /// Channels without a message, of one schema.
+  void add_channels(int count, const std::string& encoding) {
+    constexpr std::uint16_t schema = 60'000;
+    chunk_ += record(3, packed(schema) + text("Type") + text(encoding) + text("float64 x"));
+    for (int k = 1; k <= count; ++k)
+      chunk_ += record(4, packed(static_cast<std::uint16_t>(schema - k), schema) + text("/t") + text("cdr") +
+                              packed(std::uint32_t{0}));
+  }
+
   /// @param compression  "zstd", "lz4", or empty; any other is named, but not done
   std::string bytes(const std::string& compression) const {
     std::string inside = chunk_;
@@ -107,7 +116,8 @@ inline Cdr camera_info(const char* model, std::initializer_list<double> coeffici
   for (const double k : {420.5, 0.0, 321.0, 0.0, 419.0, 243.5, 0.0, 0.0, 1.0}) camera << k;
   for (int i = 0; i < 9; ++i) camera << (i % 4 == 0 ? 1.0 : 0.0);
   for (int i = 0; i < 12; ++i) camera << 0.0;
-  return camera;
+  for (int i = 0; i < 6; ++i) camera << std::uint32_t{0};  // no binning, no region
+  return camera << std::uint8_t{0};
 }
 
 /// A flight as a motion capture, an odometry and a commander record it.

@@ -251,10 +251,8 @@ RareEvent estimate_rare_event(int dimensions, int trials, std::uint64_t seed,
     sum += values[i];
     squares += values[i] * values[i];
   }
-  if (event.seen == 0) {
-    event.bounds = clopper_pearson(seen_of_truth, of_truth);
-    return event;
-  }
+  event.bounds = clopper_pearson(seen_of_truth, of_truth);
+  if (event.seen == 0) return event;
   event.effective = sum * sum / squares;
   event.probability = sum / n;
   double second = 0.0, third = 0.0;
@@ -263,10 +261,11 @@ RareEvent estimate_rare_event(int dimensions, int trials, std::uint64_t seed,
     second += off * off;
     third += off * off * off;
   }
+  if (!(second > 0)) return event;  // all alike, of which a sample has no deviation
   const double deviation = std::sqrt(second / (n - 1)), skewness = third / n / std::pow(second / n, 1.5);
   constexpr double t = 2.576;  // 99.5 % of the normal distribution
   const double root = std::sqrt(static_cast<double>(n)), shift = skewness * (1 + 2 * t * t) / (6 * root);
-  event.bounds = {std::max(0.0, event.probability - t * deviation / root),
+  event.bounds = {std::max(0.0, event.probability + (std::min(shift, 0.0) - t) * deviation / root),
                   std::min(1.0, event.probability + (shift + t) * deviation / root)};
   return event;
 }

@@ -1,15 +1,18 @@
 #include "sightline/import/read_rig.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <system_error>
+#include <tuple>
 
 #include "sightline/base/nearest.hpp"
 #include "sightline/import/kinds.hpp"
@@ -222,39 +225,85 @@ RigidPose mounting_of(const std::string& file, const std::string& frame, const B
                   one_line(shortened(frame, name_size_max)), all.recording.name, expected));
 }
 
+/// The calibration of a frame, in which a topic has tags.
+BagCamera calibration_in(const std::string& file, const std::vector<BagCamera>& calibrated,
+                         const std::string& frame, const std::string& topic) {
+  const BagCamera* found = nullptr;
+  for (const BagCamera& one : calibrated) {
+    if (one.frame != frame) continue;
+    const auto numbers = [](const BagCamera& of) {
+      return std::tie(of.width, of.height, of.distortion_model, of.D, of.K, of.R, of.P);
+    };
+    if (found != nullptr && numbers(*found) != numbers(one))
+      throw std::invalid_argument(
+          fmt::format("{}: {} and {} differ, expected one calibration of the frame {}, or cameras.yaml", file,
+                      found->topic, one.topic, one_line(shortened(frame, name_size_max))));
+    if (found == nullptr) found = &one;
+  }
+  if (found == nullptr)
+    throw std::invalid_argument(fmt::format(
+        "{}: no CameraInfo of the frame {}, in which {} has tags, expected one, or cameras.yaml", file,
+        one_line(shortened(frame, name_size_max)), one_line(shortened(topic, name_size_max))));
+  return *found;
+}
+
+/// The attitude of a raw picture's optical frame in that of the rectified one, to which the frame of a
+/// CameraInfo belongs: the matrix R, all 0 if there is no other.
+Rotation raw_attitude(const std::string& file, const BagCamera& camera) {
+  constexpr double rounding = 1e-4, turn_min = 1e-6;  // of files with 5 digits; [rad]
+  const auto& r = camera.R;
+  if (std::all_of(r.begin(), r.end(), [](double one) { return one == 0; })) return {};
+  const Rotation R = {{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}};
+  if (!(std::abs(norm(R.x) - 1) < rounding && std::abs(norm(R.y) - 1) < rounding &&
+        norm(cross(R.x, R.y) - R.z) < rounding && norm(cross(R.y, R.z) - R.x) < rounding))
+    throw std::invalid_argument(fmt::format("{}: {}: R = [{}], expected a rotation, or cameras.yaml", file,
+                                            camera.topic, fmt::join(r, ", ")));
+  const Vec3<double> turn = rotation_vector(R);
+  return norm(turn) < turn_min ? Rotation() : turn_by(turn);
+}
+
 /// The cameras of a bag whose pictures have tags.
 void read_cameras(const fs::path& place, const BagRig& bag, std::string_view pixels, RigBodies& all) {
   const std::string& file = place.native();
   const std::vector<BagCamera> calibrated = RosBag(place).cameras();
   std::set<std::string> topics;
   for (const RigRows::TagRow& row : bag.rows.tags) topics.insert(row.topic);
+  std::map<std::string, std::string> topic_of_frame;
   for (const std::string& topic : topics) {
     const std::string& frame = bag.frames.find(topic)->second;
     const std::string shown = one_line(shortened(frame, name_size_max));
-    const auto info = std::find_if(calibrated.begin(), calibrated.end(),
-                                   [&](const BagCamera& one) { return one.frame == frame; });
-    if (info == calibrated.end())
-      throw std::invalid_argument(fmt::format(
-          "{}: no CameraInfo of the frame {}, in which {} has tags, expected one, or cameras.yaml", file,
-          shown, one_line(shortened(topic, name_size_max))));
-    BagCamera camera = *info;
+    if (const auto [other, is_new] = topic_of_frame.try_emplace(frame, topic); !is_new)
+      throw std::invalid_argument(
+          fmt::format("{}: {} and {} have tags in the frame {}, expected a frame for each, or cameras.yaml",
+                      file, one_line(shortened(other->second, name_size_max)),
+                      one_line(shortened(topic, name_size_max)), shown));
+    BagCamera camera = calibration_in(file, calibrated, frame, topic);
+    const Rotation raw = raw_attitude(file, camera);
     const std::array<double, 9> rectified = {camera.P[0], camera.P[1], camera.P[2], camera.P[4], camera.P[5],
                                              camera.P[6], camera.P[8], camera.P[9], camera.P[10]};
+    // By P the frame is that of the other camera, by many drivers it is this camera's own.
+    if (camera.P[3] != 0 || camera.P[7] != 0)
+      throw std::invalid_argument(fmt::format(
+          "{}: {}: P is of the second camera of a pair, expected cameras.yaml", file, camera.topic));
     const bool distorted = std::any_of(camera.D.begin(), camera.D.end(), [](double d) { return d != 0; });
-    const bool differ = rectified != std::array<double, 9>{} && (distorted || rectified != camera.K);
+    const bool turned = norm(rotation_vector(raw)) > 0;
+    const bool differ =
+        rectified != std::array<double, 9>{} && (distorted || turned || rectified != camera.K);
     if (differ && pixels.empty())
       throw std::invalid_argument(fmt::format(
           "{}: {} has a rectified picture of its own, expected --pixels raw or rectified: in which "
           "one the tags were found, apriltag_ros takes image_rect",
           file, camera.topic));
+    RigidPose mounting =
+        mounting_of(file, frame, bag, all, "/tf_static, or cameras.yaml and camera_poses.yaml");
     if (pixels == "rectified") {
-      if (!differ && distorted)
+      if (!differ && (distorted || turned))
         throw std::invalid_argument(
             fmt::format("{}: --pixels = rectified, expected raw: {} has no matrix P", file, camera.topic));
       if (differ) camera.K = rectified, camera.D.clear(), camera.distortion_model.clear();
+    } else {
+      mounting.R = compose(mounting.R, raw);
     }
-    const RigidPose mounting =
-        mounting_of(file, frame, bag, all, "/tf_static, or cameras.yaml and camera_poses.yaml");
     all.recording.cameras.push_back({.name = shown,
                                      .topic = topic,
                                      .camera = ros_camera(calibration_of(file, camera)),
@@ -336,11 +385,12 @@ void add_sightings(const std::string& file, const std::vector<RigRows::TagRow>& 
   sort_by_time(recording.sightings);
 }
 
-void add_odometry(const std::string& file, const std::vector<RigRows::PoseRow>& rows, RigBodies& all) {
+void add_odometry(const std::string& file, const BagRig& bag, RigBodies& all) {
   if (all.odometry_topic.empty()) return;
   const RigidPose to_odometry = inverse(all.odometry_frame);
   std::set<std::string> topics;
-  for (const RigRows::PoseRow& row : rows) {
+  for (const std::string& topic : bag.odometries) topics.insert(one_line(shortened(topic, name_size_max)));
+  for (const RigRows::PoseRow& row : bag.rows.poses) {
     topics.insert(one_line(shortened(row.topic, name_size_max)));
     if (row.topic == all.odometry_topic)
       all.recording.odometry.push_back({row.at.t, row.at.pose * to_odometry});
@@ -360,9 +410,15 @@ void add_turn_rates(const std::string& file, const BagRig& bag, RigBodies& all) 
   RigRecording& recording = all.recording;
   for (const RigRows::RateRow& row : bag.rows.rates)
     if (row.topic == all.imu_topic) recording.turn_rates.push_back(row.at);
-  if (recording.turn_rates.empty())
+  if (recording.turn_rates.empty()) {
+    std::vector<std::string> topics;
+    for (const std::string& topic : bag.imus)
+      if (topic != all.imu_topic) topics.push_back(one_line(shortened(topic, name_size_max)));
+    const std::vector<std::string_view> known(topics.begin(), topics.end());
     throw std::invalid_argument(
-        fmt::format("{}: no sensor_msgs/Imu by imu_topic = {}, expected some", file, all.imu_topic));
+        fmt::format("{}: no turn rate of a sensor_msgs/Imu by imu_topic = {}, expected some{}", file,
+                    all.imu_topic, known.empty() ? "" : hint(all.imu_topic, known)));
+  }
   const Rotation R = all.imu_frame ? all.imu_frame->R
                                    : mounting_of(file, bag.frames.find(all.imu_topic)->second, bag, all,
                                                  "/tf_static, or T_body_imu")
@@ -429,11 +485,11 @@ RigRecording read_rig_recording(const fs::path& place, std::string_view pixels) 
   if (bag.empty()) {
     rig.rows = read_rows(detections);
   } else {
-    rig = RosBag(bag).rig();
+    rig = RosBag(bag).rig(all.odometry_topic, all.imu_topic);
     if (!has_cameras) read_cameras(bag, rig, pixels, all);
   }
   add_sightings(detections.native(), rig.rows.tags, all);
-  add_odometry(detections.native(), rig.rows.poses, all);
+  add_odometry(detections.native(), rig, all);
   recording.start = recording.sightings.front().t, recording.end = recording.sightings.back().t;
   if (!recording.odometry.empty()) recording.end = std::max(recording.end, recording.odometry.back().t);
   add_turn_rates(detections.native(), rig, all);

@@ -20,9 +20,9 @@ bool is_rig_recording(const std::filesystem::path& place);
 ///
 /// Without tag_detections.csv, and if PREFIX.mcap is the place, sightings and odometry are those of the
 /// bag (RosBag::rig): PREFIX.mcap, or those of the folder. Without cameras.yaml its cameras are those that
-/// see tags: their frames have a CameraInfo, and in /tf_static a mounting on the body that moves, or on
-/// that of its odometry. `imu_topic` of the body that moves names the sensor_msgs/Imu whose angular
-/// velocity counts; T_body_imu has its pose where /tf_static has not.
+/// see tags. Each has a frame with one CameraInfo, that of its rectified picture, which /tf_static joins to
+/// the body that moves or to that of its odometry. `imu_topic` of the body that moves names the
+/// sensor_msgs/Imu whose angular velocity counts; T_body_imu has its pose where /tf_static has not.
 /// @param pixels  of such cameras: "raw", "rectified", or empty where both are the same
 /// @throws ScenarioError or std::invalid_argument naming file, key, value and what was expected
 RigRecording read_rig_recording(const std::filesystem::path& place, std::string_view pixels = "");

@@ -27,8 +27,8 @@ namespace {
 
 using namespace mcap;
 
-constexpr std::uint64_t window_bytes = 64 << 10;  // smallest read from the file
-constexpr std::size_t schema_name_max = 4096;     // [B]
+constexpr std::uint64_t window_bytes = 64 << 10;                         // smallest read from the file
+constexpr std::size_t schema_name_max = 4096, schema_encoding_max = 64;  // [B]
 
 // Reads without passing the end; after a short read every value is zero and good() is false.
 class Cursor {
@@ -386,11 +386,15 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
     schema.name = cursor.string();
     schema.encoding = cursor.string();
     schema.text = cursor.string();
-    if (schema.name.size() > schema_name_max) {  // each channel has a copy
-      fail(at, fmt::format("a schema with a name of {} bytes, expected at most {}", schema.name.size(),
-                           schema_name_max));
+    // Each channel has a copy of both.
+    const auto fits = [&](std::string_view what, const std::string& text, std::size_t most) {
+      if (text.size() <= most) return true;
+      fail(at, fmt::format("a schema with {} of {} bytes, expected at most {}", what, text.size(), most));
       return false;
-    }
+    };
+    if (!fits("a name", schema.name, schema_name_max) ||
+        !fits("an encoding", schema.encoding, schema_encoding_max))
+      return false;
   } else if (kind == channel_record) {
     const auto id = cursor.number<std::uint16_t>();
     const auto schema_id = cursor.number<std::uint16_t>();
@@ -400,10 +404,12 @@ bool McapReader::read_record(std::uint64_t at, std::uint8_t kind, Span content,
       return false;
     }
     const std::string_view topic = cursor.string(), encoding = cursor.string();
-    Schema of = schema == schemas_.end() ? Schema() : schema->second;
-    if (visitor) of.text.clear();  // of messages the name is enough, and many channels may share a long text
-    channels_.insert_or_assign(
-        id, Topic{std::string(topic), std::string(encoding), of.name, of.encoding, of.text});
+    Topic& of = channels_[id] = {std::string(topic), std::string(encoding), {}, {}, {}};
+    if (schema != schemas_.end()) {
+      of.schema = schema->second.name, of.schema_encoding = schema->second.encoding;
+      // Of messages the name is enough, and many channels may share a long text.
+      if (!visitor) of.schema_text = schema->second.text;
+    }
     cursor.words();
   } else if (kind == message_record) {
     const auto id = cursor.number<std::uint16_t>();

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "sightline/base/now.hpp"
 #include "sightline/mcap.hpp"
 #include "sightline/readers/cdr.hpp"
 #include "sightline/world.hpp"
@@ -23,8 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double nanosecond = 1e-9, slope_reach = 0.05;  // [s]
-constexpr double disorder_max = 0.05;                    // part of the samples of a body that are left out
+constexpr double slope_reach = 0.05;                    // [s]
+constexpr double disorder_max = 0.05;                   // part of the samples of a body that are left out
+constexpr double place_max = 1e5, turn_rate_max = 1e3;  // of a rig [m], [rad/s]
 constexpr std::size_t bodies_max = 4096, topic_shown = 80, name_max = 1024, coefficients_max = 64;
 constexpr std::size_t transform_bytes = 8 + 5 + 5 + 7 * sizeof(double);  // header, child, transform, at least
 constexpr std::string_view pose_type = "geometry_msgs/msg/PoseStamped",
@@ -52,11 +54,13 @@ class MessageDecoder {
     const auto seconds = from_.number<std::int32_t>();
     const auto nanoseconds = from_.number<std::uint32_t>();
     frame_ = name();
-    return seconds + nanosecond * nanoseconds;
+    return seconds + to_seconds(nanoseconds);
   }
-  Vec3<double> vector() {
-    const auto x = from_.number<double>(), y = from_.number<double>();
-    return {x, y, from_.number<double>()};
+  /// @param most  of a sound message; what is not finite is unknown
+  Vec3<double> vector(double most = infinity) {
+    const auto x = from_.number<double>(), y = from_.number<double>(), z = from_.number<double>();
+    for (const double one : {x, y, z}) fits_ = fits_ && !(std::isfinite(one) && std::abs(one) > most);
+    return {x, y, z};
   }
   std::optional<Rotation> attitude() {
     const Vec3<double> axis = vector();
@@ -101,7 +105,7 @@ class Timed {
     const Vec3<double>& v = sample.*value;
     if (!std::isfinite(v.x + v.y + v.z)) return;
     all_.push_back(sample);
-    recorded_.push_back(nanosecond * static_cast<double>(message.log_time));
+    recorded_.push_back(to_seconds(message.log_time));
     stamped_ = stamped_ || sample.t != 0;
   }
   /// Passes those on whose times rise. Times are those of the recording if all headers are 0: in
@@ -182,6 +186,17 @@ bool is_command(const McapMessage& message) {
   return message.schema == stamped_twist_type || message.schema == twist_type;
 }
 
+/// Takes the matrices of a whole picture for one whose first pixel is at (x, y) of it, and whose pixels are
+/// (b_x, b_y) of it wide and high.
+void take_part(BagCamera& camera, const Vec2<double>& at, const Vec2<double>& b) {
+  const auto scale = [&](auto& matrix, std::size_t columns) {
+    if (std::all_of(matrix.begin(), matrix.end(), [](double one) { return one == 0; })) return;
+    matrix[2] -= at.x, matrix[columns + 2] -= at.y;
+    for (std::size_t i = 0; i < columns; ++i) matrix[i] /= b.x, matrix[columns + i] /= b.y;
+  };
+  scale(camera.K, 3), scale(camera.P, 4);
+}
+
 std::optional<BagCamera> camera_in(const McapMessage& message) {
   MessageDecoder read(message);
   read.header();
@@ -194,7 +209,17 @@ std::optional<BagCamera> camera_in(const McapMessage& message) {
   for (double& k : camera.K) k = read.from().number<double>();
   for (double& r : camera.R) r = read.from().number<double>();
   for (double& p : camera.P) p = read.from().number<double>();
-  if (!read.ok() || camera.D.size() > coefficients_max) return {};
+  const auto number = [&] { return read.from().number<std::uint32_t>(); };
+  const std::uint32_t b_x = std::max(1U, number()), b_y = std::max(1U, number());
+  const std::uint32_t left = number(), top = number(), height = number(), width = number();
+  const bool inside =
+      std::uint64_t{left} + width <= camera.width && std::uint64_t{top} + height <= camera.height;
+  if (height > 0) camera.height = height;  // 0: all of them
+  if (width > 0) camera.width = width;
+  camera.height /= b_y, camera.width /= b_x;
+  take_part(camera, {static_cast<double>(left), static_cast<double>(top)},
+            {static_cast<double>(b_x), static_cast<double>(b_y)});
+  if (!read.ok() || !inside || camera.D.size() > coefficients_max) return {};
   return camera;
 }
 
@@ -207,7 +232,8 @@ bool add_tags(const McapMessage& message, BagRig& rig) {
   const std::string topic(message.topic);
   rig.frames.try_emplace(topic, read.frame());
   for (std::size_t left = read.from().length(least); left > 0 && read.ok(); --left) {
-    read.from().string();  // family
+    if (const std::string_view family = read.name(); rig.families.size() < 2)
+      rig.families.insert(std::string(family));
     RigRows::TagRow row{topic, t, read.from().number<std::int32_t>(), {}};
     bool sound = row.id >= 0 && row.id <= rig_tag_id_max;
     read.from().number<std::int32_t>();  // corrected bits
@@ -229,7 +255,7 @@ bool add_odometry_pose(const McapMessage& message, BagRig& rig) {
   MessageDecoder read(message);
   const double t = read.header();
   const std::string child = MessageDecoder::frame_name(read.name());
-  const Vec3<double> p = read.vector();
+  const Vec3<double> p = read.vector(place_max);
   const auto R = read.attitude();
   if (!read.ok()) return false;
   if (!R || !std::isfinite(p.x + p.y + p.z)) return true;
@@ -239,14 +265,15 @@ bool add_odometry_pose(const McapMessage& message, BagRig& rig) {
   return true;
 }
 
-/// Adds the angular velocity of an IMU; one that is not finite is left out. @return whether it is sound
+/// Adds the angular velocity of an IMU; one that is unknown is left out. @return whether it is sound
 bool add_turn_rate(const McapMessage& message, BagRig& rig) {
   MessageDecoder read(message);
   const double t = read.header();
   for (int i = 0; i < 4 + 9; ++i) read.from().number<double>();  // attitude and its covariance
-  const Vec3<double> omega = read.vector();
+  const Vec3<double> omega = read.vector(turn_rate_max);
+  const bool measured = read.from().number<double>() != -1;  // first number of the covariance
   if (!read.ok()) return false;
-  if (!std::isfinite(omega.x + omega.y + omega.z)) return true;
+  if (!measured || !std::isfinite(omega.x + omega.y + omega.z)) return true;
   const std::string topic(message.topic);
   rig.frames.try_emplace(topic, read.frame());
   rig.rows.rates.push_back({topic, {t, omega}});
@@ -261,7 +288,7 @@ bool add_mountings(const McapMessage& message, BagRig& rig) {
     const std::string child = MessageDecoder::frame_name(read.name());
     const Vec3<double> p = read.vector();
     const auto R = read.attitude();
-    if (R && std::isfinite(p.x + p.y + p.z) && rig.mountings.size() < bodies_max)
+    if (R && norm(p) <= place_max && rig.mountings.size() < bodies_max)
       rig.mountings.insert_or_assign(child, BagRig::Mounting{read.frame(), {p, *R}});
   }
   return read.ok();
@@ -326,17 +353,21 @@ void add_velocities(RecordedMotion& motion) {
 
 }  // namespace
 
-std::optional<RigidPose> BagRig::pose_in(const std::string& ancestor, const std::string& frame) const {
-  RigidPose pose;
-  std::string at = frame;
-  // As many steps as there are mountings lead to the root, unless they form a circle.
-  for (std::size_t left = mountings.size(); at != ancestor; --left) {
-    const auto mounted = mountings.find(at);
-    if (left == 0 || mounted == mountings.end()) return {};
-    pose = mounted->second.pose * pose;
-    at = mounted->second.parent;
-  }
-  return pose;
+std::optional<RigidPose> BagRig::pose_in(const std::string& frame, const std::string& other) const {
+  // The frame that one is mounted on at last, and its pose there. As many steps as there are mountings lead
+  // to it, unless they form a circle.
+  const auto on_root = [&](const std::string& one) {
+    std::pair<std::string, RigidPose> root = {one, {}};
+    for (std::size_t left = mountings.size() + 1; left > 0; --left) {
+      const auto mounted = mountings.find(root.first);
+      if (mounted == mountings.end()) return std::optional(root);
+      root = {mounted->second.parent, mounted->second.pose * root.second};
+    }
+    return std::optional<std::pair<std::string, RigidPose>>();
+  };
+  const auto a = on_root(frame), b = on_root(other);
+  if (!a || !b || a->first != b->first) return {};
+  return inverse(a->second) * b->second;
 }
 
 RosBag::RosBag(const fs::path& place) : place_(place.native()) {
@@ -446,23 +477,33 @@ std::vector<BagCamera> RosBag::cameras() const {
   return all;
 }
 
-BagRig RosBag::rig() const {
+BagRig RosBag::rig(const std::string& odometry_topic, const std::string& imu_topic) const {
   BagRig rig;
   // When the messages of each row were recorded [s].
   std::vector<double> tags_recorded, poses_recorded, rates_recorded;
   each_message(files_, [&](const McapMessage& message) {
     bool sound = true;
     if (message.schema == tags_type) sound = add_tags(message, rig);
-    if (message.schema == odometry_type) sound = add_odometry_pose(message, rig);
-    if (message.schema == imu_type) sound = add_turn_rate(message, rig);
+    if (message.schema == odometry_type) {
+      rig.odometries.emplace(message.topic);
+      if (message.topic == odometry_topic) sound = add_odometry_pose(message, rig);
+    }
+    if (message.schema == imu_type) {
+      rig.imus.emplace(message.topic);
+      if (message.topic == imu_topic) sound = add_turn_rate(message, rig);
+    }
     if (message.schema == tf_type && message.topic.ends_with("/tf_static"))
       sound = add_mountings(message, rig);
-    const double recorded = nanosecond * static_cast<double>(message.log_time);
+    const double recorded = to_seconds(message.log_time);
     tags_recorded.resize(rig.rows.tags.size(), recorded);
     poses_recorded.resize(rig.rows.poses.size(), recorded);
     rates_recorded.resize(rig.rows.rates.size(), recorded);
     return sound;
   });
+  if (rig.families.size() > 1)
+    throw_invalid("{}: tags of the families {} and {}, expected one: tags are known by their numbers alone",
+                  place_, one_line(shortened(*rig.families.begin(), topic_shown)),
+                  one_line(shortened(*rig.families.rbegin(), topic_shown)));
   std::optional<double> first;
   const auto set_times = [&](auto& rows, const std::vector<double>& recorded, const auto& time_of) {
     std::set<std::string> stamped;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct BagTopics {
 /// The calibration of a camera, the first message of a topic of sensor_msgs/CameraInfo.
 struct BagCamera {
   std::string topic, frame{};           ///< the frame of its optics
-  std::uint32_t width = 0, height = 0;  ///< [px]
+  std::uint32_t width = 0, height = 0;  ///< of its pictures [px]: binned, the region of interest alone
   std::string distortion_model{};       ///< "plumb_bob"
   std::vector<double> D{};              ///< coefficients of the distortion
   std::array<double, 9> K{}, R{};       ///< matrices of the camera [px] and of the rectification, row-major
@@ -40,15 +41,17 @@ struct BagRig {
   RigRows rows{};
   std::map<std::string, std::string>
       frames{};  ///< by their topics: of the camera, the odometry's body, the IMU
+  std::set<std::string> odometries{}, imus{};  ///< all topics of such messages
+  std::set<std::string> families{};            ///< of the tags
   struct Mounting {
     std::string parent{};
     RigidPose pose{};  ///< of the child in it
   };
   std::map<std::string, Mounting> mountings{};  ///< by the child's frame; topics /tf_static
 
-  /// The pose of a frame in a frame that it is mounted on, by any number of mountings; empty if it is on
-  /// another one.
-  std::optional<RigidPose> pose_in(const std::string& ancestor, const std::string& frame) const;
+  /// The pose of another frame in a frame, by any number of mountings on one another, or on a common frame;
+  /// empty if there are none.
+  std::optional<RigidPose> pose_in(const std::string& frame, const std::string& other) const;
 };
 
 /// A bag, one file or a folder with its files; also the log of a run or its folder, of which run.mcap
@@ -77,9 +80,10 @@ class RosBag {
   /// Cameras by their topics.
   /// @throws std::invalid_argument as topics()
   std::vector<BagCamera> cameras() const;
-  /// Times are those of the headers, or of the recording if all headers of a topic are 0.
-  /// @throws std::invalid_argument as topics(), and for times more than a day apart
-  BagRig rig() const;
+  /// Poses and angular velocities are those of two topics; unknown ones are left out. Times are those of the
+  /// headers, or of the recording if all headers of a topic are 0.
+  /// @throws std::invalid_argument as topics(), for times more than a day apart, and for tags of two families
+  BagRig rig(const std::string& odometry_topic, const std::string& imu_topic) const;
 
  private:
   std::string body_called(const std::string& name) const;

@@ -120,8 +120,8 @@ void check_beside_first(const TomlTable& sensor, const RobotCamera& first, const
     sensor.table("camera").throw_invalid("correlation_time", "0 s of each of several cameras of a robot");
 }
 
-/// The cameras by which a coupling's first robot sees the second body: those of the pair's couplings with a
-/// sensor, or if they have none, that of the robot.
+/// The cameras by which a coupling's first robot sees the second body: that of its own sensor, or those of the
+/// pair's couplings with a sensor, or if they have none, that of the robot.
 std::vector<const RobotCamera*> cameras_of(const ScenarioSpec& scenario, const Coupling& coupling) {
   std::vector<const RobotCamera*> cameras;
   const auto add = [&](const SensorMount* mount) {
@@ -129,6 +129,10 @@ std::vector<const RobotCamera*> cameras_of(const ScenarioSpec& scenario, const C
     if (camera != nullptr && std::find(cameras.begin(), cameras.end(), camera) == cameras.end())
       cameras.push_back(camera);
   };
+  if (const SensorMount* const own = coupling.term.potential.mount(); own != nullptr) {
+    add(own);
+    return cameras;
+  }
   for (const Coupling& other : scenario.team.couplings())
     if (other.between.first == coupling.between.first && other.between.second == coupling.between.second &&
         other.term.potential.mount() != nullptr)

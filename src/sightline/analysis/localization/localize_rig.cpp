@@ -16,7 +16,7 @@ namespace {
 
 constexpr double in_view_within = 1.0;   // [s]
 constexpr double outlier_cost = 60.0;    // of eight coordinates that may be anywhere
-constexpr double least_period = 0.0095;  // of estimates at samples of odometry [s], which jitter about 100 Hz
+constexpr double least_period = 0.0095;  // of steps at samples that jitter about 100 Hz [s]
 
 /// Poses between those of a list in order of time; beyond its ends, the nearest motion goes on for one
 /// sample.
@@ -84,27 +84,33 @@ struct Instant {
   GrowingCovariance before_restart{0};  ///< P after the instant before, if the pose was started anew
 };
 
+/// A time to which the filter is propagated, with an estimate or without.
+struct RigStop {
+  double t = 0.0;
+  bool shown = false;
+};
+
 /// The way of a filter through a recording. A copy goes on from where it is.
 class RigRun {
  public:
-  /// @param shown  times of the estimates; both must outlive this object
-  RigRun(const RigRecording& recording, const RigNoise& noise, const std::vector<double>& shown)
+  /// @param stops  in order of time; both must outlive this object
+  RigRun(const RigRecording& recording, const RigNoise& noise, const std::vector<RigStop>& stops)
       : recording_(recording),
-        shown_(shown),
+        stops_(stops),
         filter_(recording, noise),
         track_(recording.odometry),
         turns_(recording.turn_rates) {}
 
-  bool done() const { return next_seen_ >= recording_.sightings.size() && next_shown_ >= shown_.size(); }
+  bool done() const { return next_seen_ >= recording_.sightings.size() && next_stop_ >= stops_.size(); }
   const RigFilter& filter() const { return filter_; }
 
   Instant next(bool smooth) {
     const std::vector<RigRecording::Sighting>& all = recording_.sightings;
     const double seen = next_seen_ < all.size() ? all[next_seen_].t : infinity;
-    const double due = next_shown_ < shown_.size() ? shown_[next_shown_] : infinity;
-    Instant instant{.t = std::min(seen, due), .shown = due <= seen, .first = next_seen_};
+    const RigStop due = next_stop_ < stops_.size() ? stops_[next_stop_] : RigStop{infinity};
+    Instant instant{.t = std::min(seen, due.t), .shown = due.shown && due.t <= seen, .first = next_seen_};
     while (next_seen_ < all.size() && all[next_seen_].t == instant.t) ++next_seen_;
-    if (instant.shown) ++next_shown_;
+    if (due.t == instant.t) ++next_stop_;
     const bool was_started = filter_.started();
     // A restart makes the step that led to it void.
     GrowingCovariance before(0);
@@ -136,13 +142,13 @@ class RigRun {
   }
 
   const RigRecording& recording_;
-  const std::vector<double>& shown_;
+  const std::vector<RigStop>& stops_;
   RigFilter filter_;
   OdometryTrack track_;
   TurnTrack turns_;
   double last_ = 0.0;
   RigidPose odometry_{};
-  std::size_t next_seen_ = 0, next_shown_ = 0;
+  std::size_t next_seen_ = 0, next_stop_ = 0;
 };
 
 /// Backward pass: d is the smoothed state in the frame of the prediction, and S its covariance.
@@ -363,19 +369,27 @@ RigAccuracy accuracy_of(const std::vector<RigLocalization::Estimate>& all,
   return of;
 }
 
-/// Times of the estimates.
-std::vector<double> shown_times(const RigRecording& recording) {
-  std::vector<double> times;
-  for (const auto& one : recording.reference) times.push_back(one.t);
-  if (times.empty()) {
-    for (const auto& one : recording.sightings) times.push_back(one.t);
+/// Estimates are at the times of the reference, or of all samples without one.
+std::vector<RigStop> stops_of(const RigRecording& recording) {
+  const bool compared = !recording.reference.empty();
+  std::vector<RigStop> all;
+  const auto add = [&](const auto& samples, double period, bool shown) {
     double last = -infinity;
-    for (const auto& one : recording.odometry)
-      if (one.t - last > least_period) times.push_back(last = one.t);
-  }
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  return times;
+    for (const auto& one : samples) {
+      if (!(one.t - last > period && one.t >= recording.start && one.t <= recording.end)) continue;
+      last = one.t;
+      all.push_back({one.t, shown});
+    }
+  };
+  add(recording.reference, 0.0, true);
+  if (!compared) add(recording.sightings, 0.0, true), add(recording.odometry, least_period, true);
+  // A turn over a gap of the sightings would bend the arc, and be known up to full turns alone.
+  add(recording.turn_rates, least_period, !compared);
+  std::sort(all.begin(), all.end(),
+            [](const RigStop& a, const RigStop& b) { return a.t != b.t ? a.t < b.t : a.shown && !b.shown; });
+  const auto same = [](const RigStop& a, const RigStop& b) { return a.t == b.t; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
+  return all;
 }
 
 void count(RigLocalization& result) {
@@ -398,16 +412,16 @@ void count(RigLocalization& result) {
 /// Runs the filter, and the smoother, without a comparison with the reference.
 RigLocalization rig_estimates(const RigRecording& recording, const RigNoise& noise, bool smooth) {
   RigLocalization result;
-  const std::vector<double> shown = shown_times(recording);
+  const std::vector<RigStop> stops = stops_of(recording);
   const std::size_t sightings = recording.sightings.size(), tags = recording.tags.size();
-  result.fits.reserve(sightings), result.filter.reserve(shown.size());
+  result.fits.reserve(sightings), result.filter.reserve(stops.size());
   // The smoother's gains are as large as the state, at each instant. So the filter goes over a piece again for
   // the smoother; the copies of the filter, (6 tags)^2 numbers each, take about the memory of a piece.
   const auto piece =
-      static_cast<std::size_t>(sqrt(static_cast<double>((sightings + shown.size()) * tags))) + 1;
+      static_cast<std::size_t>(sqrt(static_cast<double>((sightings + stops.size()) * tags))) + 1;
   const auto begun = std::chrono::steady_clock::now();
   std::vector<RigRun> starts;
-  RigRun run(recording, noise, shown);
+  RigRun run(recording, noise, stops);
   std::optional<double> seen_at;
   std::vector<bool> mapped(tags);
   for (std::size_t k = 0; !run.done(); ++k) {

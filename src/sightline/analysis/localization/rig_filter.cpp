@@ -307,13 +307,16 @@ bool RigFilter::start(std::span<const RigRecording::Sighting> sightings) {
   X_ = std::min_element(poses.begin(), poses.end(), [](const Candidate& a, const Candidate& b) {
          return a.cost < b.cost;
        })->pose;
-  v_ = {};
+  // A gyroscope's bias does not depend on a pose that was lost.
+  const bool has_bias = !recording_.turn_rates.empty();
+  const int kept = has_bias && started_ ? 9 : rig_;
   for (int i = 0; i < rig_; ++i)
-    for (int j = 0; j < P_.order(); ++j) P_(i, j) = P_(j, i) = 0.0;
+    for (int j = 0; j < P_.order(); ++j)
+      if (std::min(i, j) < kept || j >= rig_) P_(i, j) = P_(j, i) = 0.0;
   const Mat<6, 6> A = adjoint(X_);
   P_.set(0, 0, A * diagonal(wide_place, wide_turn) * transposed(A));
-  const bool has_bias = !recording_.turn_rates.empty();
-  for (int i = 6; i < rig_; ++i) P_(i, i) = square(has_bias && i >= 9 ? bias_start : velocity_start);
+  for (int i = 6; i < kept; ++i)
+    v_(i - 6, 0) = 0.0, P_(i, i) = square(has_bias && i >= 9 ? bias_start : velocity_start);
   started_ = true, refused_ = 0;
   return true;
 }
