@@ -289,8 +289,98 @@ TEST(TeamFilter, RefusesAMisreadIdentityAndFollowsASlip) {
   EXPECT_EQ(filter.take(z).verdict, FitVerdict::rejected);
   EXPECT_NEAR(filter.pose(0).pose.psi, 0.0, 1e-12);
   z.subject = 1, z.bearing = -0.2;  // the robot has turned by 0.2 rad in one place
+  EXPECT_EQ(filter.take(z).verdict, FitVerdict::rejected) << "one bearing may be false";
+  filter.advance(0.2);
   EXPECT_EQ(filter.take(z).verdict, FitVerdict::accepted);
   EXPECT_NEAR(filter.pose(0).pose.psi, 0.2, 0.03);
+}
+
+TeamNoise with_known_clock() {
+  TeamNoise noise = calibrated();
+  noise.clock_offset = 0.0;
+  return noise;
+}
+
+/// Drives a robot for 10 s, turning to and fro, and puts it at the origin.
+void drive_to_origin(TeamFilter& filter) {
+  for (int k = 0; k < 100; ++k) filter.take(0, {0.1 * k, 0.1, k % 20 < 10 ? 0.3 : -0.3});
+  filter.take(0, {10.0, 0.0, 0.0});
+  filter.advance(10.0);
+  filter.start(0, guess({}, 0.01, 0.01));
+}
+
+const std::vector<TeamFilter::Landmark> three = {{3.0, 0.0, 0.0}, {2.0, 1.5, 0.0}, {3.5, -1.0, 0.0}};
+
+/// What a robot at a pose sees of a landmark.
+TeamSighting sighting_of(int landmark, const PlanarPose& from, double t) {
+  const auto& at = three[static_cast<std::size_t>(landmark)];
+  TeamSighting z;
+  z.stamp = t, z.subject = 1 + landmark;
+  z.range = norm(at.x - from.x, at.y - from.y);
+  z.bearing = wrap(std::atan2(at.y - from.y, at.x - from.x) - from.psi);
+  return z;
+}
+
+TEST(TeamFilter, InAGapOfOdometryTheMotionIsAsUncertainAsThatOfTheDrive) {
+  TeamFilter filter({0.0}, {}, with_known_clock(), 0.0);
+  drive_to_origin(filter);
+  filter.advance(11.0);
+  EXPECT_LE(filter.sigma(0, RobotState::psi), 0.02) << "shorter than a gap";
+  filter.advance(12.0);
+  EXPECT_NEAR(filter.sigma(0, RobotState::psi), std::sqrt(2.0) * 0.3 * 2.0, 0.05);
+  EXPECT_NEAR(filter.sigma(0, RobotState::x), std::sqrt(2.0) * 0.1 * 2.0, 0.03);
+  filter.take(0, {12.0, 0.0, 0.0});
+  filter.advance(13.0);
+  EXPECT_NEAR(filter.sigma(0, RobotState::psi), std::sqrt(2.0) * 0.3 * 2.0, 0.05) << "the gap is over";
+}
+
+TEST(TeamFilter, FalseSightingsDoNotMoveARobot) {
+  Random random(5);
+  TeamFilter filter({0.0}, three, with_known_clock(), 0.0);
+  drive_to_origin(filter);
+  for (int k = 0; k < 200; ++k) {
+    filter.take(0, {10.0 + 0.05 * k, 0.0, 0.0});
+    filter.advance(10.0 + 0.05 * k);
+    TeamSighting z = sighting_of(k % 3, {}, filter.time());
+    z.range = uniform(random, 4.5, 8.0), z.bearing = uniform(random, -0.5, 0.5);
+    EXPECT_NE(filter.take(z).verdict, FitVerdict::accepted);
+  }
+  EXPECT_LE(norm(filter.pose(0).pose.x, filter.pose(0).pose.y), 0.01);
+  EXPECT_LE(filter.sigma(0, RobotState::x), 0.05);
+}
+
+TEST(TeamFilter, RefusedSightingsThatAgreeOnAPoseMoveTheRobotThere) {
+  TeamFilter filter({0.0}, three, with_known_clock(), 0.0);
+  drive_to_origin(filter);
+  const PlanarPose truth{0.4, -0.3, 0.1};
+  for (int k = 0; k < 40; ++k) {
+    filter.take(0, {10.0 + 0.2 * k, 0.0, 0.0});
+    filter.advance(10.0 + 0.2 * k);
+    filter.take(sighting_of(k % 3, truth, filter.time()));
+  }
+  EXPECT_LE(norm(filter.pose(0).pose.x - truth.x, filter.pose(0).pose.y - truth.y), 0.15);
+}
+
+TEST(TeamFilter, AfterAGapItWaitsUntilSightingsWithoutIdentityAgree) {
+  TeamFilter filter({0.0}, three, with_known_clock(), 0.0);
+  drive_to_origin(filter);
+  filter.advance(12.0);
+  const PlanarPose truth{0.1, 0.1, 0.9};
+  for (int k = 0; k < 24; ++k) {
+    filter.take(0, {12.0 + 0.2 * k, 0.0, 0.0});
+    filter.advance(12.0 + 0.2 * k);
+    std::array<TeamSighting, 2> frame = {sighting_of(k % 3, truth, filter.time()),
+                                         sighting_of((k + 1) % 3, truth, filter.time())};
+    std::array<TeamFit, 2> fits;
+    for (TeamSighting& z : frame) z.subject = TeamSighting::unidentified;
+    filter.take_unidentified(frame, fits);
+    if (k < 4) {
+      EXPECT_EQ(fits[0].subject, TeamSighting::unidentified) << k;
+    }
+  }
+  const PlanarPose found = filter.pose(0).pose;
+  EXPECT_LE(norm(found.x - truth.x, found.y - truth.y), 0.15);
+  EXPECT_NEAR(found.psi, truth.psi, 0.1);
 }
 
 TEST(TeamFilter, RangesOfSixAntennasLocateABodyFromNowhere) {

@@ -110,6 +110,17 @@ struct TeamFilter::Association {
 };
 
 void TeamFilter::take_unidentified(std::span<const TeamSighting> frame, std::span<TeamFit> fits) noexcept {
+  if (frame.empty()) return;
+  Robot& observer = odometry_[at(frame[0].observer)];
+  if (is_lost(frame[0].observer)) {
+    // A pose that is so uncertain associates wrongly, so it waits until several sightings agree.
+    for (std::size_t s = 0; s < frame.size(); ++s) {
+      fits[s] = {FitVerdict::rejected};
+      if (is_usable(frame[s])) refuse(frame[s]);
+    }
+    (void)find(frame[0].observer);
+    return;
+  }
   Association of;
   of.stride = capacity_;
   of.sightings = std::min(static_cast<int>(frame.size()), frame_max);
@@ -159,10 +170,13 @@ void TeamFilter::take_unidentified(std::span<const TeamSighting> frame, std::spa
     z.subject = s < of.sightings ? subjects[at(s)] : TeamSighting::unidentified;
     if (z.subject != TeamSighting::unidentified) {
       fits[at(s)] = take(z);
-    } else if (s < of.sightings && of.candidates[at(s)].empty()) {
-      count_refusal(z.observer);
+      if (fits[at(s)].verdict == FitVerdict::accepted) observer.doubts = std::max(0, observer.doubts - 2);
+    } else if (is_usable(z) && s < of.sightings && of.candidates[at(s)].empty()) {
+      ++observer.doubts;
+      refuse(z);
     }
   }
+  if (observer.doubts >= noise_.restart_sightings && find(frame[0].observer)) observer.doubts = 0;
 }
 
 }  // namespace sightline

@@ -20,6 +20,19 @@ constexpr double faded = 5.0;                // correlation times after which a 
 constexpr int pairs_per_robot = 16;          // with states at one time
 constexpr double unknown_place = 1e3;        // [m]
 
+/// The pose b in the frame of a.
+PlanarPose between(const PlanarPose& a, const PlanarPose& b) {
+  const SinCos<double> e = sincos(a.psi);
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  return {e.cos * dx + e.sin * dy, e.cos * dy - e.sin * dx, b.psi - a.psi};
+}
+
+/// A pose in the frame of a, in the frame of that frame.
+PlanarPose composed(const PlanarPose& a, const PlanarPose& b) {
+  const SinCos<double> e = sincos(a.psi);
+  return {a.x + e.cos * b.x - e.sin * b.y, a.y + e.sin * b.x + e.cos * b.y, a.psi + b.psi};
+}
+
 }  // namespace
 
 void TeamNoise::check() const {
@@ -87,12 +100,27 @@ void TeamFilter::start(int robot, const PoseGuess& guess) noexcept {
 void TeamFilter::take(int robot, const WheelOdometry& sample) noexcept {
   Robot& of = odometry_[at(robot)];
   if (!(std::isfinite(sample.t) && std::isfinite(sample.v) && std::isfinite(sample.yaw_rate))) return;
-  if (of.count > 0 && sample.t <= of[of.count - 1].t) return;
+  if (of.count > 0) {
+    const WheelOdometry& last = of[of.count - 1];
+    const double held = sample.t - last.t;
+    if (held <= 0) return;
+    if (held <= gap()) {
+      driven_ += held * square(last.v), turned_ += held * square(last.yaw_rate), covered_ += held;
+      ++intervals_;
+    }
+  }
   if (of.count == of.ring.size()) {
     of.first = (of.first + 1) % of.ring.size();
     --of.count;
   }
   of.ring[(of.first + of.count++) % of.ring.size()] = sample;
+}
+
+/// Longest age of odometry that still holds: some recorders write changes of the motion alone.
+double TeamFilter::gap() const noexcept {
+  constexpr double enough = 10.0, mean_intervals = 8.0;
+  if (intervals_ < enough) return infinity;
+  return std::max(noise_.odometry_gap, mean_intervals * covered_ / intervals_);
 }
 
 void TeamFilter::advance(double t) noexcept {
@@ -137,13 +165,18 @@ void TeamFilter::move(int robot, double dt) noexcept {
   Robot& of = odometry_[at(robot)];
   double* const s = &x_[at(k)];
   const double from = now_ - s[delta], until = from + dt;
-  const double x0 = s[x], y0 = s[y];
+  const double x0 = s[x], y0 = s[y], psi_0 = s[psi];
   const SinCos<double> e0 = sincos(s[psi] + s[alpha]);
   const Vec2<double> v_0{of.v * e0.cos, of.v * e0.sin};
   const double r_0 = of.yaw_rate;
   Vec2<double> per_v{}, per_r{}, per_c{}, per_b{};  // d p / d s_v, s_r, c, b
-  double turned_m = 0.0, driven = 0.0, turned = 0.0;
+  double turned_m = 0.0, driven = 0.0, turned = 0.0, unknown = 0.0;
   Mat<2, 2> Q{};
+  // In a gap v and r are as likely as any of the drive, so they differ from the last ones by twice their
+  // mean square, and as these errors last, by that times age^2 in the pose.
+  const double longest = gap();
+  const auto squared_gap = [&](double age) { return age > longest ? square(age) : 0.0; };
+  const auto differing = [&](double integral) { return covered_ > 0 ? 2 * integral / covered_ : 0.0; };
   std::size_t i = of.count;
   while (i > 0 && of[i - 1].t > from) --i;  // before the first sample the robot is at rest
   for (double t = from; t < until; ++i) {
@@ -169,9 +202,11 @@ void TeamFilter::move(int robot, double dt) noexcept {
     Q(1, 1) += along * e.sin * e.sin + across * e.cos * e.cos;
     Q(0, 1) += (along - across) * e.cos * e.sin;
     driven += std::abs(h * v), turned += std::abs(h * u.yaw_rate);
+    if (i > 0) unknown += squared_gap(end - u.t) - squared_gap(t - u.t);
     if (end == until) of.v = v, of.yaw_rate = r;
     t = end;
   }
+  of.path = composed(of.path, between({x0, y0, psi_0}, {s[x], s[y], s[psi]}));
   const SinCos<double> e1 = sincos(s[psi] + s[alpha]);
   const Vec2<double> v_1{of.v * e1.cos, of.v * e1.sin};
   const double r_1 = of.yaw_rate;
@@ -197,11 +232,12 @@ void TeamFilter::move(int robot, double dt) noexcept {
         P(j, k + static_cast<int>(a)) = P(k + static_cast<int>(a), j);
       }
     }
-  P(k + x, k + x) += Q(0, 0) + square(noise_.position_walk) * dt;
-  P(k + y, k + y) += Q(1, 1) + square(noise_.position_walk) * dt;
+  const double walk = square(noise_.position_walk) * dt + differing(driven_) * unknown;
+  P(k + x, k + x) += Q(0, 0) + walk;
+  P(k + y, k + y) += Q(1, 1) + walk;
   P(k + x, k + y) += Q(0, 1), P(k + y, k + x) = P(k + x, k + y);
   P(k + psi, k + psi) += square(noise_.curve_noise) * driven + square(noise_.turn_noise) * turned +
-                         square(noise_.heading_walk) * dt;
+                         square(noise_.heading_walk) * dt + differing(turned_) * unknown;
   P(k + b, k + b) += square(noise_.yaw_rate_walk) * dt;
 }
 
@@ -377,22 +413,33 @@ TeamFit TeamFilter::apply(const Row& row) noexcept {
   return fit;
 }
 
-/// Wheels slip, so the heading jumps by more than the noise of the odometry. Where that is the
-/// likelier reason of a bearing than chance (99 %), the variance of the heading grows by the
-/// excess, up to a slip that is possible at all.
-bool TeamFilter::admit_slip(const Row& row, int robot) noexcept {
+/// Wheels slip, so the heading jumps by more than the noise of the odometry. A bearing shows a slip
+/// where that is the likelier reason than chance (99 %), up to a slip that is possible at all. The
+/// variance of the heading grows by the excess. A bearing beyond the gate may be false, so it waits
+/// until the next one shows the same slip.
+TeamFilter::Slip TeamFilter::slip_of(const Row& row, int robot) noexcept {
   constexpr double slip_max = 0.3, likely = 6.635;  // [rad], chi^2 of one degree of freedom
-  const int bearing = row.m - 1;
-  double S = row.R(bearing, bearing);
+  constexpr double agreed = 5.0;                    // [s], between two bearings of one slip
+  const int bearing = row.m - 1, heading = robot * robot_states + psi;
+  double S = row.R(bearing, bearing), apart = S;
   for (int k = 0; k < row.used; ++k)
-    for (int l = 0; l < row.used; ++l)
-      S += row.H(bearing, k) * P(row.columns[at(k)], row.columns[at(l)]) * row.H(bearing, l);
-  const double squared = square(row.y(bearing, 0));
+    for (int l = 0; l < row.used; ++l) {
+      const double part = row.H(bearing, k) * P(row.columns[at(k)], row.columns[at(l)]) * row.H(bearing, l);
+      S += part;
+      if (row.columns[at(k)] != heading && row.columns[at(l)] != heading) apart += part;
+    }
+  const double y = row.y(bearing, 0), squared = square(y);
   const double excess = std::min(squared - S, square(slip_max));
-  if (!(squared > likely * S && squared < likely * (S + excess))) return false;
-  const int k = robot * robot_states + psi;
-  P(k, k) += excess;
-  return true;
+  if (!(squared > likely * S && squared < likely * (S + excess))) return Slip::none;
+  Robot& of = odometry_[at(robot)];
+  const bool same = now_ - of.slip_seen < agreed && square(y - of.slip) < likely * (apart + of.slip_variance);
+  const bool unseen =
+      of.refusals == 0 && now_ - of.accepted > 1.0;        // so long, a slip is likelier than chance
+  const bool within = squared <= chi_squared_gate<2> * S;  // a false one among them does little
+  of.slip = y, of.slip_variance = apart, of.slip_seen = same || unseen || within ? -infinity : now_;
+  if (!same && !unseen && !within) return Slip::shown;
+  P(heading, heading) += excess;
+  return Slip::admitted;
 }
 
 /// y^T S^-1 y of a measurement; infinite where S is not positive definite.
@@ -408,18 +455,123 @@ double TeamFilter::squared_distance(const Row& row) const noexcept {
   return mahalanobis(y, S);
 }
 
-void TeamFilter::count_refusal(int robot) noexcept {
-  if (++odometry_[at(robot)].refused >= noise_.restart_sightings) widen(robot);
+/// Keeps a refused sighting. After many in a row that one pose nearby explains, the estimate is wrong.
+void TeamFilter::refuse(const TeamSighting& z) noexcept {
+  Robot& of = odometry_[at(z.observer)];
+  of.refused[at(of.refusals++ % refused_max)] = {
+      z, of.path, z.subject >= 0 && z.subject < robots_ ? odometry_[at(z.subject)].path : PlanarPose{}};
+  if (z.subject >= 0 && of.refusals >= noise_.restart_sightings) agree(z.observer);
 }
 
-/// After many refused sightings in a row: the pose may be wrong by more than it claims.
-void TeamFilter::widen(int robot) noexcept {
-  constexpr double position = 0.5, heading = 0.3;  // [m], [rad]
+/// Starts a robot again where one pose near the estimate explains its last refused sightings, which
+/// false ones do not have.
+void TeamFilter::agree(int robot) noexcept {
+  const Robot& of = odometry_[at(robot)];
+  std::array<TeamSighting, refused_max> frame;
+  const auto count = at(noise_.restart_sightings);
+  for (std::size_t i = 0; i < count; ++i)
+    frame[i] = moved(of.refused[(at(of.refusals) - 1 - i) % at(refused_max)]);
+  Mat<3, 3> P;
+  for (int a = 0; a < 3; ++a)
+    P(a, a) = square(a < 2 ? wrong_position : wrong_heading) +
+              this->P(index(robot, RobotState::x) + a, index(robot, RobotState::x) + a);
+  const PlanarPose here = pose(robot).pose;
+  if (const auto found = fit_near(robot, {frame.data(), count}, {here, P}, here)) restart(robot, *found);
+}
+
+/// Starts a robot at a pose from refused sightings; dead reckoning between them has errors, too.
+void TeamFilter::restart(int robot, PoseGuess found) noexcept {
+  constexpr double reckoned_m = 0.1, reckoned_rad = 0.1;
+  for (int a = 0; a < 3; ++a) found.P(a, a) += square(a < 2 ? reckoned_m : reckoned_rad);
+  start(robot, found);
+  odometry_[at(robot)].refusals = 0;
+}
+
+/// Maximum a posteriori of the pose of a robot from identified sightings by it, by Gauss-Newton from a
+/// pose. Sightings of one body share its lasting error, so together they count as one. Empty where
+/// they do not fit.
+std::optional<PoseGuess> TeamFilter::fit_near(int robot, std::span<const TeamSighting> frame,
+                                              const PoseGuess& prior, const PlanarPose& from) noexcept {
+  constexpr int iterations = 8;
   const int k = robot * robot_states;
-  P(k + x, k + x) += square(position);
-  P(k + y, k + y) += square(position);
-  P(k + psi, k + psi) += square(heading);
-  odometry_[at(robot)].refused = 0;
+  const std::array before = {x_[at(k)], x_[at(k + 1)], x_[at(k + 2)]};
+  const Cholesky<3> prior_factor(prior.P);
+  if (!prior_factor.positive) return {};
+  const Mat<3, 3> weight = prior_factor.solve(identity<3>());
+  x_[at(k)] = from.x, x_[at(k + 1)] = from.y, x_[at(k + 2)] = from.psi;
+  double cost = infinity;
+  int components = 0;
+  PoseGuess found;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const Column<3> off = {{{{prior.pose.x - x_[at(k)]},
+                             {prior.pose.y - x_[at(k + 1)]},
+                             {wrap(prior.pose.psi - x_[at(k + 2)])}}}};
+    Mat<3, 3> information = weight;
+    Column<3> slope = weight * off;
+    cost = mahalanobis(off, prior.P), components = 0;
+    for (const TeamSighting& z : frame) {
+      const Row row = row_of(z, -1);
+      const auto shared = std::count_if(frame.begin(), frame.end(),
+                                        [&](const TeamSighting& one) { return one.subject == z.subject; });
+      for (int a = 0; a < row.m; ++a, ++components) {
+        Column<3> H;
+        double w = row.R(a, a);
+        for (int l = 0; l < row.used; ++l) {
+          const int j = row.columns[at(l)] - k;
+          if (j >= 0 && j < 3) {
+            H(j, 0) = row.H(a, l);
+          } else {
+            w += square(row.H(a, l)) * P(row.columns[at(l)], row.columns[at(l)]);
+          }
+        }
+        cost += square(row.y(a, 0)) / w;
+        w *= static_cast<double>(shared);
+        information += (1 / w) * (H * transposed(H));
+        slope += (row.y(a, 0) / w) * H;
+      }
+    }
+    const Cholesky<3> factor(information);
+    if (!factor.positive || !std::isfinite(cost)) {
+      cost = infinity;
+      break;
+    }
+    found = {{x_[at(k)], x_[at(k + 1)], x_[at(k + 2)]}, factor.solve(identity<3>())};
+    const Column<3> d = factor.solve(slope);
+    for (int a = 0; a < 3; ++a) x_[at(k + a)] += d(a, 0);
+  }
+  for (int a = 0; a < 3; ++a) x_[at(k + a)] = before[at(a)];
+  if (!(cost <= sum_gate(components))) return {};
+  return found;
+}
+
+/// A refused sighting as if it were of the present time: its sensor and its point are where they were.
+TeamSighting TeamFilter::moved(const Refused& one) const noexcept {
+  TeamSighting z = one.z;
+  const auto moved_by = [](const PlanarPose& then, const PlanarPose& now, Vec3<double>& place) {
+    const PlanarPose back = between(now, then);
+    const SinCos<double> e = sincos(back.psi);
+    place = {back.x + e.cos * place.x - e.sin * place.y, back.y + e.sin * place.x + e.cos * place.y, place.z};
+    return back.psi;
+  };
+  const double turned = moved_by(one.observer, odometry_[at(z.observer)].path, z.sensor);
+  if (z.subject >= 0 && z.subject < robots_) moved_by(one.subject, odometry_[at(z.subject)].path, z.point);
+  // Ranges are depths along the axis, which has turned.
+  const int i = z.observer * robot_states;
+  const auto flat = [&](double bearing) {
+    return 1 + x_[at(i + gamma)] * (cos(bearing - x_[at(i + eps)]) - 1);
+  };
+  z.range *= flat(z.bearing + turned) / flat(z.bearing);
+  z.bearing += turned;
+  return z;
+}
+
+/// The pose may be wrong by more than it claims.
+void TeamFilter::widen(int robot) noexcept {
+  const int k = robot * robot_states;
+  P(k + x, k + x) += square(wrong_position);
+  P(k + y, k + y) += square(wrong_position);
+  P(k + psi, k + psi) += square(wrong_heading);
+  odometry_[at(robot)].refusals = 0;
 }
 
 bool TeamFilter::is_usable(const TeamSighting& z) const noexcept {
@@ -432,14 +584,17 @@ bool TeamFilter::is_usable(const TeamSighting& z) const noexcept {
 TeamFit TeamFilter::take(const TeamSighting& z) noexcept {
   if (!is_usable(z) || z.subject < 0) return {FitVerdict::unusable, z.subject};
   const int pair = pair_for(z);
-  const bool slipped = z.of != Sighted::range && admit_slip(row_of(z, pair), z.observer);
-  TeamFit fit = apply(row_of(z, pair));
-  fit.slipped = slipped;
+  const Slip slip = z.of == Sighted::range ? Slip::none : slip_of(row_of(z, pair), z.observer);
+  TeamFit fit{FitVerdict::rejected};
+  if (slip != Slip::shown) fit = apply(row_of(z, pair));
+  fit.slipped = slip == Slip::admitted;
   fit.subject = z.subject;
   if (fit.verdict == FitVerdict::accepted) {
-    odometry_[at(z.observer)].refused = 0;
+    odometry_[at(z.observer)].refusals = 0;
+    odometry_[at(z.observer)].accepted = now_;
+    odometry_[at(z.observer)].slip_seen = -infinity;
   } else {
-    count_refusal(z.observer);
+    refuse(z);
   }
   return fit;
 }

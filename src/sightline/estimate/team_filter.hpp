@@ -40,6 +40,7 @@ struct TeamNoise {
   double turn_noise = 0.09;
   double position_walk = 0.0;
   double heading_walk = 0.0;
+  double odometry_gap = 1.1;
   double speed_scale = 0.05;
   double turn_scale = 0.1;
   double turn_loss = 0.1;
@@ -65,7 +66,7 @@ struct TeamNoise {
 
   static constexpr auto parameters() {
     using N = TeamNoise;
-    constexpr Bounds count = {1, 1000, "1 to 1000"};
+    constexpr Bounds count = {1, 16, "1 to 16"};
     return Parameters{
         parameter("distance_noise", &N::distance_noise, "m/sqrt(m)", from_zero, "of the distance driven"),
         parameter("skid_noise", &N::skid_noise, "m/sqrt(m)", from_zero,
@@ -77,6 +78,8 @@ struct TeamNoise {
         parameter("position_walk", &N::position_walk, "m/sqrt(s)", from_zero,
                   "random walk of the position, each axis"),
         parameter("heading_walk", &N::heading_walk, "rad/sqrt(s)", from_zero, "random walk of the heading"),
+        parameter("odometry_gap", &N::odometry_gap, "s", above_zero,
+                  "age of odometry, if above 8 mean intervals, beyond which the motion is unknown"),
         parameter("speed_scale", &N::speed_scale, "", from_zero, "constant scale error of the velocity"),
         parameter("turn_scale", &N::turn_scale, "", from_zero, "constant scale error of the yaw rate"),
         parameter("turn_loss", &N::turn_loss, "m/rad", from_zero,
@@ -113,7 +116,7 @@ struct TeamNoise {
         parameter("bearing_error_time", &N::bearing_error_time, "s", above_zero,
                   "correlation time of that error"),
         parameter("restart_sightings", &N::restart_sightings, "", count,
-                  "refused sightings of a robot in a row after which its pose is uncertain again")};
+                  "refused sightings of a robot in a row that restart it where one pose explains them")};
   }
 
   bool operator==(const TeamNoise&) const = default;
@@ -265,11 +268,25 @@ class TeamFilter {
     int observer, subject;
     double seen;  // [s]
   };
+  enum class Slip { none, shown, admitted };
+  /// Deviations of a pose that is wrong by more than it claims [m], [rad].
+  static constexpr double wrong_position = 0.5, wrong_heading = 0.3;
+  static constexpr int refused_max = 16;
+  /// A refused sighting with the dead reckoning of its observer and its subject at that time.
+  struct Refused {
+    TeamSighting z{};
+    PlanarPose observer{}, subject{};
+  };
   struct Robot {
     std::array<WheelOdometry, 256> ring{};
     std::size_t first = 0, count = 0;
     double v = 0.0, yaw_rate = 0.0;  // corrected odometry at the present time
-    int refused = 0;                 // sightings in a row
+    PlanarPose path{};               // dead reckoning alone
+    std::array<Refused, refused_max> refused{};
+    int refusals = 0;             // in a row
+    int doubts = 0;               // refused sightings without identity, less twice the accepted ones
+    double accepted = -infinity;  // last time
+    double slip = 0.0, slip_variance = 0.0, slip_seen = -infinity;  // of the last bearing that shows one
     const WheelOdometry& operator[](std::size_t i) const noexcept { return ring[(first + i) % ring.size()]; }
   };
   /// A body that a sighting may show, and G = H P of its measurement, row by row.
@@ -287,6 +304,9 @@ class TeamFilter {
   static constexpr int candidates_max = 6;
   struct Association;
 
+  /// Gate of a sum of squares with that many degrees of freedom: the 99.9 % quantile of chi^2, by
+  /// Laurent and Massart from above.
+  static double sum_gate(int freedom) noexcept { return freedom + 2 * sqrt(6.9 * freedom) + 13.8; }
   static std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
   static int index(int robot, RobotState k) noexcept { return robot * robot_states + static_cast<int>(k); }
   /// State of an antenna's error towards another body; its common error where `body` is the robot.
@@ -299,6 +319,7 @@ class TeamFilter {
   void step(double dt) noexcept;
   void move(int robot, double dt) noexcept;
   void fade(double dt) noexcept;
+  double gap() const noexcept;
   int pair_of(const TeamSighting& z) const noexcept;
   int pair_for(const TeamSighting& z) noexcept;
   void drop_pair(int pair) noexcept;
@@ -307,8 +328,15 @@ class TeamFilter {
   void times_P(const Row& row, double* G) const noexcept;
   double squared_distance(const Row& row) const noexcept;
   TeamFit apply(const Row& row) noexcept;
-  bool admit_slip(const Row& row, int robot) noexcept;
-  void count_refusal(int robot) noexcept;
+  Slip slip_of(const Row& row, int robot) noexcept;
+  void refuse(const TeamSighting& z) noexcept;
+  void agree(int robot) noexcept;
+  void restart(int robot, PoseGuess found) noexcept;
+  std::optional<PoseGuess> fit_near(int robot, std::span<const TeamSighting> frame, const PoseGuess& prior,
+                                    const PlanarPose& from) noexcept;
+  TeamSighting moved(const Refused& one) const noexcept;
+  bool is_lost(int robot) const noexcept;
+  bool find(int robot) noexcept;
   void widen(int robot) noexcept;
 
   TeamNoise noise_;
@@ -318,6 +346,8 @@ class TeamFilter {
   std::vector<double> x_, P_, decay_;
   std::vector<double> G_, candidate_G_;  // rows of H P: 3, and 2 for each candidate of a frame
   std::vector<Robot> odometry_;
+  double driven_ = 0.0, turned_ = 0.0, covered_ = 0.0;  // integrals of v^2, r^2 and 1 over all odometry
+  double intervals_ = 0.0;                              // of odometry, in covered_
   std::vector<Pair> pairs_;
   std::vector<LastingError> lasting_;  // range and bearing: of each body as subject, and as observer
   SightingModel model_;

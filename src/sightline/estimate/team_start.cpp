@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/base/bounded.hpp"
 #include "sightline/estimate/team_filter.hpp"
 
 namespace sightline {
@@ -20,12 +21,13 @@ struct Fitted {
   int components = 0;
 };
 
-/// Gate of a sum of squares with that many degrees of freedom: above the 99.9 % quantile of chi^2, by
-/// Laurent and Massart.
-double sum_gate(int freedom) { return freedom + 2 * sqrt(6.9 * freedom) + 13.8; }
-
 bool same(const PlanarPose& a, const PlanarPose& b) {
   return norm(a.x - b.x, a.y - b.y) < apart_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
+}
+
+/// Whether two poses are neighbours among the hypotheses of one pose.
+bool same_place(const PlanarPose& a, const PlanarPose& b) {
+  return norm(a.x - b.x, a.y - b.y) < 2 * apart_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
 }
 
 }  // namespace
@@ -148,6 +150,130 @@ std::optional<PoseGuess> TeamFilter::locate(int robot, std::span<const TeamSight
   for (const Fitted& one : best)
     if (!same(one.pose, found.pose) && one.cost < found.cost + clear) return {};
   return PoseGuess{found.pose, factor.solve(identity<3>())};
+}
+
+/// Whether a pose is too uncertain to associate sightings without identity one by one.
+bool TeamFilter::is_lost(int robot) const noexcept {
+  constexpr double far = 0.5, turned = 0.25;  // [m], [rad]
+  return sigma(robot, RobotState::x) > far || sigma(robot, RobotState::y) > far ||
+         sigma(robot, RobotState::psi) > turned;
+}
+
+/// Starts a robot again where landmarks explain most of its last sightings without identity, and no
+/// other pose near the estimate does. Each hypothesis: one of the last sightings shows one landmark,
+/// at one heading.
+bool TeamFilter::find(int robot) noexcept {
+  constexpr int used = 10, least = 8, first = 3, turns = 40;
+  constexpr std::size_t near_max = 64;
+  constexpr double age_max = 8.0;                            // [s]
+  constexpr double explained_m = 0.1, explained_rad = 0.02;  // standard deviation of a landmark's place
+  constexpr double robot_m = 0.2;                            // of a robot, which moves between the sightings
+  constexpr double unexplained = 12.4, likely = 6.0;         // costs, as of an association
+  Robot& of = odometry_[at(robot)];
+  if (of.refusals < used) return false;
+  std::array<TeamSighting, used> frame;
+  std::array<Vec2<double>, used> shown;  // in the frame of the robot
+  const auto constant = [&](RobotState c) { return state(robot, c); };
+  double farthest = 0.0;
+  for (int i = 0; i < used; ++i) {
+    const Refused& one = of.refused[at((of.refusals - 1 - i) % refused_max)];
+    if (one.z.of != Sighted::range_and_bearing || now_ - one.z.stamp > age_max) return false;
+    TeamSighting& z = frame[at(i)];
+    z = moved(one);
+    const double flat =
+        1 + constant(RobotState::range_depth) * (std::cos(z.bearing - constant(RobotState::axis_turn)) - 1);
+    const double distance =
+        (z.range - constant(RobotState::range_offset)) / (1 + constant(RobotState::range_scale)) / flat;
+    const SinCos<double> e = sincos(z.bearing + constant(RobotState::sensor_turn));
+    shown[at(i)] = {z.sensor.x + distance * e.cos, z.sensor.y + distance * e.sin};
+    farthest = std::max(farthest, norm(shown[at(i)].x, shown[at(i)].y));
+  }
+  const PlanarPose here = pose(robot).pose;
+  // A pose that is not lost but contradicted is wrong by more than it claims.
+  const bool lost = is_lost(robot);
+  const double position =
+      norm(std::max(sigma(robot, RobotState::x), sigma(robot, RobotState::y)), lost ? 0.05 : wrong_position);
+  const double heading = norm(sigma(robot, RobotState::psi), lost ? 0.05 : wrong_heading);
+  const double within = 3 * position, sector = std::min(3 * heading, std::numbers::pi);
+  struct Near {
+    int body;
+    double x, y, variance;
+  };
+  Bounded<Near, near_max> near;
+  for (int j = 0; j < bodies(); ++j) {
+    if (j == robot || near.is_full()) continue;
+    Near one{j, 0.0, 0.0, 0.0};
+    if (j < robots_) {
+      const int other = index(j, RobotState::x);
+      one = {j, x_[at(other)], x_[at(other + 1)],
+             square(robot_m) + P(other, other) + P(other + 1, other + 1)};
+    } else {
+      one.x = landmarks_[at(j - robots_)].x, one.y = landmarks_[at(j - robots_)].y;
+    }
+    if (norm(one.x - here.x, one.y - here.y) < within + farthest) near.push_back(one);
+  }
+  struct Explained {
+    PlanarPose pose{};
+    int count = 0;
+    double cost = infinity;
+    std::array<int, used> body{};
+  };
+  const auto explained = [&](const PlanarPose& at_pose) {
+    Explained result{at_pose, 0, 0.0, {}};
+    result.cost = square(norm(at_pose.x - here.x, at_pose.y - here.y) / position) +
+                  square((at_pose.psi - here.psi) / heading);
+    const SinCos<double> e = sincos(at_pose.psi);
+    for (int i = 0; i < used; ++i) {
+      const Vec2<double>& p = shown[at(i)];
+      const double x = at_pose.x + e.cos * p.x - e.sin * p.y, y = at_pose.y + e.sin * p.x + e.cos * p.y;
+      const double variance = square(explained_m + explained_rad * norm(p.x, p.y));
+      double least_cost = unexplained;
+      result.body[at(i)] = -1;
+      for (const Near& one : near) {
+        const double c = (square(one.x - x) + square(one.y - y)) / (variance + one.variance);
+        if (c < least_cost) least_cost = c, result.body[at(i)] = one.body;
+      }
+      result.cost += least_cost;
+      if (result.body[at(i)] >= 0) ++result.count;
+    }
+    return result;
+  };
+  Explained best;
+  double other = infinity;
+  for (int i = 0; i < first; ++i)
+    for (const Near& shown_body : near)
+      for (int n = -turns; n <= turns; ++n) {
+        const double psi = here.psi + n * sector / turns;
+        const SinCos<double> e = sincos(psi);
+        const Vec2<double>& p = shown[at(i)];
+        const PlanarPose there{shown_body.x - (e.cos * p.x - e.sin * p.y),
+                               shown_body.y - (e.sin * p.x + e.cos * p.y), psi};
+        if (norm(there.x - here.x, there.y - here.y) > within) continue;
+        const Explained one = explained(there);
+        if (one.cost < best.cost) {
+          if (!same_place(one.pose, best.pose)) other = best.cost;
+          best = one;
+        } else if (!same_place(one.pose, best.pose)) {
+          other = std::min(other, one.cost);
+        }
+      }
+  if (best.count < least || other < best.cost + likely) return false;
+  std::size_t identified = 0;
+  bool two_bodies = false;
+  for (std::size_t i = 0; i < used; ++i)
+    if (best.body[i] >= robots_) {
+      frame[identified] = frame[i];
+      frame[identified].subject = best.body[i];
+      two_bodies = two_bodies || best.body[i] != frame[0].subject;
+      ++identified;
+    }
+  if (!two_bodies) return false;
+  Mat<3, 3> prior;
+  prior(0, 0) = prior(1, 1) = square(position), prior(2, 2) = square(heading);
+  const auto found = fit_near(robot, {frame.data(), identified}, {here, prior}, best.pose);
+  if (!found) return false;
+  restart(robot, *found);
+  return true;
 }
 
 }  // namespace sightline

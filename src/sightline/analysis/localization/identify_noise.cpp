@@ -28,7 +28,9 @@ std::vector<NoiseNumber> numbers_of(const TeamRecording& recording, const TeamNo
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(noise.*p.member)>, double>) {
       const bool constant =
           std::find(robot_constants.begin(), robot_constants.end(), p.key) != robot_constants.end();
-      const bool shown = p.key.starts_with("range") ? ranges : !p.key.starts_with("bearing") || bearings;
+      const bool shown = p.key.starts_with("range")     ? ranges
+                         : p.key.starts_with("bearing") ? bearings
+                                                        : p.key != "odometry_gap";  // of the recorder
       if (!constant && shown && noise.*p.member > 0) numbers.push_back({p.key, p.unit, p.member});
     }
   };
