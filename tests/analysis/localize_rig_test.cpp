@@ -505,7 +505,7 @@ TEST(RigRecording, CamerasOfABagAreThoseOfItsCameraInfoAndMountings) {
 
 /// A folder whose cameras are those of its bag.
 std::filesystem::path folder_of(const RigRecording& recording, const test::BagWriter& bag) {
-  const std::filesystem::path folder = test::fresh_folder();
+  std::filesystem::path folder = test::fresh_folder();
   test::write_rig(recording, (folder / "").string());
   for (const char* file : {"cameras.yaml", "camera_poses.yaml"}) std::filesystem::remove(folder / file);
   bag_in_place_of_table(folder, bag);

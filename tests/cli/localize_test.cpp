@@ -180,7 +180,7 @@ TEST(LocalizeCommand, LocalizesACameraRig) {
   // The same sightings in a bag that has its cameras, too.
   for (const char* name : {"walk_tag_detections.csv", "walk_cameras.yaml", "walk_camera_poses.yaml"})
     fs::remove(folder / name);
-  std::ofstream(folder / "walk.mcap", std::ios::binary) << bag_with_cameras(rig.recording, 0.0).bytes("lz4");
+  std::ofstream(folder / "walk.mcap", std::ios::binary) << bag_with_cameras(rig.recording, {}).bytes("lz4");
   const auto bag = sightline(
       "localize " + (folder / "walk.mcap").string() + " --pixels raw --json -o " + (folder / "bag").string(),
       folder);
