@@ -492,7 +492,8 @@ struct CertifiedView {
         KeyText{"velocity_error", "> 0",
                 "of an observer localized by vision: greatest error of its own velocity [m/s]", "none"},
         KeyText{"turn_error", "> 0",
-                "of an observer localized by vision: greatest error of its own yaw rate [rad/s]", "none"},
+                "of an observer localized by vision: greatest error of its own mean yaw rate [rad/s]",
+                "none"},
         parameter("outside", &CertifiedView::outside, outside_views,
                   "outside the set: the solver's command, or the one nearest to the set")};
   }

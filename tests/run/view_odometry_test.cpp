@@ -7,11 +7,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "sightline/robots.hpp"
+#include "sightline/run/team_view.hpp"
 #include "sightline/safety/view_filter.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/view_set.hpp"
@@ -79,16 +83,14 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
                          e_v = any_within(random, errors.velocity);
       const Vec2<double> from = rotate<double>(direction(psi), {q.x + e.x, q.y + e.y}),
                          v = rotate<double>(direction(psi), {x[5] + e_v.x, x[6] + e_v.y});
-      const double share = 0.01;  // of the vertical velocity, which the mean over a period does not have
       PoseEstimate pose{
           .known = true,
           .stamp = k * odometry_period,
           .p = {target.x - from.x, target.y - from.y, x[2] + uniform(random, -bounds.error, bounds.error)},
-          .v = {v.x, v.y,
-                climbed / odometry_period +
-                    uniform(random, share - errors.velocity, errors.velocity - share)},
+          .v = {v.x, v.y, climbed / odometry_period + uniform(random, -errors.velocity, errors.velocity)},
           .psi = psi,
-          .yaw_rate = turned / odometry_period + uniform(random, -errors.turn, errors.turn)};
+          .yaw_rate = turned / odometry_period +
+                      (flight % 2 == 0 ? errors.turn : uniform(random, -errors.turn, errors.turn))};
       // The state that the loop has: another velocity, predicted by the commands under way.
       std::vector<double> here(x.size());
       model.at_rest({pose.p, direction(psi)}, here.data());
@@ -116,7 +118,7 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
       const double pull = norm(q.x, q.y) > 1.5 ? 0.3 : -0.3;
       u = {std::clamp(pull * q.x + uniform(random, -0.2, 0.2) - 0.5 * x[5], -0.5, 0.5),
            std::clamp(-pull * q.y + uniform(random, -0.2, 0.2) + 0.5 * x[6], -0.5, 0.5),
-           0.2 * std::sin(0.02 * k), 0.4 * std::sin(0.013 * k)};
+           k % 46 < 23 ? 1.0 : -1.0, 0.4 * std::sin(0.013 * k)};
       commands.push_back(u);
       const double psi_before = heading_of(x), z_before = x[2];
       model.step(x.data(), commands[now].data(), odometry_period);
@@ -158,6 +160,70 @@ TEST(ViewOdometry, ItsBoundsGrowWithEachError) {
     const ViewBounds other = more.seen(bounds, odometry_reach, odometry_period);
     EXPECT_GT(other.speed, seen.speed);
     EXPECT_GT(other.error, seen.error);
+  }
+}
+
+/// A view of uav1 by uav0, which is localized by vision, both at rest, from given estimates of its heading.
+class GivenView {
+ public:
+  GivenView() {
+    const Multirotor robot;
+    for (const char* name : {"uav0", "uav1"}) team_.add(robot, {.name = name});
+    CertifiedView view{.observer = BodyId{0}, .target = BodyId{1}};
+    view.bounds = {.speed = 0.1, .climb = 0.1, .error = 0.03};
+    ViewTask task = test::view_task(robot, view.bounds);
+    task.odometry = {.velocity = 0.05, .turn = 0.02};
+    const ViewSection section(view_region(test::cone_limits(), task.motion));
+    task.bounds = task.odometry.seen(view.bounds, section.reach(), odometry_period);
+    const ViewCertificate z = certify_view(task, section);
+    view.filter = std::make_shared<const ViewFilter>(Model(robot), z);
+    const double r = 0.5 * (z.near + z.far);
+    from_ = {-r, 0.0, 1.0 + 0.5 * (z.at(z.low, r) + z.at(z.high, r))};
+    options_.period = odometry_period, options_.views.push_back(view);
+    view_.emplace(team_, options_);
+  }
+  ViewRecord after(double psi, double age = 0.0, double sigma = 0.0) {
+    const Vec2<double> d = direction(psi);
+    const std::vector<double> x = {from_.x, from_.y, from_.z, d.x, d.y, 0, 0, 0, 0, 1.0, 1.0, 0, 0, 0};
+    poses_[0] = {.known = true, .stamp = t_ - age, .p = from_, .psi = psi};
+    for (int i = 0; i < 3; ++i) poses_[0].P(i, i) = square(sigma);
+    std::vector<double> u(8);
+    const std::array<double, 2> ages = {age, 0.0}, sigmas = {sigma, 0.0};
+    const std::array<Presence, 2> presence = {Presence::steered, Presence::steered};
+    const std::array<FallbackLevel, 2> levels{};
+    const std::vector<double> added(8);
+    view_->accept_poses(poses_);
+    view_->keep_views(t_, {x, x, {}, ages, sigmas, presence, levels, added, nullptr}, u);
+    view_->judge(u);
+    t_ += odometry_period;
+    return view_->records()[0];
+  }
+
+ private:
+  Team team_;
+  GuardOptions options_;
+  Vec3<double> from_{};
+  std::array<PoseEstimate, 2> poses_{};
+  double t_ = 0.0;
+  std::optional<TeamView> view_;
+};
+
+// It has turned by much in the period without an estimate, after which its yaw rate is 0.
+TEST(ViewOdometry, BeginsAnewAfterEachPeriodWithoutASureEstimate) {
+  constexpr double turned = 0.016, late = 0.02, unsure = 0.1;
+  const ViewRecord anew = GivenView().after(turned);
+  ASSERT_TRUE(anew.certified);
+  for (const auto& [age, sigma, least] :
+       {std::tuple(late, 0.0, ViewReserve::age), std::tuple(0.0, unsure, ViewReserve::error),
+        std::tuple(late, unsure, ViewReserve::error)}) {
+    GivenView view;
+    for (int k = 0; k < 5; ++k) EXPECT_TRUE(view.after(0.0).certified);
+    const ViewRecord without = view.after(0.0, age, sigma);
+    EXPECT_FALSE(without.certified);
+    EXPECT_EQ(without.least, least);
+    const ViewRecord then = view.after(turned);
+    EXPECT_TRUE(then.certified);
+    EXPECT_EQ(then.reserve, anew.reserve);
   }
 }
 

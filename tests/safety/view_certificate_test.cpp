@@ -171,9 +171,15 @@ TEST(ViewCertificate, EveryStateOfItsSetHasTheTargetInTheRegion) {
 
 // The conditions of the theorem, by its formulas, ten times as fine as the certificate's own grid.
 TEST(ViewCertificate, ItsNumbersKeepTheConditionsOfTheTheorem) {
-  for (const ViewBounds& bounds :
-       {ViewBounds{}, ViewBounds{.speed = 0.9}, ViewBounds{.speed = 0.2, .climb = 0.6}}) {
-    const ViewTask task = view_task(Multirotor{}, bounds);
+  struct Case {
+    ViewBounds bounds{};
+    ViewOdometry odometry{};
+  };
+  for (const auto& [bounds, odometry] :
+       {Case{}, Case{{.speed = 0.9}}, Case{{.speed = 0.2, .climb = 0.6}},
+        Case{{.speed = 0.2, .climb = 0.6}, {.velocity = 0.2, .turn = 0.4}}}) {
+    ViewTask task = view_task(Multirotor{}, bounds);
+    task.odometry = odometry;
     const ViewCertificate z = certify_view(task, section_of(task, cone_limits()));
     ASSERT_TRUE(z.exists());
     const test::ViewChecker checker(z);
@@ -192,13 +198,48 @@ TEST(ViewCertificate, ItsNumbersKeepTheConditionsOfTheTheorem) {
       const double forward = z.brake.fastest(r + moved - z.near),
                    backward = z.brake.fastest(z.far - r + moved);
       const double sine = std::sin(forward > 0 ? T : z.theta);
-      EXPECT_LE(bounds.speed + z.sideward + forward * sine, robot.b_psi * r + 1e-9);  // (C2)
-      EXPECT_GE(z.at(z.high, r) - z.at(z.low, r), 4 * robot.b_z * dt - 1e-9);         // (C3)
-      const double climb = robot.b_z - bounds.climb;
+      EXPECT_LE(bounds.speed + z.sideward + forward * sine,
+                (robot.b_psi - odometry.turn) * r + 1e-9);                     // (C2)
+      EXPECT_GE(z.at(z.high, r) - z.at(z.low, r), 4 * robot.b_z * dt - 1e-9);  // (C3)
+      const double climb = robot.b_z - bounds.climb - odometry.velocity;
       const double top = (z.at(z.high, r + dr) - z.at(z.high, r)) / dr,
                    low = (z.at(z.low, r + dr) - z.at(z.low, r)) / dr;
       EXPECT_LE(std::max(top, -low) * (W_e + forward), climb + 1e-6);   // (C4), as r falls
       EXPECT_LE(std::max(-top, low) * (W_e + backward), climb + 1e-6);  // as r grows
+    }
+  }
+}
+
+TEST(ViewCertificate, ItsHeightsDoNotJumpOverAThinLayer) {
+  const ViewSection section([](double ahead, double left, double above) {
+    return ahead > 1.08 && ahead < 18.77 && std::abs(left) < 0.5 * ahead && std::abs(above) < 2.1 &&
+           std::abs(above) > 0.07;
+  });
+  int found = 0, over = 0;
+  for (int k = 0; k < ViewSection::distances; ++k) {
+    for (int i = 0; i < ViewSection::bearings; ++i) {
+      const ViewSection::Heights at = section.heights(k, ViewSection::bearing(i), 0.0);
+      if (at.is_empty()) continue;
+      ++found, over += at.low < 0 && at.high > 0;
+    }
+  }
+  EXPECT_GT(found, 1000);
+  EXPECT_EQ(over, 0);
+}
+
+// Beyond the speed that it keeps on request some command of its set brakes in each direction.
+TEST(ViewCertificate, OfARobotOnRequestBrakesAsRequestedBeyondThatSpeed) {
+  for (const double yaw : {0.0, 0.1, 0.4, 0.7854, 1.2}) {
+    const std::vector<Potential> limits = test::aside_limits(yaw);
+    ViewTask task = view_task(Multirotor{}, {.speed = 0.05, .climb = 0.1}, limits);
+    task.requested = 0.8;
+    const ViewCertificate z = certify_view(task, section_of(task, limits));
+    ASSERT_TRUE(z.exists()) << yaw;
+    const double needed = 0.98 * std::min(task.motion.along.most, task.motion.across.most);
+    EXPECT_LE(norm(z.brake.speed, z.sideward), task.requested);
+    for (int k = 0; k <= 20; ++k) {
+      const double across = z.sideward * k / 20, along = std::sqrt(square(task.requested) - square(across));
+      EXPECT_GE((z.push.x * along + z.push.y * across) / task.requested, needed) << yaw << " " << across;
     }
   }
 }

@@ -49,6 +49,15 @@ TEST(ViewFilter, NoMoveOfTheTargetLeavesTheSetInOnePeriod) {
   expect_invariant(Multirotor{}, {.speed = 0.5}, cone_limits(0.5, MountFrame::body));
 }
 
+// Its heading and height follow estimated rates, whose errors add to the moves of the target.
+TEST(ViewFilter, NorDoErrorsOfTheOdometry) {
+  ViewTask task = view_task(Multirotor{}, {.speed = 0.5});
+  task.odometry = {.velocity = 0.1, .turn = 0.05};
+  const test::ViewStep all = test::one_step(Multirotor{}, certificate_of(task, cone_limits()), 10'000, 5);
+  EXPECT_EQ(all.outside, 0) << all.least;
+  EXPECT_EQ(all.uncertified, 0);
+}
+
 TEST(ViewFilter, OfASensorThatSitsAskewNoneLeavesItEitherAndInItTheTargetIsInView) {
   for (const MountFrame frame : {MountFrame::level, MountFrame::body}) {
     const std::vector<Potential> limits = test::askew_limits(frame);

@@ -140,6 +140,26 @@ TEST(LocalizedView, IsRefusedWhereTheEstimateDoesNotBoundIt) {
   EXPECT_TRUE(refused({"certify_view[0].velocity_error=0.0"}).ends_with("expected > 0 m/s"));
   EXPECT_TRUE(refused({"agent.uav0.localization=\"global\""})
                   .ends_with("expected no such key for an observer whose own state is measured"));
+  EXPECT_TRUE(refused({"certify_view[0].age=0.05"})
+                  .ends_with("certify_view[0].age = 0.05, expected 0 for an observer that is localized by "
+                             "vision"));
+  // A robot whose climb lags, and one whose velocity is along the axes of G.
+  for (const std::string& text : std::vector<std::string>{
+           R"~(states=["x","y","z","psi","v","w","c"],heading="psi",f={x="v*cos(psi) - w*sin(psi)",)~"
+           R"~(y="v*sin(psi) + w*cos(psi)",z="c",psi="turn",v="a - 0.5*v",w="b - 0.5*w",c="(up - c)/0.3"})~",
+           R"~(states=["x","y","z","d","e","v","w"],heading=["d","e"],f={x="v",y="w",z="up",)~"
+           R"~(d="-(e*turn)",e="d*turn",v="a*d - b*e - 0.5*v",w="a*e + b*d - 0.5*w"})~"}) {
+    const std::string refusal = refused(
+        {R"(agent.uav0.robot={text={inputs=["a","b","up","turn"],position=["x","y","z"],)" + text + "}}",
+         "agent.uav0.parameters={}"});
+    EXPECT_TRUE(refusal.ends_with(
+        "expected a robot whose climb and yaw rate follow its commands at once, with its velocity along its "
+        "heading as states, as it is localized by vision"))
+        << refusal;
+  }
+  EXPECT_TRUE(refused({"certify_view[0].observer=\"uav1\"", "certify_view[0].target=\"uav0\"",
+                       "certify_view[0].speed_unrequested=0.5"})
+                  .ends_with("expected no such key for a target that is localized by vision"));
   EXPECT_NE(
       refused({"certify_view[0].speed_max=0.6"}).find("the range corridor limits what can be certified"),
       std::string::npos);

@@ -280,6 +280,26 @@ TEST(CertifiedViews, KeepTheLimitsThatEventsGiveThePair) {
             "[[couple]]\npotential = { keep_out = { d_min = 1.2 } }\nbetween = [\"ball\", \"uav0\"]\n"));
 }
 
+// No event turns the couplings with another target to that of the view.
+TEST(CertifiedViews, AreNotOfCouplingsThatEventsRetuneWithAnotherTarget) {
+  const auto speed = [](const std::string& other, const std::string& retuned) {
+    std::string text =
+        leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified) +
+        fmt::format(
+            "[[couple]]\nname = \"other\"\nbetween = [\"uav0\", \"post\"]\n{}\n[[event]]\nat = "
+            "3.0\nretune = {{ couple = \"other\", {} }}\n",
+            other, retuned);
+    text.insert(text.find("[target.ball]"),
+                "[agent.uav0.sensors.back]\nyaw = 3.0\n[target.post]\np = [-3.0, 0.0, 1.0]\n");
+    return test::scenario_of(text).certified_views.at(0).speed_most;
+  };
+  const std::string near = "potential = { cohesion = { d_max = 9.0 } }",
+                    sees = "potential = { bearing = { alpha = 0.8 } }\nsensor = \"back\"";
+  const double alone = speed(near, "weight = 2.0");
+  EXPECT_EQ(speed(near, "potential = { cohesion = { d_max = 0.9 } }"), alone);
+  EXPECT_EQ(speed(sees, "potential = { bearing = { alpha = 0.6 } }"), alone);
+}
+
 TEST(CertifiedViews, BelongToThePartOfTheirObserver) {
   std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", certified);
   text.insert(text.find("[agent.uav0]"),

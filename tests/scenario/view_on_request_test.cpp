@@ -242,6 +242,17 @@ TEST(ViewsOnRequest, OfARobotWithACertifiedViewOfItsOwnStayCertifiedWithThatView
   EXPECT_GT(active, 0);
 }
 
+// Beyond the bound it would brake relative to the ball, and follow it faster than it is requested to.
+TEST(ViewsOnRequest, OfARobotThatFollowsAMeasuredVelocityAreRefused) {
+  Random random(9);
+  const std::string text =
+      replaced(chained(random), "speed_max = 0.15", "speed_max = 1.5\nacceleration_max = 0.3");
+  EXPECT_TRUE(test::scenario_refusal(text).ends_with(
+      "acceleration_max = 0.3, expected no such key for a robot that another certified view requests to "
+      "slow down"))
+      << test::scenario_refusal(text);
+}
+
 // uav2 sees a post, until an event turns it to uav1 and uav0 to the post.
 TEST(ViewsOnRequest, AreHandedOverBetweenObserversThatBothRequest) {
   const int flights = runs(100, 20);

@@ -197,7 +197,8 @@ struct ViewStep {
   double least = infinity;  // [m]
 };
 
-/// Filters a command at states of the set, and moves the target in 48 ways.
+/// Filters a command at states of the set, and moves the target in 48 ways; and the robot by the greatest
+/// errors of its odometry.
 template <RobotModel M>
 ViewStep one_step(const M& robot, const ViewCertificate& z, int states, std::uint64_t seed) {
   const Model model(robot);
@@ -216,12 +217,19 @@ ViewStep one_step(const M& robot, const ViewCertificate& z, int states, std::uin
     all.uncertified += !filter.filter(x, {s.target, s.w}, model.u_min(), model.u_max(), u).certified;
     model.step(x.data(), u.data(), z.task.dt);
     const Sight<double> then = model.sight(x.data(), u.data());
+    const double turned = z.task.dt * z.task.odometry.turn, climbed = z.task.dt * z.task.odometry.velocity;
     const double turn = rate_state < 0 ? 0.0 : x[static_cast<std::size_t>(rate_state)];
     double least = infinity;
     for (int k = 0; k < moves; ++k) {
       ViewState moved = s;
       move(moved, z.task.bounds, k, z.task.dt);
-      least = std::min(least, checker.least(then, moved.target, moved.w, turn));
+      Sight<double> off = then;
+      const double sign = k % 2 == 0 ? 1.0 : -1.0;
+      const Vec2<double> by = {std::cos(turned), sign * std::sin(turned)},
+                         v = rotate<double>(by, {then.v.x, then.v.y});
+      off.d = rotate(by, then.d), off.v.x = v.x, off.v.y = v.y;
+      off.p.z += k / 16 == 0 ? climbed : -climbed;
+      least = std::min(least, checker.least(off, moved.target, moved.w, turn));
     }
     all.least = std::min(all.least, least);
     all.outside += least < -2e-6;

@@ -72,11 +72,9 @@ TeamView::TeamView(const Team& team, const GuardOptions& options) : team_(team),
                           .known = task.bounds.known(options_.period),
                           .followed = followed_within(task.bounds, options_.period)});
     if (!task.odometry.is_used()) continue;
-    ViewBounds bounds = view.bounds;
-    bounds.age -= task.odometry.delay;
     observers_.back().odometry.emplace(agent.model, task);
-    observers_.back().most_lag = task.odometry.velocity_error(bounds, options_.period) +
-                                 task.odometry.velocity + bounds.wind * view.bounds.age;
+    observers_.back().most_lag = task.odometry.velocity_error(view.bounds, options_.period) +
+                                 task.odometry.velocity + view.bounds.wind * task.odometry.delay;
   }
   for (Observer& of : observers_) {
     if (!of.view->is_on_request()) continue;
@@ -217,14 +215,14 @@ void TeamView::see(double t, const TeamSituation& now, Observer& of) const noexc
   if (lags) approach(of, seen.p);
   const Vec3<double>& ahead = of.ahead = measured - of.target.p;
   const bool is_present = own_age <= nearly || options_.supervisor.has_value();
-  if (!is_present || std::max(own_age, is_agent ? 0.0 : age) + delay > bounds.age + nearly ||
-      age > bounds.age + nearly)
-    return;
+  const bool is_late = !is_present || std::max(own_age, is_agent ? 0.0 : age) + delay > bounds.age + nearly ||
+                       age > bounds.age + nearly;
+  const bool sure = is_sure(now, of, seen.p);
+  // What is wrong in such a period may last in the frame O, which begins anew.
+  if (of.odometry && (is_late || !sure)) of.seen_at = -infinity;
+  if (is_late && (sure || !of.odometry)) return;
   of.missed = ViewReserve::error;
-  if (!is_sure(now, of, seen.p)) {
-    if (of.odometry) of.seen_at = -infinity;
-    return;
-  }
+  if (!sure) return;
   of.missed = ViewReserve::motion;
   if ((of.odometry ? of.own.velocity_lag() : of.own.lag()) > of.most_lag + nearly) {
     of.left_at = t;

@@ -19,7 +19,7 @@ OdometryFrame::OdometryFrame(const Model& model, const ViewTask& task)
   moves_ = drag > 0 ? (1 - keeps_) / drag : delay;
   const StateRoles roles = roles_of(model);
   position_ = roles.position, direction_ = roles.direction, angle_ = roles.angle;
-  velocity_G_ = {roles.velocity_G[0], roles.velocity_G[1]}, velocity_V_ = roles.velocity_V;
+  velocity_V_ = roles.velocity_V;
 }
 
 void OdometryFrame::begin(const PoseEstimate& pose) noexcept {
@@ -30,7 +30,7 @@ void OdometryFrame::begin(const PoseEstimate& pose) noexcept {
 void OdometryFrame::follow(const PoseEstimate& pose) noexcept {
   const double elapsed = pose.stamp - last_.stamp;
   turn_ = wrap(turn_ - (pose.psi - last_.psi) + elapsed * pose.yaw_rate);
-  lift_ += 0.5 * elapsed * (pose.v.z + last_.v.z) - (pose.p.z - last_.p.z);
+  lift_ += elapsed * pose.v.z - (pose.p.z - last_.p.z);  // its mean over the period that ended
   last_ = pose;
 }
 
@@ -48,14 +48,11 @@ std::span<const double> OdometryFrame::carry(const PoseEstimate& pose, std::span
     if (state >= 0) x_[size(state)] += value;
   };
   add(velocity_V_[0], keeps_ * lacks_V.x), add(velocity_V_[1], keeps_ * lacks_V.y);
-  add(velocity_G_[0], keeps_ * lacks.x), add(velocity_G_[1], keeps_ * lacks.y);
   add(position_[2], lift_), add(angle_, turn_);
-  const Vec2<double> by = {std::cos(turn_), std::sin(turn_)};
-  for (const auto& pair : {direction_, velocity_G_}) {
-    if (pair[0] < 0 || pair[1] < 0) continue;
-    const Vec2<double> turned = rotate<double>(by, {x_[size(pair[0])], x_[size(pair[1])]});
-    x_[size(pair[0])] = turned.x, x_[size(pair[1])] = turned.y;
-  }
+  if (direction_[0] < 0) return x_;
+  const Vec2<double> d =
+      rotate<double>({std::cos(turn_), std::sin(turn_)}, {x_[size(direction_[0])], x_[size(direction_[1])]});
+  x_[size(direction_[0])] = d.x, x_[size(direction_[1])] = d.y;
   return x_;
 }
 

@@ -19,6 +19,7 @@ namespace sightline {
 
 class OdometryFrame {
  public:
+  /// @param model  its velocity is a state along its heading
   OdometryFrame(const Model& model, const ViewTask& task);
 
   const ViewOdometry& limits() const noexcept { return limits_; }
@@ -43,7 +44,7 @@ class OdometryFrame {
   bool is_level_;
   double keeps_, moves_;  // of a velocity after the delay, and way per velocity [s]
   std::array<int, 3> position_;
-  std::array<int, 2> direction_, velocity_G_, velocity_V_;
+  std::array<int, 2> direction_, velocity_V_;
   int angle_;
   PoseEstimate last_{};
   double turn_ = 0.0, lift_ = 0.0;  // from G to O [rad], [m]

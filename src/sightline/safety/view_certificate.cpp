@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/safety/slow_down.hpp"
+
 namespace sightline {
 namespace {
 
@@ -68,10 +70,14 @@ class Sets {
   /// The left sides of (C2) over r at r_k, for the greatest speeds ahead and back there [rad/s].
   Vec2<double> rates(int k, double ahead, double back) const;
   bool follows(const Vec2<double>& rates) const {
-    return rates.x <= limits_.turn && rates.y <= 2 * limits_.turn;
+    const double turn = limits_.turn, error = task_.odometry.turn;
+    return rates.x <= turn - error && rates.y <= 2 * turn - error;
   }
   bool follows(int i, int j) const;           ///< (C2)
   bool holds_sideward(double fastest) const;  ///< (C6)
+  /// Whether a robot that is requested to slow down needs no more than that speed, along up to
+  /// `fastest`, and brakes in its set as requested beyond it.
+  bool slows_down(double fastest) const;
 
   ViewTask task_;
   const ViewSection& section_;
@@ -131,7 +137,7 @@ bool Sets::prepare(const SetLimits& limits) {
   // (C1): a thrust for one border uses up at most `lost` of the other's reserve, 2 q_0.
   const double change = (most + c * W_e) * dt * std::exp(c * dt);
   const double lost = 2 * change * (2 * W_e + change) / (least + c * W_e);
-  if (ignored_ != ViewLimit::request && norm(W_e + 2 * change, sideward) > task_.requested) return false;
+  if (ignored_ != ViewLimit::request && !slows_down(W_e + 2 * change)) return false;
   const double length = brake_.distance(W_e) + 2 * (lost + spare);
   corridor_ =
       ignored_ == ViewLimit::range ? 2 : std::max(2, static_cast<int>(std::ceil(length / section_.step())));
@@ -169,6 +175,14 @@ void Sets::tabulate_heights(double bearing, double above) {
   }
 }
 
+bool Sets::slows_down(double fastest) const {
+  if (task_.requested == infinity) return true;
+  const double beside = limits_.sideward, speed = norm(fastest, beside);
+  // Of the directions of its velocity then, one of the outer two has the least deceleration.
+  const double slowing = std::min(push_.x, (push_.x * fastest + push_.y * beside) / speed);
+  return speed <= task_.requested && slowing >= least_deceleration(task_.motion, 0.0);
+}
+
 double Sets::fastest_within(int k) const {
   return brake_.fastest((k + 1) * section_.step() + moved_) + varied_;
 }
@@ -182,6 +196,7 @@ bool Sets::holds_sideward(double fastest) const {
 
 Vec2<double> Sets::rates(int k, double ahead, double back) const {
   const double r = section_.distance(k) - 4 * task_.motion.most_push().x * square(task_.dt);
+  if (r <= 0) return {infinity, infinity};
   // At theta = Theta behind the lag: the heading itself may be on the other side of the target.
   const double drawn = ahead > 0        ? std::max(ahead * sine_between_, back * sine_back_)
                        : sine_back_ > 0 ? std::max(0.0, back * sine_back_)
@@ -197,12 +212,12 @@ bool Sets::follows(int i, int j) const {
     if (!follows(one)) return false;
     most = std::max({most, one.x, one.y});
   }
-  return limits_.theta >= (limits_.turn + most) * task_.dt + spare;
+  return limits_.theta >= (limits_.turn + most + task_.odometry.turn) * task_.dt + spare;
 }
 
 bool Sets::holds(int i, int j) {
   if (!holds_sideward(fastest_[size(j - i - 1)]) || !follows(i, j)) return false;
-  const double climb = limits_.climb - known_.climb, d = section_.step();
+  const double climb = limits_.climb - known_.climb - task_.odometry.velocity, d = section_.step();
   if (climb < 0 && ignored_ != ViewLimit::height) return false;
   for (int k = i; k <= j; ++k)
     low_[size(k - i)] = heights_[size(k)].low, high_[size(k - i)] = heights_[size(k)].high;
@@ -359,18 +374,17 @@ ViewPrediction view_prediction(const ViewBounds& bounds, double dt) {
 
 double ViewOdometry::velocity_error(const ViewBounds& bounds, double dt) const {
   const double pushed = bounds.wind * dt;
-  return estimate_radius(velocity + bounds.wind * bounds.age, pushed, estimate_rate * pushed) +
-         bounds.wind * (bounds.age + delay);
+  return estimate_radius(velocity, pushed, estimate_rate * pushed) + bounds.wind * delay;
 }
 
 ViewBounds ViewOdometry::seen(const ViewBounds& bounds, double reach, double dt) const {
   if (!is_used()) return bounds;
-  const double late = bounds.age + delay;
   ViewBounds seen = bounds;
+  seen.age = 0.0;
   seen.speed += velocity_error(bounds, dt) + turn * reach;
   seen.climb += velocity;
   seen.spread += bounds.speed * delay;
-  seen.error += late * (velocity + 0.5 * bounds.wind * late + turn * reach);
+  seen.error += delay * (velocity + 0.5 * bounds.wind * delay + turn * reach);
   seen.wind *= estimate_rate;
   return seen;
 }
@@ -453,8 +467,8 @@ ViewSection::ViewSection(const ViewRegion& region) : heights_(size(distances * b
   first_ = std::max(0.5 * coarse, first - coarse);
   step_ = (last + coarse - first_) / (distances - 1);
 
-  // Heights as far apart as distances and bearings of the table are.
-  const double reach = std::max(3.0, last), scan = std::max(0.02, 1.5 * step_);
+  // Heights as far apart as distances and bearings of the table are, but none in a thin layer is missed.
+  const double reach = std::max(3.0, last), scan = std::clamp(1.5 * step_, 0.02, 0.05);
   const auto longest = [&](double r, double theta, Heights within) {
     const double x = r * std::cos(theta), y = r * std::sin(theta);
     Heights best = {1, 0};

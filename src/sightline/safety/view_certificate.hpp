@@ -126,10 +126,11 @@ struct ViewOdometry {
   double delay = 0.0;     ///< from a command to its effect, constant [s]
 
   bool is_used() const { return velocity > 0; }
-  /// Distance of the filter's velocity to the true one [m/s], for an estimate of the age `bounds.age`.
+  /// Distance of the filter's velocity to the true one [m/s].
   double velocity_error(const ViewBounds& bounds, double dt) const;
   /// The bounds of the target as it moves in the frame of this odometry.
-  /// @param bounds  of the target itself; `error` is that of its position relative to the robot
+  /// @param bounds  of the target itself; `error` is that of its position relative to the robot, `age`
+  ///                the delay alone
   /// @param reach  greatest distance of the target in the region [m]
   ViewBounds seen(const ViewBounds& bounds, double reach, double dt) const;
 };

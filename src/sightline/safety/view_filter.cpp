@@ -184,7 +184,7 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
   const auto [E, F] = responses(drags.x, dt);
   const double wind = task.bounds.wind;
   const ViewBounds::Known known = task.bounds.known(dt);
-  climbs_ = known.climb * dt;
+  climbs_ = (known.climb + task.odometry.velocity) * dt, turns_ = task.odometry.turn * dt;
   E_ = E, F_ = F, E_across_ = responses(drags.y, dt)[0];
   keep_ = 1 - decay_rate * dt;
   if (task.bounds.is_velocity_measured()) {
@@ -240,10 +240,11 @@ double ViewFilter::least_gap(const std::vector<double>& heights, double r, doubl
   return least;
 }
 
-/// Reserves at a place, if the target may be `moved`, `sped` and `climbed` more than known.
-ViewReserves ViewFilter::reserves(const Place& at, double moved, double sped, double climbed) const noexcept {
+/// Reserves at a place, if the target may be `moved`, `sped`, `climbed` and `turned` more than known.
+ViewReserves ViewFilter::reserves(const Place& at, double moved, double sped, double climbed,
+                                  double turned) const noexcept {
   const ViewCertificate& z = certificate_;
-  const double off = moved < at.r ? std::asin(moved / at.r) : std::numbers::pi;
+  const double off = (moved < at.r ? std::asin(moved / at.r) : std::numbers::pi) + turned;
   return {at.r - moved - z.near - z.brake.distance(at.v_f + sped),
           z.far - at.r - moved - z.brake.distance(sped - at.v_f),
           (z.theta - at.theta - off) * at.r,
@@ -255,7 +256,7 @@ ViewReserves ViewFilter::reserves(const Place& at, double moved, double sped, do
 
 ViewReserves ViewFilter::reserves(std::span<const double> x, const ViewTarget& target) const noexcept {
   const std::array<double, most_inputs> none{};
-  return reserves(place(x, none, target), 0.0, 0.0, 0.0);
+  return reserves(place(x, none, target), 0.0, 0.0, 0.0, 0.0);
 }
 
 /// Accelerations along and across `ahead` by a command.
@@ -332,7 +333,7 @@ void ViewFilter::climb(Period& now, std::span<double> u) const noexcept {
   const ViewMotion::Axis& axis = z.task.motion.climb;
   if (axis.input < 0) return;
   const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
-  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_);
+  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_, turns_);
   const Need high = need_of(now.reserves[4], keep_), low = need_of(now.reserves[5], keep_);
   now.choose(axis,
              {.low = value + (low.soft - then[5]) / dt,
@@ -347,7 +348,7 @@ void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
   const ViewMotion::Axis& axis = z.task.motion.turn;
   const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
   const Place& at = next(now, u);
-  const double off = moves_ < at.r ? std::asin(moves_ / at.r) : std::numbers::pi;
+  const double off = (moves_ < at.r ? std::asin(moves_ / at.r) : std::numbers::pi) + turns_;
   // A turn also moves the robot: theta+ falls by this much per yaw rate.
   const double per_rate = dt * (1 + 0.5 * dt * (at.v_f * std::cos(at.theta) + at.v_s * std::sin(at.theta)) /
                                         std::max(at.r, 0.05));
@@ -363,7 +364,7 @@ void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
 }
 
 ViewFilterResult ViewFilter::judge(Period& now, std::span<const double> u) const noexcept {
-  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_);
+  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_, turns_);
   const auto least = std::min_element(now.reserves.begin(), now.reserves.end());
   const auto keeps = [&](const ViewMotion::Axis& axis, double most) {
     return axis.input < 0 || std::abs(axis.gain * u[size(axis.input)]) <= most * (1 + 1e-9);
@@ -385,7 +386,7 @@ ViewFilter::Period ViewFilter::period(std::span<const double> x, const ViewTarge
   if (certificate_.task.bounds.is_velocity_measured())
     now.later.p = {target.p.x + dt * target.v.x, target.p.y + dt * target.v.y, target.p.z};
   now.at = place(x, u, target);
-  now.reserves = reserves(now.at, 0.0, 0.0, 0.0);
+  now.reserves = reserves(now.at, 0.0, 0.0, 0.0, 0.0);
   return now;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "sightline/model/state_roles.hpp"
 #include "sightline/ocp/apply_action.hpp"
 #include "sightline/potential/protection.hpp"
 #include "sightline/run/team_barrier.hpp"
@@ -69,6 +70,20 @@ std::vector<Coupling> couplings_of_view(const ScenarioSpec& scenario, const Cert
   return {};
 }
 
+/// Whether an action turns the observer to the target.
+bool turns_to(const Action& action, const CertifiedView& view) {
+  const auto* observe = std::get_if<Observe>(&action);
+  return observe != nullptr && observe->observer == view.observer && observe->target == view.target;
+}
+
+/// Whether an event of the scenario does.
+bool turns_to(const Script& script, const CertifiedView& view) {
+  return std::any_of(script.events.begin(), script.events.end(), [&](const TeamEvent& event) {
+    return std::any_of(event.actions.begin(), event.actions.end(),
+                       [&](const Action& action) { return turns_to(action, view); });
+  });
+}
+
 /// The couplings that an action adds or gives another potential. Those of the observer that may have moved
 /// to the target by then are also among them as couplings with the target.
 std::vector<Coupling> made_by(const Action& action, const ScenarioSpec& scenario, const CertifiedView& view) {
@@ -82,7 +97,9 @@ std::vector<Coupling> made_by(const Action& action, const ScenarioSpec& scenario
     c.term.potential = *retune->potential;
     made.push_back(c);
     const bool moves = c.term.potential.mount() != nullptr || c.term.potential.d_max();
-    if (c.between.first != view.observer || c.between.second == view.target || !moves) continue;
+    if (c.between.first != view.observer || c.between.second == view.target || !moves ||
+        !turns_to(scenario.script, view))
+      continue;
     c.between.second = view.target;
     made.push_back(std::move(c));
   }
@@ -103,12 +120,6 @@ ViewLimits all_limits_of(const ScenarioSpec& scenario, const CertifiedView& view
     }
   }
   return limits;
-}
-
-/// Whether an action turns the observer to the target.
-bool turns_to(const Action& action, const CertifiedView& view) {
-  const auto* observe = std::get_if<Observe>(&action);
-  return observe != nullptr && observe->observer == view.observer && observe->target == view.target;
 }
 
 /// Whether the observer may observe the target by this action, which it did not before.
@@ -163,17 +174,22 @@ void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views
   }
 }
 
+/// How a body is localized by vision; null: its own state is measured.
+const LocalizedRobot* localized(const ScenarioSpec& scenario, BodyId body) {
+  const auto& robots = scenario.localization.robots;
+  const auto found =
+      std::find_if(robots.begin(), robots.end(), [&](const LocalizedRobot& of) { return of.robot == body; });
+  return found == robots.end() ? nullptr : &*found;
+}
+
 /// What is assumed of the motion that an observer localized by vision estimates; 0 of another one.
 ViewOdometry read_odometry(const TomlTable& at, const ScenarioSpec& scenario, const CertifiedView& view) {
-  const auto& localized = scenario.localization.robots;
-  const auto found = std::find_if(localized.begin(), localized.end(),
-                                  [&](const LocalizedRobot& of) { return of.robot == view.observer; });
-  const bool is_localized = found != localized.end();
+  const LocalizedRobot* found = localized(scenario, view.observer);
   for (const char* key : {"velocity_error", "turn_error"}) {
-    if (!is_localized && at.has(key))
+    if (found == nullptr && at.has(key))
       at.throw_invalid(key, "no such key for an observer whose own state is measured");
   }
-  if (!is_localized) return {};
+  if (found == nullptr) return {};
   if (found->filter.filter != FilterKind::attitude)
     at.throw_invalid("observer",
                      "a robot with localization = \"global\", or with estimate.filter = \"attitude\", which "
@@ -186,6 +202,8 @@ ViewOdometry read_odometry(const TomlTable& at, const ScenarioSpec& scenario, co
   ViewOdometry odometry;
   for (const RobotCompensation& of : scenario.compensations)
     if (of.robot == view.observer) odometry.delay = of.command_delay;
+  if (view.bounds.age > odometry.delay)
+    at.throw_invalid("age", "0 for an observer that is localized by vision");
   odometry.velocity = at.number("velocity_error", positive("> 0 m/s"));
   odometry.turn = at.number("turn_error", positive("> 0 rad/s"));
   return odometry;
@@ -210,23 +228,27 @@ Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, const std::v
   const auto requests = [&](const CertifiedView& other) {
     return other.is_on_request() && other.target == view.observer;
   };
-  if (odometry.is_used() && std::any_of(views.begin(), views.end(), requests))
-    at.throw_invalid("observer",
-                     "a robot that no certified view requests to slow down, as it is localized by vision");
+  // Beyond its set, such a robot would brake relative to its target.
+  if (view.bounds.is_velocity_measured() && std::any_of(views.begin(), views.end(), requests))
+    at.throw_invalid("acceleration_max",
+                     "no such key for a robot that another certified view requests to slow down");
   at.checked([&] {
     const auto [u_min, u_max] = tightest_limits(team, view.observer, limits_to_come(scenario));
     ViewTask task = {view_motion(model, u_min, u_max, view_direction(limits.all)), view.bounds,
                      scenario.horizon.dt, odometry};
+    const bool is_at_once = task.motion.climb.lag == 0 && task.motion.turn.lag == 0;
+    if (odometry.is_used() && (!is_at_once || roles_of(model).velocity_G[0] >= 0))
+      at.throw_invalid(
+          "observer",
+          "a robot whose climb and yaw rate follow its commands at once, with its velocity along "
+          "its heading as states, as it is localized by vision");
     for (const CertifiedView& other : views) {
       if (!requests(other)) continue;
       task.requested = std::min(task.requested, other.bounds.speed);
       task.motion.climb.most = std::min(task.motion.climb.most, other.bounds.climb);
     }
     const ViewSection section(view_region(std::move(limits.all), task.motion));
-    if (odometry.is_used()) {
-      task.bounds.age -= odometry.delay;
-      task.bounds = odometry.seen(task.bounds, section.reach(), task.dt);
-    }
+    task.bounds = odometry.seen(task.bounds, section.reach(), task.dt);
     const CertifiedSpeed most = certified_speed(task, section);
     const double seen = task.bounds.speed - view.bounds.speed;  // of a target at rest
     view.speed_most = std::max(0.0, most.speed - seen), view.limited_by = to_string(most.limit);
@@ -255,6 +277,8 @@ void read_slow_down(const TomlTable& at, const ScenarioSpec& scenario, Certified
   constexpr const char* key = "speed_unrequested";
   if (!team.is_agent(view.target) || scenario.links)
     at.throw_invalid(key, "no such key for a target that no solver of this process steers");
+  if (localized(scenario, view.target) != nullptr)
+    at.throw_invalid(key, "no such key for a target that is localized by vision");
   if (view.bounds.speed == 0 || view.unrequested < view.bounds.speed)
     at.throw_invalid(key, fmt::format("at least speed_max = {} m/s, which is above 0", view.bounds.speed));
   if (view.bounds.error > 0 || view.bounds.is_velocity_measured())
