@@ -19,6 +19,7 @@ namespace {
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 namespace fs = std::filesystem;
 
 fs::path recording_in(const fs::path& folder, double seconds = 30.0) {
@@ -156,6 +157,9 @@ TEST(LocalizeCommand, KeepsItsAccuracyOnMurp) {
   }
   EXPECT_LE(relative.at("position_mean_absolute").get<double>(), 0.25);
   EXPECT_LE(relative.at("heading_mean_absolute").get<double>(), 9.5 * 3.1416 / 180);
+  // The first agent is the frame of the others and has no errors.
+  const auto table = sightline("localize " + place.string() + " -o " + (folder / "out").string(), folder);
+  EXPECT_THAT(table.out, AllOf(HasSubstr("agent1 "), Not(HasSubstr("nan"))));
 }
 
 TEST(LocalizeCommand, LocalizesACameraRig) {

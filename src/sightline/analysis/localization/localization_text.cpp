@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -32,6 +33,11 @@ std::string innovation_text(const InnovationStatistics& of) {
                      of.is_white() ? "white" : fmt::format("{:.2f} s", of.correlation_time()));
 }
 
+/// "-" where the recording has no truth, or where the robot is the frame of the others.
+std::string known_number(double x, int digits) {
+  return std::isfinite(x) ? fmt::format("{:.{}f}", x, digits) : "-";
+}
+
 }  // namespace
 
 std::string to_string(const LocalizedRecording& localized) {
@@ -48,21 +54,24 @@ std::string to_string(const LocalizedRecording& localized) {
                       "accepted, rejected, left out", "range", "bearing");
   for (std::size_t i = 0; i < recording.robots.size(); ++i) {
     const TeamLocalization::Robot& of = result.robots[i];
-    text += fmt::format("{:<10} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>6.2f}  {:<13} {:<28} {:<14} {}\n",
-                        recording.robots[i].name, of.rmse, of.max_error, of.sigma,
-                        degrees_of_radian * of.heading_rmse, of.anees,
-                        fmt::format("{:.2f} to {:.2f}", of.bounds[0], of.bounds[1]),
-                        fmt::format("{}, {}, {}", of.accepted, of.rejected, of.left_out),
-                        innovation_text(of.range), innovation_text(of.bearing));
+    text += fmt::format(
+        "{:<10} {:>8} {:>8} {:>8} {:>9} {:>6}  {:<13} {:<28} {:<14} {}\n", recording.robots[i].name,
+        known_number(of.rmse, 3), known_number(of.max_error, 3), known_number(of.sigma, 3),
+        known_number(degrees_of_radian * of.heading_rmse, 2), known_number(of.anees, 2),
+        std::isfinite(of.anees) ? fmt::format("{:.2f} to {:.2f}", of.bounds[0], of.bounds[1]) : "-",
+        fmt::format("{}, {}, {}", of.accepted, of.rejected, of.left_out), innovation_text(of.range),
+        innovation_text(of.bearing));
   }
-  text += fmt::format("\nposition {:.3f} m, heading {:.2f} degrees (RMS), ANEES {:.2f}, 3 is consistent\n",
-                      result.rmse, degrees_of_radian * result.heading_rmse, result.anees);
+  text += fmt::format("\nposition {} m, heading {} degrees (RMS), ANEES {}, 3 is consistent\n",
+                      known_number(result.rmse, 3), known_number(degrees_of_radian * result.heading_rmse, 2),
+                      known_number(result.anees, 2));
   if (localized.run.anchor != TeamRun::no_robot)
     text += fmt::format("without {}, whose pose is known at {:.0f} Hz: {:.3f} m\n",
                         recording.robots[static_cast<std::size_t>(localized.run.anchor)].name,
                         TeamRun::anchor_rate, result.rmse_without_anchor);
-  text += fmt::format("poses relative to each other: {:.3f} m, {:.2f} degrees (mean absolute)\n",
-                      result.relative_position, degrees_of_radian * result.relative_heading);
+  text += fmt::format("poses relative to each other: {} m, {} degrees (mean absolute)\n",
+                      known_number(result.relative_position, 3),
+                      known_number(degrees_of_radian * result.relative_heading, 2));
   if (localized.wall_seconds > 0)
     text += fmt::format("{:.2f} s, {:.0f} times real time\n", localized.wall_seconds,
                         result.seconds / localized.wall_seconds);
