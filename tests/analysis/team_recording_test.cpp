@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "sightline/readers/packed_file.hpp"
+#include "tests/support/campaign.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/recorded_team.hpp"
@@ -143,7 +144,7 @@ TEST(TeamRecording, MutatedFilesAreReadOrRefusedInOneSentence) {
     return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
   };
   int refusals = 0;
-  const int inputs = 3000;
+  const int inputs = runs(100'000, 33);
   for (int k = 0; k < 2 * inputs; ++k) {
     RecordingTexts texts = k % 2 == 0 ? mrclam : murp;
     auto chosen = texts.begin();

@@ -11,6 +11,7 @@
 #include "sightline/log.hpp"
 #include "sightline/readers/cdr.hpp"
 #include "sightline/world.hpp"
+#include "tests/support/campaign.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/lagging_flight.hpp"
 #include "tests/support/refusal.hpp"
@@ -248,7 +249,7 @@ TEST(CsvLists, NoMutatedFileDoesMoreThanBeingRefused) {
   const std::string text = "# t x y z heading\n0,1,2,3,0.5\n2,3,2,1,1.5\n3;4\t5 6,\"7\"\n";
   std::mt19937 random(3);
   int accepted = 0;
-  for (int trial = 0; trial < 20'000; ++trial) {
+  for (int trial = 0, trials = runs(100'000, 5); trial < trials; ++trial) {
     std::string mutated = text;
     for (unsigned k = random() % 4 + 1; k > 0; --k) {
       const std::size_t at = random() % mutated.size();
