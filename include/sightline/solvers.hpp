@@ -587,7 +587,6 @@ class SimulatedMessages {
   ClockTime clock(int part, double t) const noexcept;
 
   ExchangeOptions options_;
-  double dt_;
   std::size_t parts_, kept_;
   int talk_periods_;
   std::vector<std::vector<PartMessage>> sent_;  // latest messages of each part, by number

@@ -25,7 +25,6 @@ double chance_of(MessageChance what, std::uint64_t seed, int to, int from, std::
 SimulatedMessages::SimulatedMessages(const ExchangeOptions& options, const Horizon& horizon,
                                      std::span<const std::vector<Prediction>> predictions)
     : options_(options),
-      dt_(horizon.dt),
       parts_(predictions.size()),
       kept_(static_cast<std::size_t>(std::ceil((options.delay + options.jitter) / horizon.dt)) + 2),
       talk_periods_(static_cast<int>(std::ceil(2 * (options.delay + options.jitter) / horizon.dt)) + 20),
