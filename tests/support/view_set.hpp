@@ -188,7 +188,8 @@ inline void move(ViewState& s, const ViewBounds& bounds, const Vec2<double>& dir
 inline constexpr int moves = 48;
 inline void move(ViewState& s, const ViewBounds& bounds, int k, double dt) {
   const double a = k % 16 * std::numbers::pi / 8;
-  move(s, bounds, {std::cos(a), std::sin(a)}, k / 16 - 1, dt);
+  const int climb = k / 16 - 1;
+  move(s, bounds, {std::cos(a), std::sin(a)}, climb, dt);
 }
 
 /// What one period did to many states of a set.
