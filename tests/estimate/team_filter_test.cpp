@@ -458,7 +458,7 @@ TEST(TeamFilter, LocatesARobotWithTheLastingErrorOfEachPairHoweverManyThereAre) 
   ASSERT_TRUE(found);
   EXPECT_NEAR(norm(found->pose.x, found->pose.y), 0.0, 1e-6);
   const double along = 1 / square(noise.range_error * r), across = 1 / square(noise.bearing_error * r);
-  const double place = 1 / (landmarks / 2 * (along + across));
+  const double place = 1 / (0.5 * landmarks * (along + across));
   EXPECT_NEAR(found->P(0, 0), place, 0.01 * place);
   EXPECT_NEAR(found->P(1, 1), place, 0.01 * place);
   const double heading = square(noise.bearing_error) / landmarks;
