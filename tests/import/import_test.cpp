@@ -231,7 +231,7 @@ TEST(ImportCamera, TheCalibrationOfRosIsReadBack) {
 TEST(ImportCamera, ABagHasCamerasByTheirTopics) {
   const std::filesystem::path folder = test::fresh_folder();
   const auto bag = [&](const test::BagWriter& writer) {
-    const std::vector<std::filesystem::path> file = {folder / "a.mcap"};
+    std::vector<std::filesystem::path> file = {folder / "a.mcap"};
     std::ofstream(file[0], std::ios::binary) << writer.bytes("lz4");
     return file;
   };
@@ -560,7 +560,7 @@ TEST(ImportUrdf, MotorsOfGazeboStateTheRotors) {
   std::string links = urdf_links;
   for (const std::string place : {"xyz='0.03 -0.03 0'", "xyz='-0.03 -0.03 0'"}) {
     links = with(links, place, "xyz='0 0 0.0'");
-    links = with(links, "type='fixed'><origin xyz='0 0 0'", "type='fixed'><origin " + place);
+    links = with(links, "type='fixed'><origin xyz='0 0 0'", fmt::format("type='fixed'><origin {}", place));
   }
   const Imported made = imported(links + motors + "</gazebo></robot>");
   const Vehicle v = vehicle_of(made);
