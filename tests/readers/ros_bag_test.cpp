@@ -153,10 +153,11 @@ TEST(RosBag, FewMessagesOutOfOrderAreLeftOutAndManyRefused) {
   // A transform that is sent again at its time is the same sample.
   BagWriter writer;
   for (int k = 0; k < 100; ++k) {
+    const int sample = k / 2;
     Cdr tf;
     tf << std::uint32_t{1};
-    tf.stamp(1.0 + k / 2) << "uav0";
-    tf.pose({static_cast<double>(k / 2), 0, 0}, 0);
+    tf.stamp(1.0 + sample) << "uav0";
+    tf.pose({static_cast<double>(sample), 0, 0}, 0);
     writer.add("/tf", "tf2_msgs/msg/TFMessage", 1.0 + k, tf);
   }
   EXPECT_EQ(RosBag(bag_file(fresh_folder() / "a.mcap", writer.bytes(""))).motion("uav0").size(), 50U);
