@@ -68,7 +68,8 @@ TEST(Cdr, BigEndianBytesGiveTheSameNumbers) {
                  bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
   };
   bytes[1] = std::byte{0};
-  for (const std::size_t at : {4, 8, 12}) turn(at, 4);  // time and length of the frame
+  for (const std::size_t at : {std::size_t{4}, std::size_t{8}, std::size_t{12}})
+    turn(at, 4);  // time and length of the frame
   for (std::size_t at = 20; at < bytes.size(); at += 8) turn(at, 8);
   const auto decoded = decode_pose(bytes);
   ASSERT_TRUE(decoded);
