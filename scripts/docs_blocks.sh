@@ -14,7 +14,9 @@ trap 'rm -rf "$work"' EXIT
 
 files=("$@")
 ((${#files[@]} > 0)) || files=(README.md CONTRIBUTING.md docs/*.md)
-mkdir -p "$work/blocks"
+mkdir -p "$work/blocks" "$work/trees"
+# Recorded data stand beside the tree; blocks that need them end at once where they are absent.
+[[ ! -e ../shared ]] || ln -s "$root/../shared" "$work/trees/shared"
 mujoco=$(ls build/release/lib/libsightline_mujoco.* 2>/dev/null || true)
 dds=$(ls build/release/lib/libsightline_dds.* 2>/dev/null || true)
 module=$(ls build/release/python/sightline/_sightline.* 2>/dev/null || true)
