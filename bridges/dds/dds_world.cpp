@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -107,12 +106,6 @@ GoalSpace goal_space(const Scenario& scenario, const Model& model) {
 constexpr double never_seen = -std::numeric_limits<double>::infinity();
 
 /// CPU time of the whole program [s].
-double cpu_seconds() noexcept {
-  timespec t{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + to_seconds(t.tv_nsec);
-}
-
 LinkTiming::Delay delay_of(const DelayHistogram& times) {
   return {times.within(0.5), times.within(0.99), times.within(1.0)};
 }
@@ -265,7 +258,7 @@ LinkOrder DdsWorld::order_of_joining(Robot& robot, double t) const noexcept {
 
 Measured DdsWorld::measure(double t) noexcept {
   const std::int64_t now = monotonic_now(), due = to_nanoseconds(t);
-  if (!begun_) origin_ = now - due, begun_cpu_ = cpu_seconds(), telemetry_.begin();
+  if (!begun_) origin_ = now - due, begun_cpu_ = to_seconds(process_time()), telemetry_.begin();
   if (!begun_ && talk_) talk_->begin(origin_);
   for (Robot& robot : robots_) {
     if (!robot.track) continue;
@@ -563,7 +556,8 @@ void DdsWorld::land(const Interrupts& interrupts, const PrintMessage& print) {
     const std::scoped_lock lock(news_);
     news_go_to_ = {};
   }
-  if (begun_ && !cpu_) cpu_ = (cpu_seconds() - begun_cpu_) / to_seconds(monotonic_now() - origin_);
+  if (begun_ && !cpu_)
+    cpu_ = (to_seconds(process_time()) - begun_cpu_) / to_seconds(monotonic_now() - origin_);
   steps_until(LinkOrder::land, interrupts, print, [&] {
     return each_is({LinkState::done, LinkState::pilot});
   });

@@ -65,9 +65,9 @@ class Judge:
         high = low if high is None else high
         if reported is None or not np.isfinite(low):
             if (reported is None) != (not np.isfinite(low)):
-                self.differ(claim, f"{what}: the summary says {reported}, the judge {low:.6g}")
+                self.differ(claim, f"{what}: the summary has {reported}, the judge {low:.6g}")
         elif not low - 1e-12 <= reported <= high + 1e-12:
-            self.differ(claim, f"{what}: the summary says {reported:.6g}, the judge {low:.6g} to {high:.6g}")
+            self.differ(claim, f"{what}: the summary has {reported:.6g}, the judge {low:.6g} to {high:.6g}")
 
     def judge(self):
         """(claim, sentence) of each difference."""
@@ -316,9 +316,9 @@ class Judge:
         worst = sorted((limit + sign * lowest, limit + sign * highest))
         self.expect("wall_worst", f"{wall} of {name}", one["worst"], worst[0] - near, worst[1] + near)
         if one["kept"] and lowest > near:
-            self.differ("wall_kept", f"the summary says that {name} keeps the {wall}; {sentence}")
+            self.differ("wall_kept", f"by the summary {name} keeps the {wall}; {sentence}")
         if not one["kept"] and highest <= 1e-6:
-            self.differ("wall_kept", f"the summary says that {name} breaks the {wall}; {sentence}")
+            self.differ("wall_kept", f"by the summary {name} breaks the {wall}; {sentence}")
 
     def _judged_from_within(self, counts, lands, there, is_beyond):
         """Of the samples that count, those that are judged: where a start beyond is meant, and after a landing, from when the limit is first
@@ -419,9 +419,9 @@ class Judge:
             least_right = max(one[0] for one in worst)
             tolerance = 1e-6 + 1e-6 * least_right
             if most < least_right - tolerance:
-                self.differ("limit", f"{label} is broken by {least_right:.6g}, the summary says {most:.6g}")
+                self.differ("limit", f"{label} is broken by {least_right:.6g}, the summary has {most:.6g}")
             if quiet and most > max(one[1] for one in worst) + tolerance:
-                self.differ("limit", f"{label} is broken by {max(one[1] for one in worst):.6g} at most, the summary says {most:.6g}")
+                self.differ("limit", f"{label} is broken by {max(one[1] for one in worst):.6g} at most, the summary has {most:.6g}")
             if quiet and len(terms) == 1 == len(reported[label]):
                 term, one = terms[0], reported[label][0]
                 broken = (self.team.excess(term) > 0) & self.team.counts(term)

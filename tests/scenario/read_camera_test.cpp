@@ -145,12 +145,12 @@ TEST(ReadCamera, ThePixelsOfATagAreToldAtTheDistancesThatAreKept) {
   EXPECT_NEAR(readings[1].from_ahead, 10.6, 1e-12);
   EXPECT_NEAR(readings[1].from_any_side, 14.355, 0.01)
       << "of 4 faces the nearest is turned by up to 45 degrees";
-  const std::string said = summary(scenario);
-  EXPECT_THAT(said,
+  const std::string description = summary(scenario);
+  EXPECT_THAT(description,
               HasSubstr("camera      a: 320 x 240 px, focal length 207.8 px, 30 Hz, latency 0.03 to 0.08 s, "
                         "detections drawn by their noise\n"));
-  EXPECT_THAT(said, HasSubstr("tags        b: 4 faces of tag36h11, 0.2 m\n"));
-  EXPECT_THAT(said, HasSubstr("pixels      a sees a tag of b with 20.8 px at d_max = 2 m\n"));
+  EXPECT_THAT(description, HasSubstr("tags        b: 4 faces of tag36h11, 0.2 m\n"));
+  EXPECT_THAT(description, HasSubstr("pixels      a sees a tag of b with 20.8 px at d_max = 2 m\n"));
   // Every second picture of a tag of so many pixels is found.
   EXPECT_NEAR(SyntheticDetections::probability(readings[1].from_ahead, 1.0, 0.0), 0.495, 1e-12);
 }
@@ -176,10 +176,10 @@ TEST(ReadCamera, EachCameraThatSeesATargetHasItsPixels) {
   ASSERT_EQ(readings.size(), 4U);
   EXPECT_EQ(readings[0].distance, readings[1].distance);
   EXPECT_LT(2 * readings[0].pixels, readings[1].pixels);
-  const std::string said = summary(scenario);
+  const std::string description = summary(scenario);
   for (const char* name : {"left", "far"})
-    EXPECT_THAT(said, HasSubstr(fmt::format("pixels      a {} sees a tag of b with ", name)));
-  // A coupling with a sensor of its own says nothing of the other one.
+    EXPECT_THAT(description, HasSubstr(fmt::format("pixels      a {} sees a tag of b with ", name)));
+  // A coupling with a sensor of its own gives no reading of the other one.
   ScenarioSpec looking = scenario;
   TooNearInView far;
   far.d_min = 5.0, far.mount.pitch = 0.1;

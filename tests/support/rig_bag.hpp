@@ -22,7 +22,7 @@ inline Cdr transform(const std::string& parent, const std::string& child, const 
   return message;
 }
 
-/// What a CameraInfo says beside the camera of the whole raw picture.
+/// The rest of a CameraInfo beside the camera of the whole raw picture.
 struct CalibrationBeside {
   double rectified = 0.0;  ///< focal length of P; 0: P is unknown
   double second = 0.0;     ///< P[3]

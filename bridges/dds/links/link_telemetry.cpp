@@ -45,10 +45,8 @@ Command in_local(const LinkOrigin& frame, const Command& command) {
 }
 
 bool uses_attitude_filter(const Scenario& scenario, BodyId robot) {
-  const auto& all = scenario.localization.robots;
-  return std::any_of(all.begin(), all.end(), [&](const LocalizedRobot& one) {
-    return one.robot == robot && one.filter.filter == FilterKind::attitude;
-  });
+  const LocalizedRobot* const localized = localized_robot(scenario, robot);
+  return localized != nullptr && localized->filter.filter == FilterKind::attitude;
 }
 
 LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<LinkEnd*>& ends,

@@ -1,7 +1,6 @@
 #include "bridges/dds/topics/flight_publisher.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -219,9 +218,7 @@ void FlightPublisher::Thread::run() {
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t number = 0; !done_; ++number) {
     tick(number);
-    timespec worked{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &worked);
-    worked_ = worked.tv_sec * one_second + worked.tv_nsec;
+    worked_ = thread_time();
     ran_ = monotonic_now() - began;
     next = std::max(next + tick_time, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);

@@ -17,6 +17,8 @@ inline std::int64_t to_nanoseconds(double t) { return std::llround(1e9 * t); }
 
 std::int64_t monotonic_now() noexcept;  ///< [ns]
 std::int64_t realtime_now() noexcept;   ///< since 1970 [ns]
+std::int64_t process_time() noexcept;   ///< of the processor, by all threads of this program [ns]
+std::int64_t thread_time() noexcept;    ///< of the processor, by this thread [ns]; without waiting
 
 /// Sleeps until the monotonic clock reaches t [ns]; a signal does not end the sleep early.
 void sleep_until(std::int64_t t) noexcept;

@@ -70,10 +70,10 @@ struct RareEvent {
 ///   p = 1/n sum w_i 1{severity_i >= 0},   w = phi / sum_k share_k q_k
 ///
 /// The bounds have the normal quantile of 99 %, and the correction for skewness of Johnson (1978): with
-/// that of 95 % they hold less often than they say, for the weights are skewed. The lower one is never
-/// moved up by it: one heavy weight may make that skewness.
-/// They hold if the search has found each region that matters to p. If no trial of the second half shows the
-/// event, the upper bound is that of the true distribution's trials, clopper_pearson().
+/// that of 95 % they hold less often than stated, for the weights are skewed. The correction never moves
+/// the lower bound up: one heavy weight may make that skewness. The bounds hold if the search has found
+/// each region that matters to p. If no trial of the second half shows the event, they are those of the
+/// true distribution's trials, clopper_pearson().
 ///
 /// @param dimensions  length of each point, >= 1
 /// @param trials      in all, >= 200

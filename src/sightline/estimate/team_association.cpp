@@ -170,13 +170,15 @@ void TeamFilter::take_unidentified(std::span<const TeamSighting> frame, std::spa
     z.subject = s < of.sightings ? subjects[at(s)] : TeamSighting::unidentified;
     if (z.subject != TeamSighting::unidentified) {
       fits[at(s)] = take(z);
-      if (fits[at(s)].verdict == FitVerdict::accepted) observer.doubts = std::max(0, observer.doubts - 2);
+      if (fits[at(s)].verdict == FitVerdict::accepted)
+        observer.contradictions = std::max(0, observer.contradictions - 2);
     } else if (is_usable(z) && s < of.sightings && of.candidates[at(s)].empty()) {
-      ++observer.doubts;
+      ++observer.contradictions;
       refuse(z);
     }
   }
-  if (observer.doubts >= noise_.restart_sightings && find(frame[0].observer)) observer.doubts = 0;
+  if (observer.contradictions >= noise_.restart_sightings && find(frame[0].observer))
+    observer.contradictions = 0;
 }
 
 }  // namespace sightline

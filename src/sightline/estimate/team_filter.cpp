@@ -20,13 +20,6 @@ constexpr double faded = 5.0;                // correlation times after which a 
 constexpr int pairs_per_robot = 16;          // with states at one time
 constexpr double unknown_place = 1e3;        // [m]
 
-/// The pose b in the frame of a.
-PlanarPose between(const PlanarPose& a, const PlanarPose& b) {
-  const SinCos<double> e = sincos(a.psi);
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  return {e.cos * dx + e.sin * dy, e.cos * dy - e.sin * dx, b.psi - a.psi};
-}
-
 /// A pose in the frame of a, in the frame of that frame.
 PlanarPose composed(const PlanarPose& a, const PlanarPose& b) {
   const SinCos<double> e = sincos(a.psi);
@@ -206,7 +199,7 @@ void TeamFilter::move(int robot, double dt) noexcept {
     if (end == until) of.v = v, of.yaw_rate = r;
     t = end;
   }
-  of.path = composed(of.path, between({x0, y0, psi_0}, {s[x], s[y], s[psi]}));
+  of.path = composed(of.path, relative_to({x0, y0, psi_0}, {s[x], s[y], s[psi]}));
   const SinCos<double> e1 = sincos(s[psi] + s[alpha]);
   const Vec2<double> v_1{of.v * e1.cos, of.v * e1.sin};
   const double r_1 = of.yaw_rate;
@@ -458,7 +451,7 @@ double TeamFilter::squared_distance(const Row& row) const noexcept {
 /// Keeps a refused sighting. After many in a row that one pose nearby explains, the estimate is wrong.
 void TeamFilter::refuse(const TeamSighting& z) noexcept {
   Robot& of = odometry_[at(z.observer)];
-  of.refused[at(of.refusals++ % refused_max)] = {
+  of.refused[at(of.refusals++ % refused_sightings_max)] = {
       z, of.path, z.subject >= 0 && z.subject < robots_ ? odometry_[at(z.subject)].path : PlanarPose{}};
   if (z.subject >= 0 && of.refusals >= noise_.restart_sightings) agree(z.observer);
 }
@@ -467,10 +460,10 @@ void TeamFilter::refuse(const TeamSighting& z) noexcept {
 /// false ones do not have.
 void TeamFilter::agree(int robot) noexcept {
   const Robot& of = odometry_[at(robot)];
-  std::array<TeamSighting, refused_max> frame;
+  std::array<TeamSighting, refused_sightings_max> frame;
   const auto count = at(noise_.restart_sightings);
   for (std::size_t i = 0; i < count; ++i)
-    frame[i] = moved(of.refused[(at(of.refusals) - 1 - i) % at(refused_max)]);
+    frame[i] = moved(of.refused[(at(of.refusals) - 1 - i) % at(refused_sightings_max)]);
   Mat<3, 3> P;
   for (int a = 0; a < 3; ++a)
     P(a, a) = square(a < 2 ? wrong_position : wrong_heading) +
@@ -544,11 +537,17 @@ std::optional<PoseGuess> TeamFilter::fit_near(int robot, std::span<const TeamSig
   return found;
 }
 
+/// What a sensor measures of a distance at a bearing, as far as it measures depths.
+double TeamFilter::depth_share(int robot, double bearing) const noexcept {
+  const int i = robot * robot_states;
+  return 1 + x_[at(i + gamma)] * (cos(bearing - x_[at(i + eps)]) - 1);
+}
+
 /// A refused sighting as if it were of the present time: its sensor and its point are where they were.
 TeamSighting TeamFilter::moved(const Refused& one) const noexcept {
   TeamSighting z = one.z;
   const auto moved_by = [](const PlanarPose& then, const PlanarPose& now, Vec3<double>& place) {
-    const PlanarPose back = between(now, then);
+    const PlanarPose back = relative_to(now, then);
     const SinCos<double> e = sincos(back.psi);
     place = {back.x + e.cos * place.x - e.sin * place.y, back.y + e.sin * place.x + e.cos * place.y, place.z};
     return back.psi;
@@ -556,11 +555,7 @@ TeamSighting TeamFilter::moved(const Refused& one) const noexcept {
   const double turned = moved_by(one.observer, odometry_[at(z.observer)].path, z.sensor);
   if (z.subject >= 0 && z.subject < robots_) moved_by(one.subject, odometry_[at(z.subject)].path, z.point);
   // Ranges are depths along the axis, which has turned.
-  const int i = z.observer * robot_states;
-  const auto flat = [&](double bearing) {
-    return 1 + x_[at(i + gamma)] * (cos(bearing - x_[at(i + eps)]) - 1);
-  };
-  z.range *= flat(z.bearing + turned) / flat(z.bearing);
+  z.range *= depth_share(z.observer, z.bearing + turned) / depth_share(z.observer, z.bearing);
   z.bearing += turned;
   return z;
 }

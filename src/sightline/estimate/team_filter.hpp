@@ -27,6 +27,16 @@ struct PlanarPose {
   double psi = 0.0;         ///< heading [rad]
 };
 
+/// A pose in the frame of another one; its heading is not wrapped.
+inline PlanarPose relative_to(const PlanarPose& frame, const PlanarPose& of) noexcept {
+  const SinCos<double> e = sincos(frame.psi);
+  const double dx = of.x - frame.x, dy = of.y - frame.y;
+  return {e.cos * dx + e.sin * dy, e.cos * dy - e.sin * dx, of.psi - frame.psi};
+}
+
+/// Refused sightings of a robot that its filter keeps.
+inline constexpr int refused_sightings_max = 16;
+
 /// Standard deviations of odometry and sightings. docs/real_data.md has the equations.
 ///
 /// A sensor's error is white noise plus, for each pair of sensor and body, a Gauss-Markov process:
@@ -66,7 +76,7 @@ struct TeamNoise {
 
   static constexpr auto parameters() {
     using N = TeamNoise;
-    constexpr Bounds count = {1, 16, "1 to 16"};
+    constexpr Bounds count = {1, refused_sightings_max, "1 to 16"};
     return Parameters{
         parameter("distance_noise", &N::distance_noise, "m/sqrt(m)", from_zero, "of the distance driven"),
         parameter("skid_noise", &N::skid_noise, "m/sqrt(m)", from_zero,
@@ -271,7 +281,6 @@ class TeamFilter {
   enum class Slip { none, shown, admitted };
   /// Deviations of a pose that is wrong by more than it claims [m], [rad].
   static constexpr double wrong_position = 0.5, wrong_heading = 0.3;
-  static constexpr int refused_max = 16;
   /// A refused sighting with the dead reckoning of its observer and its subject at that time.
   struct Refused {
     TeamSighting z{};
@@ -282,9 +291,9 @@ class TeamFilter {
     std::size_t first = 0, count = 0;
     double v = 0.0, yaw_rate = 0.0;  // corrected odometry at the present time
     PlanarPose path{};               // dead reckoning alone
-    std::array<Refused, refused_max> refused{};
+    std::array<Refused, refused_sightings_max> refused{};
     int refusals = 0;             // in a row
-    int doubts = 0;               // refused sightings without identity, less twice the accepted ones
+    int contradictions = 0;       // refused sightings without identity, less twice the accepted ones
     double accepted = -infinity;  // last time
     double slip = 0.0, slip_variance = 0.0, slip_seen = -infinity;  // of the last bearing that shows one
     const WheelOdometry& operator[](std::size_t i) const noexcept { return ring[(first + i) % ring.size()]; }
@@ -335,6 +344,7 @@ class TeamFilter {
   std::optional<PoseGuess> fit_near(int robot, std::span<const TeamSighting> frame, const PoseGuess& prior,
                                     const PlanarPose& from) noexcept;
   TeamSighting moved(const Refused& one) const noexcept;
+  double depth_share(int robot, double bearing) const noexcept;
   bool is_lost(int robot) const noexcept;
   bool find(int robot) noexcept;
   void widen(int robot) noexcept;

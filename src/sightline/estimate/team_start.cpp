@@ -21,13 +21,8 @@ struct Fitted {
   int components = 0;
 };
 
-bool same(const PlanarPose& a, const PlanarPose& b) {
-  return norm(a.x - b.x, a.y - b.y) < apart_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
-}
-
-/// Whether two poses are neighbours among the hypotheses of one pose.
-bool same_place(const PlanarPose& a, const PlanarPose& b) {
-  return norm(a.x - b.x, a.y - b.y) < 2 * apart_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
+bool same(const PlanarPose& a, const PlanarPose& b, double within_m = apart_m) {
+  return norm(a.x - b.x, a.y - b.y) < within_m && std::abs(wrap(a.psi - b.psi)) < apart_rad;
 }
 
 }  // namespace
@@ -165,6 +160,7 @@ bool TeamFilter::is_lost(int robot) const noexcept {
 bool TeamFilter::find(int robot) noexcept {
   constexpr int used = 10, least = 8, first = 3, turns = 40;
   constexpr std::size_t near_max = 64;
+  constexpr double hypotheses_apart_m = 2 * apart_m;
   constexpr double age_max = 8.0;                            // [s]
   constexpr double explained_m = 0.1, explained_rad = 0.02;  // standard deviation of a landmark's place
   constexpr double robot_m = 0.2;                            // of a robot, which moves between the sightings
@@ -176,14 +172,12 @@ bool TeamFilter::find(int robot) noexcept {
   const auto constant = [&](RobotState c) { return state(robot, c); };
   double farthest = 0.0;
   for (int i = 0; i < used; ++i) {
-    const Refused& one = of.refused[at((of.refusals - 1 - i) % refused_max)];
+    const Refused& one = of.refused[at((of.refusals - 1 - i) % refused_sightings_max)];
     if (one.z.of != Sighted::range_and_bearing || now_ - one.z.stamp > age_max) return false;
     TeamSighting& z = frame[at(i)];
     z = moved(one);
-    const double flat =
-        1 + constant(RobotState::range_depth) * (std::cos(z.bearing - constant(RobotState::axis_turn)) - 1);
-    const double distance =
-        (z.range - constant(RobotState::range_offset)) / (1 + constant(RobotState::range_scale)) / flat;
+    const double distance = (z.range - constant(RobotState::range_offset)) /
+                            (1 + constant(RobotState::range_scale)) / depth_share(robot, z.bearing);
     const SinCos<double> e = sincos(z.bearing + constant(RobotState::sensor_turn));
     shown[at(i)] = {z.sensor.x + distance * e.cos, z.sensor.y + distance * e.sin};
     farthest = std::max(farthest, norm(shown[at(i)].x, shown[at(i)].y));
@@ -251,9 +245,9 @@ bool TeamFilter::find(int robot) noexcept {
         if (norm(there.x - here.x, there.y - here.y) > within) continue;
         const Explained one = explained(there);
         if (one.cost < best.cost) {
-          if (!same_place(one.pose, best.pose)) other = best.cost;
+          if (!same(one.pose, best.pose, hypotheses_apart_m)) other = best.cost;
           best = one;
-        } else if (!same_place(one.pose, best.pose)) {
+        } else if (!same(one.pose, best.pose, hypotheses_apart_m)) {
           other = std::min(other, one.cost);
         }
       }

@@ -265,7 +265,6 @@ Rotation raw_attitude(const std::string& file, const BagCamera& camera) {
 /// The cameras of a bag whose pictures have tags.
 void read_cameras(const fs::path& place, const BagRig& bag, std::string_view pixels, RigBodies& all) {
   const std::string& file = place.native();
-  const std::vector<BagCamera> calibrated = RosBag(place).cameras();
   std::set<std::string> topics;
   for (const RigRows::TagRow& row : bag.rows.tags) topics.insert(row.topic);
   std::map<std::string, std::string> topic_of_frame;
@@ -277,7 +276,7 @@ void read_cameras(const fs::path& place, const BagRig& bag, std::string_view pix
           fmt::format("{}: {} and {} have tags in the frame {}, expected a frame for each, or cameras.yaml",
                       file, one_line(shortened(other->second, name_size_max)),
                       one_line(shortened(topic, name_size_max)), shown));
-    BagCamera camera = calibration_in(file, calibrated, frame, topic);
+    BagCamera camera = calibration_in(file, bag.cameras, frame, topic);
     const Rotation raw = raw_attitude(file, camera);
     const std::array<double, 9> rectified = {camera.P[0], camera.P[1], camera.P[2], camera.P[4], camera.P[5],
                                              camera.P[6], camera.P[8], camera.P[9], camera.P[10]};
@@ -408,8 +407,7 @@ void add_turn_rates(const std::string& file, const BagRig& bag, RigBodies& all) 
   constexpr double gap_max = 0.5;  // [s]
   if (all.imu_topic.empty()) return;
   RigRecording& recording = all.recording;
-  for (const RigRows::RateRow& row : bag.rows.rates)
-    if (row.topic == all.imu_topic) recording.turn_rates.push_back(row.at);
+  for (const RigRows::RateRow& row : bag.rows.rates) recording.turn_rates.push_back(row.at);
   if (recording.turn_rates.empty()) {
     std::vector<std::string> topics;
     for (const std::string& topic : bag.imus)
@@ -485,7 +483,7 @@ RigRecording read_rig_recording(const fs::path& place, std::string_view pixels) 
   if (bag.empty()) {
     rig.rows = read_rows(detections);
   } else {
-    rig = RosBag(bag).rig(all.odometry_topic, all.imu_topic);
+    rig = RosBag(bag).rig(all.odometry_topic, all.imu_topic, !has_cameras);
     if (!has_cameras) read_cameras(bag, rig, pixels, all);
   }
   add_sightings(detections.native(), rig.rows.tags, all);

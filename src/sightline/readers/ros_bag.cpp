@@ -223,6 +223,27 @@ std::optional<BagCamera> camera_in(const McapMessage& message) {
   return camera;
 }
 
+/// The first CameraInfo of each topic.
+class CamerasOfTopics {
+ public:
+  /// @return whether the message is sound, if it is the first of its topic
+  bool take(const McapMessage& message) {
+    if (message.schema != camera_type || found_.size() >= bodies_max || found_.contains(message.topic))
+      return true;
+    const auto camera = camera_in(message);
+    if (camera) found_.emplace(message.topic, *camera);
+    return camera.has_value();
+  }
+  std::vector<BagCamera> all() && {
+    std::vector<BagCamera> cameras;
+    for (auto& [topic, camera] : found_) cameras.push_back(std::move(camera));
+    return cameras;
+  }
+
+ private:
+  std::map<std::string, BagCamera, std::less<>> found_;
+};
+
 /// Adds the sightings of a message. @return whether it is sound
 bool add_tags(const McapMessage& message, BagRig& rig) {
   constexpr std::size_t least = 5 + 4 * 4 + 2 * 8 + 8 * 8 + 9 * 8;  // of one detection [bytes]
@@ -464,25 +485,19 @@ std::vector<VelocityCommand> RosBag::commands(const std::string& topic) const {
 }
 
 std::vector<BagCamera> RosBag::cameras() const {
-  std::map<std::string, BagCamera, std::less<>> found;
-  each_message(files_, [&](const McapMessage& message) {
-    if (message.schema != camera_type || found.size() >= bodies_max || found.contains(message.topic))
-      return true;
-    const auto camera = camera_in(message);
-    if (camera) found.emplace(message.topic, *camera);
-    return camera.has_value();
-  });
-  std::vector<BagCamera> all;
-  for (auto& [topic, camera] : found) all.push_back(std::move(camera));
-  return all;
+  CamerasOfTopics found;
+  each_message(files_, [&](const McapMessage& message) { return found.take(message); });
+  return std::move(found).all();
 }
 
-BagRig RosBag::rig(const std::string& odometry_topic, const std::string& imu_topic) const {
+BagRig RosBag::rig(const std::string& odometry_topic, const std::string& imu_topic, bool with_cameras) const {
   BagRig rig;
+  CamerasOfTopics cameras;
   // When the messages of each row were recorded [s].
   std::vector<double> tags_recorded, poses_recorded, rates_recorded;
   each_message(files_, [&](const McapMessage& message) {
     bool sound = true;
+    if (with_cameras) sound = cameras.take(message);
     if (message.schema == tags_type) sound = add_tags(message, rig);
     if (message.schema == odometry_type) {
       rig.odometries.emplace(message.topic);
@@ -500,6 +515,7 @@ BagRig RosBag::rig(const std::string& odometry_topic, const std::string& imu_top
     rates_recorded.resize(rig.rows.rates.size(), recorded);
     return sound;
   });
+  rig.cameras = std::move(cameras).all();
   if (rig.families.size() > 1)
     throw_invalid("{}: tags of the families {} and {}, expected one: tags are known by their numbers alone",
                   place_, one_line(shortened(*rig.families.begin(), topic_shown)),

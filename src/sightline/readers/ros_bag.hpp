@@ -43,6 +43,7 @@ struct BagRig {
       frames{};  ///< by their topics: of the camera, the odometry's body, the IMU
   std::set<std::string> odometries{}, imus{};  ///< all topics of such messages
   std::set<std::string> families{};            ///< of the tags
+  std::vector<BagCamera> cameras{};            ///< as RosBag::cameras(), if asked for
   struct Mounting {
     std::string parent{};
     RigidPose pose{};  ///< of the child in it
@@ -83,7 +84,7 @@ class RosBag {
   /// Poses and angular velocities are those of two topics; unknown ones are left out. Times are those of the
   /// headers, or of the recording if all headers of a topic are 0.
   /// @throws std::invalid_argument as topics(), for times more than a day apart, and for tags of two families
-  BagRig rig(const std::string& odometry_topic, const std::string& imu_topic) const;
+  BagRig rig(const std::string& odometry_topic, const std::string& imu_topic, bool with_cameras) const;
 
  private:
   std::string body_called(const std::string& name) const;

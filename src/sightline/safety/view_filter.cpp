@@ -184,16 +184,16 @@ ViewFilter::ViewFilter(const Model& model, const ViewCertificate& certificate)
   const auto [E, F] = responses(drags.x, dt);
   const double wind = task.bounds.wind;
   const ViewBounds::Known known = task.bounds.known(dt);
-  climbs_ = (known.climb + task.odometry.velocity) * dt, turns_ = task.odometry.turn * dt;
+  unknown_.climbs = (known.climb + task.odometry.velocity) * dt, unknown_.turns = task.odometry.turn * dt;
   E_ = E, F_ = F, E_across_ = responses(drags.y, dt)[0];
   keep_ = 1 - decay_rate * dt;
   if (task.bounds.is_velocity_measured()) {
     const double A = task.bounds.acceleration;
-    moves_ = 0.5 * A * dt * dt + wind * F, speeds_ = A * dt + pushed(task);
+    unknown_.moves = 0.5 * A * dt * dt + wind * F, unknown_.speeds = A * dt + pushed(task);
   } else {
-    moves_ = known.speed * dt + wind * F, speeds_ = pushed(task);
+    unknown_.moves = known.speed * dt + wind * F, unknown_.speeds = pushed(task);
   }
-  moves_ += view_prediction(task.bounds, dt).speed * dt;
+  unknown_.moves += view_prediction(task.bounds, dt).speed * dt;
 }
 
 ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const double> u,
@@ -240,23 +240,28 @@ double ViewFilter::least_gap(const std::vector<double>& heights, double r, doubl
   return least;
 }
 
-/// Reserves at a place, if the target may be `moved`, `sped`, `climbed` and `turned` more than known.
-ViewReserves ViewFilter::reserves(const Place& at, double moved, double sped, double climbed,
-                                  double turned) const noexcept {
+/// By how much the bearing of a target at the distance r may differ.
+double ViewFilter::Unknown::bearing(double r) const noexcept {
+  return (moves < r ? std::asin(moves / r) : std::numbers::pi) + turns;
+}
+
+/// Reserves at a place, if the motion is known but for `unknown`.
+ViewReserves ViewFilter::reserves(const Place& at, const Unknown& unknown) const noexcept {
   const ViewCertificate& z = certificate_;
-  const double off = (moved < at.r ? std::asin(moved / at.r) : std::numbers::pi) + turned;
-  return {at.r - moved - z.near - z.brake.distance(at.v_f + sped),
-          z.far - at.r - moved - z.brake.distance(sped - at.v_f),
+  const double off = unknown.bearing(at.r);
+  return {at.r - unknown.moves - z.near - z.brake.distance(at.v_f + unknown.speeds),
+          z.far - at.r - unknown.moves - z.brake.distance(unknown.speeds - at.v_f),
           (z.theta - at.theta - off) * at.r,
           (z.theta + at.theta - off) * at.r,
-          least_gap(z.high, at.r, moved, 1.0) - climbed - at.h,
-          least_gap(z.low, at.r, moved, -1.0) - climbed + at.h,
-          std::min(at.spare, z.task.motion.across.input < 0 ? z.far : z.sideward - sped - std::abs(at.v_s))};
+          least_gap(z.high, at.r, unknown.moves, 1.0) - unknown.climbs - at.h,
+          least_gap(z.low, at.r, unknown.moves, -1.0) - unknown.climbs + at.h,
+          std::min(at.spare,
+                   z.task.motion.across.input < 0 ? z.far : z.sideward - unknown.speeds - std::abs(at.v_s))};
 }
 
 ViewReserves ViewFilter::reserves(std::span<const double> x, const ViewTarget& target) const noexcept {
   const std::array<double, most_inputs> none{};
-  return reserves(place(x, none, target), 0.0, 0.0, 0.0, 0.0);
+  return reserves(place(x, none, target), {});
 }
 
 /// Accelerations along and across `ahead` by a command.
@@ -270,7 +275,7 @@ Vec2<double> ViewFilter::pushes(std::span<const double> u) const noexcept {
 
 ViewFilter::Interval ViewFilter::push_across(const Place& then, double value) const noexcept {
   if (certificate_.task.motion.across.input < 0) return {};
-  const double room = certificate_.sideward - speeds_;
+  const double room = certificate_.sideward - unknown_.speeds;
   Interval interval;
   interval.low = interval.hard_low = value + (-room - then.v_s) / E_across_;
   interval.high = interval.hard_high = value + (room - then.v_s) / E_across_;
@@ -297,14 +302,14 @@ ViewFilter::Interval ViewFilter::push_along(const Period& now, const Place& then
                                             double value) const noexcept {
   const ViewCertificate& z = certificate_;
   const double per_push = -std::max(0.1, std::cos(then.theta)) * F_;
-  const double near = then.r - moves_ - z.near, far = z.far - then.r - moves_;
+  const double near = then.r - unknown_.moves - z.near, far = z.far - then.r - unknown_.moves;
   const Need of_near = need_of(now.reserves[0], keep_), of_far = need_of(now.reserves[1], keep_);
   Interval interval;
-  interval.high = largest_push(near, then.v_f + speeds_, value, per_push, of_near.soft);
-  interval.low = -largest_push(far, speeds_ - then.v_f, -value, per_push, of_far.soft);
+  interval.high = largest_push(near, then.v_f + unknown_.speeds, value, per_push, of_near.soft);
+  interval.low = -largest_push(far, unknown_.speeds - then.v_f, -value, per_push, of_far.soft);
   if (interval.low > interval.high) {
-    interval.hard_high = largest_push(near, then.v_f + speeds_, value, per_push, of_near.hard);
-    interval.hard_low = -largest_push(far, speeds_ - then.v_f, -value, per_push, of_far.hard);
+    interval.hard_high = largest_push(near, then.v_f + unknown_.speeds, value, per_push, of_near.hard);
+    interval.hard_low = -largest_push(far, unknown_.speeds - then.v_f, -value, per_push, of_far.hard);
   }
   return interval;
 }
@@ -333,7 +338,7 @@ void ViewFilter::climb(Period& now, std::span<double> u) const noexcept {
   const ViewMotion::Axis& axis = z.task.motion.climb;
   if (axis.input < 0) return;
   const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
-  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_, turns_);
+  const ViewReserves then = reserves(next(now, u), unknown_);
   const Need high = need_of(now.reserves[4], keep_), low = need_of(now.reserves[5], keep_);
   now.choose(axis,
              {.low = value + (low.soft - then[5]) / dt,
@@ -348,7 +353,7 @@ void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
   const ViewMotion::Axis& axis = z.task.motion.turn;
   const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
   const Place& at = next(now, u);
-  const double off = (moves_ < at.r ? std::asin(moves_ / at.r) : std::numbers::pi) + turns_;
+  const double off = unknown_.bearing(at.r);
   // A turn also moves the robot: theta+ falls by this much per yaw rate.
   const double per_rate = dt * (1 + 0.5 * dt * (at.v_f * std::cos(at.theta) + at.v_s * std::sin(at.theta)) /
                                         std::max(at.r, 0.05));
@@ -364,7 +369,7 @@ void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
 }
 
 ViewFilterResult ViewFilter::judge(Period& now, std::span<const double> u) const noexcept {
-  const ViewReserves then = reserves(next(now, u), moves_, speeds_, climbs_, turns_);
+  const ViewReserves then = reserves(next(now, u), unknown_);
   const auto least = std::min_element(now.reserves.begin(), now.reserves.end());
   const auto keeps = [&](const ViewMotion::Axis& axis, double most) {
     return axis.input < 0 || std::abs(axis.gain * u[size(axis.input)]) <= most * (1 + 1e-9);
@@ -386,7 +391,7 @@ ViewFilter::Period ViewFilter::period(std::span<const double> x, const ViewTarge
   if (certificate_.task.bounds.is_velocity_measured())
     now.later.p = {target.p.x + dt * target.v.x, target.p.y + dt * target.v.y, target.p.z};
   now.at = place(x, u, target);
-  now.reserves = reserves(now.at, 0.0, 0.0, 0.0, 0.0);
+  now.reserves = reserves(now.at, {});
   return now;
 }
 

@@ -111,13 +111,19 @@ class ViewFilter {
   struct Place;
   struct Interval;
   struct Period;
+  /// What is not known of the motion in a period.
+  struct Unknown {
+    double moves = 0.0, speeds = 0.0;  // of the target, beyond its known motion [m], [m/s]
+    double climbs = 0.0;               // of the target, and error of the robot's climb [m]
+    double turns = 0.0;                // error of the robot's heading [rad]
+    double bearing(double r) const noexcept;
+  };
 
   Period period(std::span<const double> x, const ViewTarget& target,
                 std::span<const double> u) const noexcept;
   Place place(std::span<const double> x, std::span<const double> u, const ViewTarget& target) const noexcept;
   const Place& next(Period& now, std::span<const double> u) const noexcept;
-  ViewReserves reserves(const Place& at, double moved, double sped, double climbed,
-                        double turned) const noexcept;
+  ViewReserves reserves(const Place& at, const Unknown& unknown) const noexcept;
   double least_gap(const std::vector<double>& heights, double r, double beside, double sign) const noexcept;
   double largest_push(double gap, double v, double u0, double r_per_u, double need) const noexcept;
   void turn(Period& now, std::span<double> u) const noexcept;
@@ -130,12 +136,10 @@ class ViewFilter {
 
   Model model_;
   ViewCertificate certificate_;
-  double keep_;            // part of a reserve that remains after a period
-  double moves_, speeds_;  // of the target in a period, beyond its known motion [m], [m/s]
-  double climbs_;          // of the target in a period, and error of the robot's climb [m]
-  double turns_;           // error of the robot's heading in a period [rad]
-  double E_, F_;           // velocity and displacement per acceleration, along [s], [s^2]
-  double E_across_;        // [s]
+  double keep_;  // part of a reserve that remains after a period
+  Unknown unknown_;
+  double E_, F_;     // velocity and displacement per acceleration, along [s], [s^2]
+  double E_across_;  // [s]
 };
 
 }  // namespace sightline

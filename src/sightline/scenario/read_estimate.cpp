@@ -167,16 +167,21 @@ void read_estimates(const TomlTable& root, ScenarioSpec& scenario) {
   first->checked([&] { validate(scenario.team, *guard_options(scenario)); });
 }
 
+const LocalizedRobot* localized_robot(const ScenarioSpec& scenario, BodyId body) {
+  const auto& robots = scenario.localization.robots;
+  const auto found =
+      std::find_if(robots.begin(), robots.end(), [&](const LocalizedRobot& of) { return of.robot == body; });
+  return found == robots.end() ? nullptr : &*found;
+}
+
 TelemetryOptions telemetry_options(const ScenarioSpec& scenario) {
   TelemetryOptions options{.seed = scenario.simulation.seed, .radio = scenario.radio};
-  const auto& robots = scenario.localization.robots;
-  for (const LocalizedRobot& robot : robots) {
+  for (const LocalizedRobot& robot : scenario.localization.robots) {
     options.robots.push_back({robot.robot, robot.filter});
     for (const BodyId body : robot.observes) {
-      const bool localized = std::any_of(robots.begin(), robots.end(),
-                                         [&](const LocalizedRobot& other) { return other.robot == body; });
       const auto& reported = options.broadcasters;
-      if (!localized && std::find(reported.begin(), reported.end(), body) == reported.end())
+      if (localized_robot(scenario, body) == nullptr &&
+          std::find(reported.begin(), reported.end(), body) == reported.end())
         options.broadcasters.push_back(body);
     }
   }

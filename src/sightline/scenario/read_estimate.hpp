@@ -14,6 +14,9 @@ namespace sightline {
 /// Fills scenario.localization and scenario.radio. Requires all bodies, couplings and events.
 void read_estimates(const TomlTable& root, ScenarioSpec& scenario);
 
+/// How a robot is localized by vision; nullptr: its own state is measured.
+const LocalizedRobot* localized_robot(const ScenarioSpec& scenario, BodyId body);
+
 /// What the sensors of a team measure, for unobservable_states().
 struct SensedTeam {
   std::vector<SensingRobot>

@@ -17,6 +17,7 @@
 #include "sightline/safety/view_cost.hpp"
 #include "sightline/safety/view_filter.hpp"
 #include "sightline/scenario/reach.hpp"
+#include "sightline/scenario/read_estimate.hpp"
 #include "sightline/scenario/read_part.hpp"
 #include "sightline/scenario/read_safety.hpp"
 
@@ -174,17 +175,9 @@ void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views
   }
 }
 
-/// How a body is localized by vision; null: its own state is measured.
-const LocalizedRobot* localized(const ScenarioSpec& scenario, BodyId body) {
-  const auto& robots = scenario.localization.robots;
-  const auto found =
-      std::find_if(robots.begin(), robots.end(), [&](const LocalizedRobot& of) { return of.robot == body; });
-  return found == robots.end() ? nullptr : &*found;
-}
-
 /// What is assumed of the motion that an observer localized by vision estimates; 0 of another one.
 ViewOdometry read_odometry(const TomlTable& at, const ScenarioSpec& scenario, const CertifiedView& view) {
-  const LocalizedRobot* found = localized(scenario, view.observer);
+  const LocalizedRobot* found = localized_robot(scenario, view.observer);
   for (const char* key : {"velocity_error", "turn_error"}) {
     if (found == nullptr && at.has(key))
       at.throw_invalid(key, "no such key for an observer whose own state is measured");
@@ -277,7 +270,7 @@ void read_slow_down(const TomlTable& at, const ScenarioSpec& scenario, Certified
   constexpr const char* key = "speed_unrequested";
   if (!team.is_agent(view.target) || scenario.links)
     at.throw_invalid(key, "no such key for a target that no solver of this process steers");
-  if (localized(scenario, view.target) != nullptr)
+  if (localized_robot(scenario, view.target) != nullptr)
     at.throw_invalid(key, "no such key for a target that is localized by vision");
   if (view.bounds.speed == 0 || view.unrequested < view.bounds.speed)
     at.throw_invalid(key, fmt::format("at least speed_max = {} m/s, which is above 0", view.bounds.speed));

@@ -17,12 +17,6 @@ constexpr double wide_position = 1.0, wide_heading = 0.5;  // [m], [rad]: beyond
 constexpr double frame_sigma = 1e-3;                       // [m], [rad], of the robot that is the frame
 constexpr int contradictions = 4;  // more refused than twice the accepted sightings of one time
 
-PlanarPose relative_to(const PlanarPose& frame, const PlanarPose& of) {
-  const SinCos<double> e = sincos(frame.psi);
-  const double dx = of.x - frame.x, dy = of.y - frame.y;
-  return {e.cos * dx + e.sin * dy, e.cos * dy - e.sin * dx, wrap(of.psi - frame.psi)};
-}
-
 Mat<3, 3> same_variances(double sigma) {
   Mat<3, 3> P;
   for (int i = 0; i < 3; ++i) P(i, i) = square(sigma);
@@ -273,7 +267,9 @@ class TeamRunner {
     if (!of || !recording_.relative) return of;
     const auto frame = recording_.truth(0, t);
     if (!frame) return {};
-    return relative_to(*frame, *of);
+    PlanarPose pose = relative_to(*frame, *of);
+    pose.psi = wrap(pose.psi);
+    return pose;
   }
 
   void compare(double t) {

@@ -83,9 +83,9 @@ struct TagFit {
 ///
 /// With odometry, X' = X D exp(w): the error stays, plus Ad_X' w. Without it, X' = X exp(v dt), so
 /// xi_X grows by Ad_X dt xi_v. A gyroscope turns by exp(theta - b dt) in place of either. A corner c of a
-/// tag is pictured at pi((X M)^-1 T c), with the mounting M of the camera and its lens pi, whose error is J Ad_{(X M)^-1} (xi_T - xi_X): a motion of the rig
-/// and of all tags together is never observed, at whatever estimate the filter linearises. Updates are
-/// iterated.
+/// tag is pictured at pi((X M)^-1 T c), with the mounting M of the camera and its lens pi. Its error is
+/// J Ad_{(X M)^-1} (xi_T - xi_X): a motion of the rig and of all tags together is never observed, at
+/// whatever estimate the filter linearises. Updates are iterated.
 class RigFilter {
  public:
   /// @param recording  its cameras and tags; must outlive this object
