@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -311,7 +312,9 @@ class CompiledStage {
   static constexpr StageSizes sizes() { return F::sizes; }
 
   using State = PacksInRegisters<W, F::sizes.nx>;
-  using Carry = PacksInRegisters<W, F::sizes.carry()>;
+  /// Far more packs than a machine's 32 registers stay in memory: they would be copied at each stage.
+  using Carry =
+      std::conditional_t<(F::sizes.carry() > 36), PacksInMemory, PacksInRegisters<W, F::sizes.carry()>>;
 
   explicit CompiledStage(const StagePrograms& programs) : programs_(programs) {}
 
