@@ -74,6 +74,9 @@ struct Neighbour {
   double part = 1.0;   ///< of a cooperative neighbour: part of its acceleration within its limits, in [0, 1]
   double tie = 1.0;    ///< if both are in one place, the robot evades along tie x; of opposite sign
                        ///< for the two members of a pair
+  /// What the command of a cooperative neighbour lacks of its half, which this robot provides
+  /// in addition [m]; < 0: what the neighbour provides beyond its half.
+  double lacks = 0.0;
   Behavior behavior = Behavior::uncooperative;
 };
 
@@ -212,6 +215,10 @@ class Barrier {
   /// Whether a plan keeps the distance to one neighbour: B >= 0, and for a tilt with a lag B >= 0 by a
   /// bound that holds between all times at which plans are evaluated.
   bool keeps(std::span<const double> x, const Neighbour& neighbour) const noexcept;
+  /// What a command (nu) lacks of this robot's half of the distance to one cooperative neighbour [m], as
+  /// Neighbour::lacks; 0 if the neighbour is far away.
+  double lacked(std::span<const double> x, const Neighbour& neighbour, std::span<const double> u_min,
+                std::span<const double> u_max, std::span<const double> u) const noexcept;
 
   /// Part of the acceleration that remains under these limits, relative to those of the
   /// construction; in [0.05, 1].

@@ -100,6 +100,17 @@ TEST(Guard, TheBarrierKeepsRobotsApartThatAreSentAtEachOther) {
   EXPECT_LT(flight.nearest, 1.2) << "and lets them as near as they may";
 }
 
+TEST(Guard, WhoHasRoomGivesWayForARobotThatHasNone) {
+  // The world ends behind b, which stays.
+  GuardedFlight flight({.barrier = BarrierMode::on,
+                        .barrier_options = {.world = 4.05},
+                        .bodies = {{.d_hard = 0.8}, {.d_hard = 0.8}, {}}},
+                       {1, 0, 0, 0, 0, 0, 0, 0});
+  for (int k = 0; k < 600; ++k) flight.step();
+  EXPECT_GE(flight.nearest, 0.8);
+  EXPECT_LT(flight.nearest, 1.2);
+}
+
 /// Hears nobody from some time on.
 struct Deaf final : Connectivity {
   bool receives_from(BodyId, BodyId) const noexcept override { return connectivity; }

@@ -381,6 +381,58 @@ TEST(Barrier, TwoRobotsThatAreSentIntoEachOtherKeepTheirDistance) {
   }
 }
 
+// The halves of a pair are of one sum: one robot flies any command, the other provides the rest.
+TEST(Barrier, ProvidesWhatTheOtherRobotLacksOfTheirDistance) {
+  const Barrier filter = barrier();
+  Random random(6);
+  const auto seen = [](const State& x, double tie) {
+    return Neighbour{.p = position(x),
+                     .v = {x[5] * x[3] - x[6] * x[4], x[5] * x[4] + x[6] * x[3], 0.0},
+                     .d_hard = 0.6,
+                     .tie = tie,
+                     .behavior = Behavior::cooperative};
+  };
+  int provided = 0, missed = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const State a = random_state(random, 1.0);
+    State b = random_state(random, 1.0);
+    const Vec3<double> direction = test::any_direction(random, true);
+    const double wanted = uniform(random, 0.0, 0.1);
+    double near = 0.1, far = 10.0;
+    const auto set_distance = [&](double distance) {
+      const Vec3<double> p = position(a) + distance * direction;
+      b[0] = p.x, b[1] = p.y, b[2] = p.z;
+      return filter.reserve(a, seen(b, 1.0));
+    };
+    for (int halving = 0; halving < 40; ++halving) {
+      const double middle = 0.5 * (near + far);
+      (set_distance(middle) < wanted ? near : far) = middle;
+    }
+    const double before = set_distance(far);
+    const VehicleInput u_a = uniform_array<4>(random, -1, 1), u_wanted = uniform_array<4>(random, -1, 1);
+    for (const bool provides : {true, false}) {
+      Neighbour of_b = seen(a, -1.0);
+      const double lacks = filter.lacked(a, seen(b, 1.0), lowest, highest, u_a);
+      if (provides) of_b.lacks = lacks;
+      VehicleInput u_b = u_wanted;
+      if (filter.filter(b, std::span(&of_b, 1), lowest, highest, u_b).conflict) continue;
+      State a_then = a, b_then = b;
+      test::fly(Multirotor{}, a_then, u_a, control_period, [](const Vec3<double>&, double) {});
+      test::fly(Multirotor{}, b_then, u_b, control_period, [](const Vec3<double>&, double) {});
+      const double least = (1 - filter.options().rate * control_period) * before - 2e-3,
+                   after = filter.reserve(a_then, seen(b_then, 1.0));
+      if (!provides) {
+        missed += after < least;
+        continue;
+      }
+      EXPECT_GE(after, least) << "pair " << k;
+      provided += lacks > 0;
+    }
+  }
+  EXPECT_GT(provided, 400);
+  EXPECT_GT(missed, 400);
+}
+
 TEST(Barrier, TwoRobotsInOnePlacePart) {
   const Barrier filter = barrier();
   std::array<State, 2> x = {State{0, 0, 1, 1, 0, 0, 0}, State{0, 0, 1, 1, 0, 0, 0}};

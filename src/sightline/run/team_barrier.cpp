@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sightline/base/bounded.hpp"
 #include "sightline/safety/zone.hpp"
 
 namespace sightline {
@@ -126,7 +127,8 @@ TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
                        .landing = barrier(without_floor(counted)),
                        .u_min = u_min,
                        .u_max = u_max,
-                       .reported = u_min,
+                       .wanted = u_min,
+                       .kept = u_min,
                        .limits = &agent.limits});
   }
   // A robot of another part is known by its model's name.
@@ -142,8 +144,9 @@ TeamBarrier::TeamBarrier(const Team& team, const GuardOptions& options)
   }
   pool_ = thread_pool_if(static_cast<int>(robots_.size()) >= GuardOptions::shared_from, options_.pool);
   for (int i = 0; i < pool_->threads(); ++i)
-    requesters_.push_back(
-        {ThreatSelection::Requester(team_.bodies()), std::vector<Neighbour>(options_.bodies.size())});
+    requesters_.push_back({ThreatSelection::Requester(team_.bodies()),
+                           std::vector<Neighbour>(options_.bodies.size()),
+                           std::vector<BodyId>(options_.bodies.size())});
   records_.resize(robots_.size());
   conflicts_.reserve(robots_.size());
 }
@@ -162,8 +165,12 @@ void TeamBarrier::keep_distances(double t, const TeamSituation& now, std::span<d
   see_all(now);
   pool_->share(static_cast<int>(robots_.size()),
                [&](int i, int thread) noexcept { keep_distance(now, at(i), u, requesters_[at(thread)]); });
+  share_conflicts(now);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (records_[i].conflict && !robots_[i].was_in_conflict) conflicts_.push_back(robots_[i].body);
+    const Robot& of = robots_[i];
+    if (records_[i].conflict && !of.was_in_conflict) conflicts_.push_back(of.body);
+    if (of.is_kept && options_.barrier == BarrierMode::on)
+      std::copy(of.kept.begin(), of.kept.end(), u.begin() + static_cast<std::ptrdiff_t>(of.u));
   }
   std::copy(u.begin(), u.end(), before_.begin());
 }
@@ -217,14 +224,18 @@ Neighbour TeamBarrier::neighbour_of(const TeamSituation& now, const Robot& robot
 }
 
 /// The other bodies that a robot's barrier considers.
-std::span<const Neighbour> TeamBarrier::neighbours_of(const TeamSituation& now, const Robot& robot,
-                                                      Requester& requester) const noexcept {
+std::span<Neighbour> TeamBarrier::neighbours_of(const TeamSituation& now, const Robot& robot,
+                                                Requester& requester) const noexcept {
   std::vector<Neighbour>& neighbours = requester.neighbours;
   std::size_t count = 0;
+  const auto add = [&](BodyId other) {
+    requester.others[count] = other;
+    neighbours[count++] = neighbour_of(now, robot, other);
+  };
   if (threats_.size() <= Barrier::most_neighbours + 1 || robot.barrier.drives()) {
     for (int i = 0; i < threats_.size(); ++i) {
       const BodyId other{threats_.id(i)};
-      if (other != robot.body) neighbours[count++] = neighbour_of(now, robot, other);
+      if (other != robot.body) add(other);
     }
     return std::span(neighbours).first(count);
   }
@@ -233,11 +244,11 @@ std::span<const Neighbour> TeamBarrier::neighbours_of(const TeamSituation& now, 
   const Sight<double>& self = sights_[at(robot.body)];
   for (const int other : threats_.nearest_threats(robot.body.index, self.p, self.v, Barrier::most_neighbours,
                                                   requester.threats))
-    neighbours[count++] = neighbour_of(now, robot, BodyId{other});
+    add(BodyId{other});
   return std::span(neighbours).first(count);
 }
 
-void TeamBarrier::keep_distance(const TeamSituation& now, std::size_t robot, std::span<double> u,
+void TeamBarrier::keep_distance(const TeamSituation& now, std::size_t robot, std::span<const double> u,
                                 Requester& requester) noexcept {
   Robot& of = robots_[robot];
   const FallbackLevel level = now.levels[at(of.body)];
@@ -247,19 +258,88 @@ void TeamBarrier::keep_distance(const TeamSituation& now, std::size_t robot, std
   // The barrier neither acts on a grounded, absent or unmeasured robot, nor on one that its
   // autopilot lands, nor considers a body without a position.
   const bool descends = now.presence[at(of.body)] == Presence::land;
-  if (level == FallbackLevel::grounded || !now.is_there(of.body) || !std::isfinite(now.ages[at(of.body)]) ||
-      (descends && !now.absent.empty())) {
+  of.is_kept = level != FallbackLevel::grounded && now.is_there(of.body) &&
+               std::isfinite(now.ages[at(of.body)]) && !(descends && !now.absent.empty());
+  if (!of.is_kept) {
     of.maneuver.plan = {};
     return;
   }
-  const std::span<double> applied = u.subspan(of.u, of.nu);
-  std::copy(applied.begin(), applied.end(), of.reported.begin());
-  const bool lands = level == FallbackLevel::land || descends;
-  const Barrier& barrier = lands ? of.landing : of.barrier;
+  of.lands = level == FallbackLevel::land || descends;
+  const std::span<const double> wanted = u.subspan(of.u, of.nu);
+  std::copy(wanted.begin(), wanted.end(), of.wanted.begin());
+  of.maneuver_before = of.maneuver;
+  filter(now, robot, neighbours_of(now, of, requester));
+}
+
+void TeamBarrier::filter(const TeamSituation& now, std::size_t robot,
+                         std::span<const Neighbour> neighbours) noexcept {
+  Robot& of = robots_[robot];
+  std::copy(of.wanted.begin(), of.wanted.end(), of.kept.begin());
+  of.maneuver = of.maneuver_before;
+  const Barrier& barrier = of.lands ? of.landing : of.barrier;
   const BarrierResult result =
-      barrier.filter(now.x.subspan(of.x, of.nx), neighbours_of(now, of, requester), of.u_min, of.u_max,
-                     options_.barrier == BarrierMode::on ? applied : std::span(of.reported), of.maneuver);
-  record = {result.active, result.conflict, result.reserve};
+      barrier.filter(now.x.subspan(of.x, of.nx), neighbours, of.u_min, of.u_max, of.kept, of.maneuver);
+  records_[robot] = {result.active, result.conflict, result.reserve};
+}
+
+/// What the command of a robot that shares a conflict lacks of its half of the distance to another
+/// one [m]; any other robot provides its half.
+double TeamBarrier::lacked(const TeamSituation& now, BodyId by, const Robot& robot) const noexcept {
+  if (!team_.is_agent(by) || !robot_of(by).shares) return 0.0;
+  const Robot& other = robot_of(by);
+  const Neighbour neighbour = neighbour_of(now, other, robot.body);
+  if (neighbour.behavior != Behavior::cooperative) return 0.0;
+  return other.barrier.lacked(now.x.subspan(other.x, other.nx), neighbour, other.u_min, other.u_max,
+                              other.kept);
+}
+
+/// Filters the command of a robot once more: it provides what the others' commands lack of their
+/// halves, and may use what they provide beyond.
+void TeamBarrier::filter_again(const TeamSituation& now, std::size_t robot) noexcept {
+  // A robot without a command that keeps all distances misses each by the same amount. Twice this
+  // amount frees it of one distance, so that it can keep the others.
+  constexpr double more = 2.0;
+  Requester& requester = requesters_.front();
+  const std::span<Neighbour> neighbours = neighbours_of(now, robots_[robot], requester);
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    if (neighbours[k].behavior != Behavior::cooperative) continue;
+    const double lacks = lacked(now, requester.others[k], robots_[robot]);
+    neighbours[k].lacks = lacks > 0 ? more * lacks : lacks;
+  }
+  filter(now, robot, neighbours);
+  robots_[robot].shares = true;
+}
+
+/// Where a robot cannot provide its half of a distance, since other bodies or walls are in its way,
+/// the other robot provides the rest: the halves are of a sum, which alone counts.
+void TeamBarrier::share_conflicts(const TeamSituation& now) noexcept {
+  constexpr int rounds = 3, most = 16;  // of commands filtered again, which bounds the time of a period
+  constexpr double slight = 1e-6;       // [m]
+  int left = most;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    robots_[i].shares = records_[i].conflict && !robots_[i].barrier.drives();
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const Robot& of = robots_[i];
+      if (!of.shares || !records_[i].conflict) continue;
+      Bounded<std::size_t, Barrier::most_neighbours> partners;
+      const Requester& requester = requesters_.front();
+      const std::span<const Neighbour> neighbours = neighbours_of(now, of, requesters_.front());
+      for (std::size_t k = 0; k < neighbours.size() && !partners.is_full(); ++k) {
+        const BodyId other = requester.others[k];
+        if (neighbours[k].behavior == Behavior::cooperative && team_.is_agent(other))
+          partners.push_back(team_.agent_index(other));
+      }
+      for (const std::size_t partner : partners) {
+        if (left < 2 || lacked(now, of.body, robots_[partner]) <= slight) continue;
+        filter_again(now, partner);
+        --left;
+      }
+      if (left == 0) return;
+      filter_again(now, i);
+      --left;
+    }
+  }
 }
 
 }  // namespace sightline

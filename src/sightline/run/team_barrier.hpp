@@ -74,18 +74,22 @@ class TeamBarrier {
  private:
   struct Robot {
     BodyId body;
-    std::size_t x, u, nx, nu;                    // offsets and lengths
-    Barrier barrier, landing;                    // with and without the floor
-    std::vector<double> u_min, u_max, reported;  // limits now; for BarrierMode::report
-    double part = 1.0;                           // of the acceleration, within these limits
-    const InputLimits* limits;                   // in force
-    EvasiveManeuver maneuver{};
+    std::size_t x, u, nx, nu;                       // offsets and lengths
+    Barrier barrier, landing;                       // with and without the floor
+    std::vector<double> u_min, u_max;               // limits now
+    std::vector<double> wanted, kept;               // the inputs before and after the filter
+    double part = 1.0;                              // of the acceleration, within these limits
+    const InputLimits* limits;                      // in force
+    EvasiveManeuver maneuver{}, maneuver_before{};  // of this period and of the previous one
+    bool is_kept = false, lands = false;            // the barrier acts on the robot; it has no floor
+    bool shares = false;           // in conflict in this period, or filtered again for one that is
     bool was_in_conflict = false;  // in the previous period
   };
   /// Work space of a thread that runs barriers.
   struct Requester {
     ThreatSelection::Requester threats;
     std::vector<Neighbour> neighbours;  // of one robot
+    std::vector<BodyId> others;         // their bodies
   };
 
   const Robot& robot_of(BodyId robot) const noexcept { return robots_[team_.agent_index(robot)]; }
@@ -93,10 +97,14 @@ class TeamBarrier {
   double sigma_of(const TeamSituation& now, BodyId body) const noexcept;
   bool gives_way(const TeamSituation& now, const Robot& robot, BodyId other) const noexcept;
   Neighbour neighbour_of(const TeamSituation& now, const Robot& robot, BodyId other) const noexcept;
-  std::span<const Neighbour> neighbours_of(const TeamSituation& now, const Robot& robot,
-                                           Requester& requester) const noexcept;
-  void keep_distance(const TeamSituation& now, std::size_t robot, std::span<double> u,
+  std::span<Neighbour> neighbours_of(const TeamSituation& now, const Robot& robot,
+                                     Requester& requester) const noexcept;
+  double lacked(const TeamSituation& now, BodyId by, const Robot& robot) const noexcept;
+  void keep_distance(const TeamSituation& now, std::size_t robot, std::span<const double> u,
                      Requester& requester) noexcept;
+  void filter(const TeamSituation& now, std::size_t robot, std::span<const Neighbour> neighbours) noexcept;
+  void filter_again(const TeamSituation& now, std::size_t robot) noexcept;
+  void share_conflicts(const TeamSituation& now) noexcept;
 
   const Team& team_;
   const GuardOptions& options_;

@@ -118,6 +118,18 @@ bool Barrier::keeps(std::span<const double> x, const Neighbour& neighbour) const
   return find_threats(*law_, now) && (now.threats.empty() || now.proven);
 }
 
+double Barrier::lacked(std::span<const double> x, const Neighbour& neighbour, std::span<const double> u_min,
+                       std::span<const double> u_max, std::span<const double> u) const noexcept {
+  BarrierPeriod now = begin(*law_, x, u, {&neighbour, 1});
+  now.part = part(u_min, u_max);
+  (void)find_threats(*law_, now);
+  add_neighbours(*law_, now);
+  const NextState after = law_->next(x, u);
+  double most = -infinity;
+  for (const BarrierRow& row : now.rows) most = std::max(most, row.missed(after));
+  return now.rows.empty() ? 0.0 : most;
+}
+
 BarrierResult Barrier::filter(std::span<const double> x, std::span<const Neighbour> neighbours,
                               std::span<const double> u_min, std::span<const double> u_max,
                               std::span<double> u, EvasiveManeuver& maneuver) const noexcept {

@@ -24,7 +24,8 @@ BarrierRow keep_away(const BarrierLaw& law, const BarrierPeriod& now, int index,
   if (threat.behavior == Behavior::cooperative) {
     // This robot provides half of the relative acceleration, and may use its share of the spare
     // reserve.
-    const double least = planned + 0.5 * (F - left.F) * level(a) - law.options.share * spare;
+    const double lacks = now.neighbours[static_cast<std::size_t>(threat.neighbour)].lacks;
+    const double least = planned + 0.5 * (F - left.F) * level(a) - law.options.share * spare + lacks;
     return {n, left.E, {}, least, Wall::none, index, touch.time, touch.slope, touch.curvature, left.e, false};
   }
   const double least = planned + F * level(a) - spare;

@@ -164,8 +164,8 @@ void prove_plan(const BarrierLaw& law, BarrierPeriod& now) {
 }  // namespace
 
 bool is_finite(const Neighbour& n) noexcept {
-  const std::array<double, 12> numbers = {n.p.x,    n.p.y,       n.p.z, n.v.x,   n.v.y, n.v.z,
-                                          n.d_hard, n.speed_max, n.age, n.sigma, n.tie, n.part};
+  const std::array<double, 13> numbers = {n.p.x,       n.p.y, n.p.z,   n.v.x, n.v.y,  n.v.z,  n.d_hard,
+                                          n.speed_max, n.age, n.sigma, n.tie, n.part, n.lacks};
   return all_finite(numbers) && !std::isnan(n.acceleration_max);
 }
 
