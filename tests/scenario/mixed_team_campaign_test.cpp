@@ -144,6 +144,7 @@ TEST(MixedTeamCampaign, NoGuaranteedDistanceIsBrokenAndNoRoverMovesWithABodyWith
   EXPECT_EQ(least["rover and rover"].guaranteed, 45 * count);
   EXPECT_EQ(least["rover and rock"].guaranteed, 30 * count);
   EXPECT_EQ(least["rover and adversary"].guaranteed, 0);
+  EXPECT_LE(2000 * least["uav and uav"].below, least["uav and uav"].pairs);
   EXPECT_LE(fastest, 1e-5);
   EXPECT_GT(driven, 0.5);
 }

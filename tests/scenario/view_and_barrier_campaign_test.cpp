@@ -157,8 +157,7 @@ TEST(ViewAndBarrierCampaign, NoHardDistanceIsBrokenAndNoViewIsLostWithoutAReport
   }
   std::printf(
       "flights %d, nearest %.4f m beyond d_hard, with a conflict %d, view lost in %d, certified %.3f, "
-      "barrier "
-      "acts %.3f of the time\n",
+      "barrier acts %.3f of the time\n",
       flights, least, conflicts, lost, static_cast<double>(certified) / static_cast<double>(updates),
       static_cast<double>(acts) / static_cast<double>(updates));
   EXPECT_GT(lost, 0);
