@@ -1,5 +1,6 @@
 #include "cli/partition.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +26,7 @@ fs::path chain8(const fs::path& folder, const std::string& duration, bool joint 
   std::string text = read_file(SIGHTLINE_SOURCE_DIR "/scenarios/chain8.toml");
   text = std::regex_replace(text, std::regex("duration = 60.0"), "duration = " + duration);
   if (joint) text = std::regex_replace(text, std::regex("felt_by = \"observer\", "), "");
-  const fs::path file = folder / (joint ? "chain8_joint.toml" : "chain8.toml");
+  fs::path file = folder / (joint ? "chain8_joint.toml" : "chain8.toml");
   std::ofstream(file) << text;
   return file;
 }
@@ -78,6 +79,59 @@ TEST(RunInParts, TellsHowFarItIsFromTheOptimumOfTheWholeSweepBySweep) {
   EXPECT_EQ(whole.code, 0);
   EXPECT_EQ(read_file(out / "whole" / "run.mcap"), read_file(folder / "alone" / "run.mcap"))
       << "what it is compared with is the flight without --partition";
+}
+
+/// The pair of localize.toml, each robot in a part of its own, whose messages are late and lost.
+fs::path localized_in_parts(const fs::path& folder) {
+  fs::path file = test::short_scenario(folder, "localize", "25.0");
+  std::ofstream(file, std::ios::app) << R"(
+[partition]
+head = ["uav1"]
+tail = ["uav0"]
+[partition.exchange]
+loss = 0.2
+delay = 0.03
+)";
+  return file;
+}
+
+TEST(RunInParts, OfARobotLocalizedByVisionKeepsViewDistanceAndAConsistentEstimate) {
+  const fs::path folder = fresh_folder(), out = folder / "out";
+  const std::string scenario = localized_in_parts(folder).string();
+  constexpr int runs = 8;
+  double anees = 0.0;
+  for (int seed = 1; seed <= runs; ++seed) {
+    const auto run =
+        sightline("run " + scenario + " --seed " + std::to_string(seed) + " -o " + out.string(), folder);
+    EXPECT_EQ(run.code, 0) << run.err;
+    const json summary = json::parse(read_file(out / "summary.json"));
+    EXPECT_EQ(summary.at("solver"), "partitioned");
+    EXPECT_EQ(summary.at("allocations_per_update"), 0);
+    ASSERT_EQ(summary.at("pairs").size(), 1u);
+    const json& pair = summary.at("pairs")[0];
+    EXPECT_EQ(pair.at("in_view_fraction"), 1.0) << seed;
+    EXPECT_GE(pair.at("distance").at("min"), 1.0) << seed;
+    EXPECT_LE(pair.at("distance").at("max"), 2.0) << seed;
+    ASSERT_EQ(summary.at("localization").size(), 1u);
+    anees += summary.at("localization")[0].at("anees").get<double>() / runs;
+    const auto again = sightline("replay " + out.string(), folder);
+    EXPECT_EQ(again.code, 0) << seed;
+    EXPECT_THAT(again.out, testing::ContainsRegex(" commands, 0 differ\n.* estimates of poses, 0 differ\n"));
+  }
+  // Four errors: mean 4, variance 8. Errors last as long as a run, which counts as one sample.
+  const double two_sigma = 2.0 * std::sqrt(8.0 / runs);
+  EXPECT_NEAR(anees, 4.0, two_sigma);
+}
+
+TEST(RunInParts, RefusesARobotLocalizedByVisionInAProgramOfItsOwnPart) {
+  const fs::path folder = fresh_folder();
+  const std::string check = "check " + localized_in_parts(folder).string() + " --set partition.part=";
+  EXPECT_EQ(test::sightline(check + "all", folder).code, 0);
+  for (const char* part : {"head", "tail"})
+    EXPECT_THAT(test::refused(check + part, folder),
+                testing::HasSubstr(std::string("partition.part = \"") + part +
+                                   "\" beside agent.uav0.localization = vision, expected \"global\", or "
+                                   "parts in one program: messages of parts carry no estimates\n"));
 }
 
 TEST(RunInParts, LogsTheSameBytesWhateverTheNumberOfThreads) {

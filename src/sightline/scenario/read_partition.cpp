@@ -91,8 +91,8 @@ void check_flown_in_parts(const ScenarioSpec& whole) {
   const std::string& part = whole.partition->part;
   if (!whole.localization.robots.empty())
     throw_invalid(
-        "partition.part = \"{}\" beside agent.{}.localization = vision, expected \"global\": what it sees is "
-        "of robots whose poses the part does not receive",
+        "partition.part = \"{}\" beside agent.{}.localization = vision, expected \"global\", or parts in one "
+        "program: messages of parts carry no estimates",
         part, whole.team.name(whole.localization.robots.front().robot));
   for (const UncooperativeBody& body : whole.uncooperative)
     if (body.motion && follows_a_robot(*body.motion))
