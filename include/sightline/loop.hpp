@@ -341,8 +341,9 @@ enum class EventKind : std::uint8_t {
   view_certified,    ///< from now on its view of the target is certified; value: the body
   view_uncertified,  ///< it is not certified any more; value: the body
   view_handed_over,  ///< its view ends, that of another robot is certified; value: the body
+  count_             ///< no event: how many kinds there are
 };
-inline constexpr int event_kinds = static_cast<int>(EventKind::view_handed_over) + 1;
+inline constexpr int event_kinds = static_cast<int>(EventKind::count_);
 std::string_view to_string(EventKind kind);
 
 struct Event {

@@ -1,5 +1,5 @@
-/// Every kind of event under everything that a flight can have beside it: a row for each action, trigger and measure
-/// there is, a column for each feature. A kind without a row does not compile.
+/// Every kind of event beside every feature of a flight: a row for each action, trigger and
+/// measure, a column for each feature. A kind without a row does not compile.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,8 @@
 namespace sightline {
 namespace {
 
-/// uav1 observes uav0, uav2 and uav3 stand by themselves; uav4, the drone and the box may come later.
+/// uav1 observes uav0, uav2 and uav3 stand by themselves; uav4, the drone and the box may come
+/// later.
 constexpr std::string_view team_text = R"(
 [horizon]
 duration = 0.5
@@ -169,7 +170,7 @@ struct Actions {
              "reference = { agent = \"uav0\", reference = { circle = { centre = [0.1, 0.0, 1.1], radius = "
              "0.1, rate = 0.2 } } }"}};
   }
-  std::vector<Row> operator()(std::type_identity<HandOver>) const { return {}; }  // of the shape `best`
+  std::vector<Row> operator()(std::type_identity<HandOver>) const { return {}; }  // shape `best`
   std::vector<Row> operator()(std::type_identity<Observe>) const {
     return {{"observe", at, "observe = { observer = \"uav1\", target = \"uav2\" }"},
             {"observe_target", at, "observe = { observer = \"uav1\", target = \"lamp\" }"},
@@ -207,7 +208,7 @@ struct Triggers {
   std::vector<Row> operator()(std::type_identity<Signal>) const {
     return {{"signal", "signal = \"go\"", change}};
   }
-  std::vector<Row> operator()(std::type_identity<Condition>) const { return {}; }  // of each measure, below
+  std::vector<Row> operator()(std::type_identity<Condition>) const { return {}; }  // by measure
 
   std::vector<Row> operator()(std::type_identity<DistanceOf>) const {
     return {{"distance", "when = { distance = [\"uav0\", \"uav1\"], below = 5.0 }", change}};
@@ -229,8 +230,8 @@ struct Triggers {
     return {{"age", "when = { age = \"lamp\", above = 0.1 }",
              change + "\n[[simulation.fault]]\nkind = \"dropout\"\nbody = \"lamp\"\nfrom = 0.2"}};
   }
-  std::vector<Row> operator()(std::type_identity<NearerThan>) const { return {}; }  // of the shape `nearest`
-  std::vector<Row> operator()(std::type_identity<TurnedTo>) const { return {}; }    // of the shape `best`
+  std::vector<Row> operator()(std::type_identity<NearerThan>) const { return {}; }  // `nearest`
+  std::vector<Row> operator()(std::type_identity<TurnedTo>) const { return {}; }    // shape `best`
 };
 
 template <class Kinds, class... Alternative>
@@ -355,6 +356,8 @@ class RunEvaluator final : public test::SampleSink {
   Summary summary_;
 };
 
+void PrintTo(const Column& column, std::ostream* to) { *to << column.name; }
+
 class EventTable : public testing::TestWithParam<Column> {};
 
 TEST_P(EventTable, EveryKindOfEventKeepsEveryLaw) {
@@ -393,8 +396,7 @@ TEST_P(EventTable, InPartsATeamThatChangesIsRefused) {
                std::invalid_argument);
 }
 
-INSTANTIATE_TEST_SUITE_P(Columns, EventTable, testing::ValuesIn(columns()),
-                         [](const auto& column) { return column.param.name; });
+INSTANTIATE_TEST_SUITE_P(Columns, EventTable, testing::ValuesIn(columns()));
 
 }  // namespace
 }  // namespace sightline

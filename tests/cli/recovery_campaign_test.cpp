@@ -35,7 +35,8 @@ struct RecoveryStart {
   double heading;   ///< [rad]
 };
 
-/// 0.3 to 6 m, any bearing, one in ten straight behind, 1 m below to 2 m above, up to 1 m/s each way.
+/// 0.3 to 6 m, any bearing, one in ten straight behind, 1 m below to 2 m above, up to 1 m/s each
+/// way.
 RecoveryStart recovery_start(Random& random, int trial) {
   constexpr double pi = std::numbers::pi;
   const double any = uniform(random, -pi, pi);
@@ -110,6 +111,10 @@ RecoveryCount campaign(const std::string& scenario, TargetMotion motion) {
   return outcome;
 }
 
+void PrintTo(TargetMotion motion, std::ostream* to) {
+  *to << (motion == TargetMotion::at_rest ? "at_rest" : "circling");
+}
+
 class Recoveries : public testing::TestWithParam<TargetMotion> {};
 INSTANTIATE_TEST_SUITE_P(Targets, Recoveries, testing::Values(TargetMotion::at_rest, TargetMotion::circling));
 
@@ -129,7 +134,8 @@ TEST_P(Recoveries, WithThePapersPotentialsMostStartsLoseTheTarget) {
   EXPECT_EQ(outcome.unsound, 0);
 }
 
-// The tie is broken: the ridge where left meets right is swept through, 165 to 175 degrees to the right.
+// The tie is broken: the ridge where left meets right is swept through, 165 to 175 degrees to the
+// right.
 TEST_P(Recoveries, NearTheRidgeBehindItTurnsAtOnceToo) {
   const Scenario flown = with_target(test::read_file(std::filesystem::path(SIGHTLINE_SOURCE_DIR) /
                                                      "scenarios/cooperative_localization.toml"),

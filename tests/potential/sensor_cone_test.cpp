@@ -4,6 +4,9 @@
 #include "tests/support/random.hpp"
 
 namespace sightline {
+
+void PrintTo(ConeForm form, std::ostream* to) { *to << (form == ConeForm::sine ? "sine" : "tangent"); }
+
 namespace {
 
 SensorCone random_cone(Random& random, ConeForm form) {

@@ -1,5 +1,5 @@
-/// A limit as text keeps the line of sight past what goes round the target: in scenarios/line_of_sight.toml a pillar, in
-/// scenarios/third_robot.toml another robot.
+/// A limit as text keeps the line of sight past what goes round the target: in
+/// scenarios/line_of_sight.toml a pillar, in scenarios/third_robot.toml another robot.
 #include <gtest/gtest.h>
 
 #include "sightline/scenario.hpp"
@@ -53,7 +53,7 @@ SightWatch flown(const std::string& name, std::string_view hides, const std::vec
   return watch;
 }
 
-class LineOfSight : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+class LineOfSight : public testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(LineOfSight, IsKeptByALimitAndWithoutItDetectionsStop) {
   const auto& [name, hides] = GetParam();

@@ -1,5 +1,5 @@
-// Certified views in whole flights of the optimal controller, against targets that turn at will and at the
-// robot: with the filter and without it, between a floor and a ceiling.
+// Certified views in whole flights of the optimal controller, against targets that turn at will and
+// at the robot. With the filter and without it; between a floor and a ceiling.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +65,8 @@ motion = {{ adversary = {{ agent = "uav0", speed = {}, every = {}, aim = {} }} }
     text += fmt::format("[safety]\nbarrier = \"on\"\nfloor = {}\nceiling = {}\n", floor, floor + between);
   return test::scenario_of(text);
 }
+
+void PrintTo(const ViewedFlight& of, std::ostream* to) { *to << of.what; }
 
 class ViewFlightCampaign : public testing::TestWithParam<ViewedFlight> {};
 

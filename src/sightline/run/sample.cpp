@@ -36,6 +36,7 @@ std::string_view to_string(EventKind kind) {
                                                                "view_certified",
                                                                "view_uncertified",
                                                                "view_handed_over"};
+  static_assert(!names.back().empty(), "each kind of event has a name");
   return names[static_cast<std::size_t>(kind)];
 }
 
