@@ -26,8 +26,8 @@ namespace sightline {
 ///   mutual_chain_M           strong_chain_M, with all couplings in both costs
 ///   grid_M                   rows of four, neighbours keep apart, in both costs
 ///
-/// chain_M also accepts all M up to 1024. By default, the benchmark flies the listed chains, and each
-/// of the last four families with 8 and with 64 robots.
+/// chain_M also accepts all M up to 1024. By default, the benchmark flies the listed chains, and
+/// each of the last four families with 8 and with 64 robots.
 struct BenchCase {
   std::string name;
   Team team{};

@@ -1,8 +1,8 @@
 /// An Ocp as a large sparse program for an interior-point method, by multiple shooting.
 ///
 /// The unknowns are the inputs u_k and the states x_{k+1} of all stages. The constraints are
-/// x_k + h f(x_k, u_k) - x_{k+1} = 0. Derivatives are exact, from the formulas of the Ocp, and share
-/// no code with the solvers.
+/// x_k + h f(x_k, u_k) - x_{k+1} = 0. Derivatives are exact, from the formulas of the Ocp, and
+/// share no code with the solvers.
 #pragma once
 
 #include <span>

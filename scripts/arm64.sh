@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Cross-compiles for AArch64, runs tests there and compares with this machine, all under qemu-user:
 #   scripts/arm64.sh [--short]
-# The same bits of the C library's functions, the same kernels, and the same messages of two scenarios flown to their
-# end by either build (--short: 2 s of flight). Needs the x86 build of the release preset, and `npm ci --prefix tests/npm`.
+# The same bits of the C library's functions, the same kernels, and the same messages of two
+# scenarios flown to their end by either build (--short: 2 s of flight). Needs the x86 build of the
+# release preset, and `npm ci --prefix tests/npm`.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 

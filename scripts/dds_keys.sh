@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Keys of a fleet for DDS security:  scripts/dds_keys.sh [--days N] [--only TOPIC]... FOLDER [NAME ...]
-# FOLDER gets an authority (public/, private/) and of each NAME, by default flyer and vehicles, a folder with the six files that SROS 2 has
-# in an enclave, good for N days (365). An authority that is there already is used again: a name can be added later; names that are there
-# are refused. Nobody but the authority needs private/: keep it elsewhere.
-# flyer may not write what robots write (PX4's fmu/out), vehicles not what flyers write (fmu/in), any other NAME may listen alone; with
+# FOLDER gets an authority (public/, private/) and of each NAME, by default flyer and vehicles, a
+# folder with the six files that SROS 2 has in an enclave, good for N days (365). An authority that
+# is there already is used again: a name can be added later; names that are there are refused.
+# Nobody but the authority needs private/: keep it elsewhere.
+# flyer may not write what robots write (PX4's fmu/out), vehicles not what flyers write (fmu/in),
+# any other NAME may listen alone; with
 # --only, NAME writes nothing but these topics, as on the wire: rt/cf1/odom, with * for anything.
 set -euo pipefail
 
@@ -69,7 +71,8 @@ XML
   sign "$work/governance.xml" public/governance.p7s
 fi
 
-# Of certificates and permissions: for clocks that are behind, from yesterday on. OpenSSL before 3.4 has no way to say so.
+# Of certificates and permissions: for clocks that are behind, from yesterday on. OpenSSL before 3.4
+# has no way to say so.
 begin=$((days > 0 ? -1 : days - 1))
 validity=(-days "$days")
 if openssl x509 -help 2>&1 | grep -q -- -not_before; then
@@ -86,7 +89,8 @@ topics() {
 }
 # What every node of ROS 2 writes besides.
 of_every_node=(ros_discovery_info rt/rosout rt/parameter_events)
-# The rules of the name $1; the first that fits counts, and Cyclone DDS lets a topic be named by either.
+# The rules of the name $1; the first that fits counts, and Cyclone DDS lets a topic be named by
+# either.
 rules() {
   local -a may=('*')
   echo " <allow_rule>$domains$(topics subscribe '*')</allow_rule>"

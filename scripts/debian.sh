@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Builds sightline in a fresh root of a Debian release, which debootstrap makes:
 #   scripts/debian.sh bookworm|trixie [demo|test|packages]...   (demo and test if not said)
-# demo, test: README's two commands. packages: the packages of debian/, checked by lintian, then installed in a second fresh
-# root, used there without a compiler, and removed; they stay in build/debian/RELEASE.packages.
-# build/debian/RELEASE is kept with what it installed and built; delete it to begin anew. Packages come from where this
-# machine's come from. Needs root, debootstrap, and for demo and test `npm ci --prefix tests/npm`.
+# demo, test: README's two commands. packages: the packages of debian/, checked by lintian, then
+# installed in a second fresh root, used there without a compiler, and removed; they stay in
+# build/debian/RELEASE.packages. build/debian/RELEASE is kept with what it installed and built;
+# delete it to begin anew. Packages come from where this machine's come from. Needs root,
+# debootstrap, and for demo and test `npm ci --prefix tests/npm`.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 

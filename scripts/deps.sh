@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the packages sightline needs on Debian 12 and 13:  scripts/deps.sh [demo|test|ci|arm64]   (ci if not said)
-# arm64 adds to `test` a cross compiler, qemu-user and the libraries for AArch64; ci does without, and is of Debian 12.
+# arm64 adds to `test` a cross compiler, qemu-user and the libraries for AArch64; ci does without,
+# and is of Debian 12.
 set -euo pipefail
 
 packages=(cmake esbuild g++ libboost-dev libcli11-dev libfmt-dev libjs-three liblz4-dev libsqlite3-dev libtomlplusplus-dev

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Runs what the documents promise:  scripts/docs_blocks.sh [FILE.md ...]
-# Blocks opened by "```sh test" run in a shell at the root of the tree, with an out/ of their own (a campaign of an
-# older program would be refused there), build/release/bin in the path; blocks opened
-# by "```sh test mujoco" and "```sh test dds" where the world of MuJoCo and the bridge to DDS were built; blocks opened
-# by "```py test" are whole programs of Python, run where the module was built; blocks opened
-# by "```cpp test" are whole programs, built against an installed sightline, as a user would, and run. So are the examples
-# of one's own potential and one's own robot, with their formulas compiled and without: both print the same.
+# Blocks opened by "```sh test" run in a shell at the root of the tree, with an out/ of their own (a
+# campaign of an older program would be refused there), build/release/bin in the path; blocks opened
+# by "```sh test mujoco" and "```sh test dds" where the world of MuJoCo and the bridge to DDS were
+# built; blocks opened by "```py test" are whole programs of Python, run where the module was built;
+# blocks opened by "```cpp test" are whole programs, built against an installed sightline, as a user
+# would, and run. So are the examples of one's own potential and one's own robot, with their
+# formulas compiled and without: both print the same.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -78,8 +79,9 @@ run_block() {
   esac
 }
 
-# Blocks of one document follow each other in one tree; documents have nothing to do with each other. A flight by the clock
-# may fail where others compute: what failed is said, and tried once more.
+# Blocks of one document follow each other in one tree; documents have nothing to do with each
+# other. A flight by the clock may fail where others compute: what failed is said, and tried once
+# more.
 run_document() {
   local document=$1 block name try code bad=0
   local tree=$work/trees/$document output=$work/$document.output entry

@@ -31,7 +31,8 @@ def rooms_of(header):
     parts = header.removesuffix(".hpp").split("/")
     return public.get(parts[1]) if len(parts) == 2 else [parts[1]]
 
-# Functions of <cmath> that round, and gave the same bits on x86-64 and AArch64 in all arguments that scripts/arm64.sh tries.
+# Functions of <cmath> that round, and gave the same bits on x86-64 and AArch64 in all arguments
+# that scripts/arm64.sh tries.
 same_bits = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "pow", "log1p"}
 rounds = re.compile(r"(?:std)?::(a?(?:sin|cos|tan)h?|atan2|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot|erfc?|"
                     r"[lt]gamma|lerp|beta|legendre|riemann_zeta|(?:cyl|sph)_\w+)\s*\(")

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Shows that the fast tests notice when what they guard is broken:  scripts/mutants.sh [BUILD_DIR | --check] [GROUP...]
-# Each mutant is one substitution in a copy of its sources; a line names the test that killed it. Nothing in the tree changes.
+# Each mutant is one substitution in a copy of its sources; a line names the test that killed it.
+# Nothing in the tree changes.
 # --check builds nothing: it shows that each mutant changes its file. Ends with 1 if a mutant survives or does not build. BUILD_DIR holds a built library (build/release by default). The groups are
-# barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign), gate (what is measured and
-# what is applied), solver (the Newton update) and estimate (the pose filters); all if none is named.
+# barrier (the safety filter), verdicts (summary.json, exit code, outcome of a run of a campaign),
+# gate (what is measured and what is applied), solver (the Newton update) and estimate (the pose
+# filters); all if none is named.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 build=build/release
@@ -20,8 +22,9 @@ trap 'rm -rf "$work"' EXIT
 flags=(-std=c++20 -O1 -march=native -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi -isystem /usr/include/eigen3
   -DSIGHTLINE_SOURCE_DIR="\"$PWD\"" -DSIGHTLINE_BINARY="\"$PWD/$build/bin/sightline\"")
 
-# A group: its sources in src/sightline/, the folder of files that are named without one, its tests in tests/ and their
-# filter, the fast ones first, objects and libraries beside them, and its mutants:
+# A group: its sources in src/sightline/, the folder of files that are named without one, its tests
+# in tests/ and their filter, the fast ones first, objects and libraries beside them, and its
+# mutants:
 # name | file | what stands there (a regular expression without |) | what the mutant has in its place
 barrier() {
   folder=safety
@@ -372,8 +375,9 @@ prepare() {
   done
 }
 
-# $1: a tree of the sources, and objects of those that need no compiling. Linked before the library, they stand for its own,
-# which others of its batch may bring along. $2: a header of the tree that tests may include.
+# $1: a tree of the sources, and objects of those that need no compiling. Linked before the library,
+# they stand for its own, which others of its batch may bring along. $2: a header of the tree that
+# tests may include.
 program() {
   local source i
   local -a of_tests=("${test_objects[@]}") compiled=("${sources[@]/%/.o}")

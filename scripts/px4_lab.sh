@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Flies fleets/desk.toml on real PX4 firmware in its own simulation (SIH), on this machine, and replays each flight:
+# Flies fleets/desk.toml on real PX4 firmware in its own simulation (SIH), on this machine, and
+# replays each flight:
 #   scripts/px4_lab.sh PX4_BUILD AGENT [FLIGHTS] [sightline fly's options]
-# PX4_BUILD: build folder of `make px4_sitl_default`, 1.16. AGENT: the program MicroXRCEAgent, 2.4. FLIGHTS: 3 without
-# a number; the vehicles start anew before the first alone. Results are in out/px4_lab/. Exit code 1 if a flight is lost,
-# or its replay differs. SIGHTLINE_BINARY: another program than that of the release preset. The flights plan with the
-# delay that `sightline identify` finds for models without lags (lumped): without it the heading swings at 0.65 Hz.
+# PX4_BUILD: build folder of `make px4_sitl_default`, 1.16. AGENT: the program MicroXRCEAgent, 2.4.
+# FLIGHTS: 3 without a number; the vehicles start anew before the first alone. Results are in
+# out/px4_lab/. Exit code 1 if a flight is lost, or its replay differs. SIGHTLINE_BINARY: another
+# program than that of the release preset. The flights plan with the delay that `sightline identify`
+# finds for models without lags (lumped): without it the heading swings at 0.65 Hz.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 

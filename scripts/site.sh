@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds the site of the documents, the notebooks, and the API of C++ and of Python:  scripts/site.sh [FOLDER]   (build/site if not said)
-# Needs the release preset with the Python module, and what scripts/deps.sh installs for tests. Open FOLDER/index.html. A link within the
-# site that leads nowhere ends it with exit code 1, and so does a notebook that fails.
+# Needs the release preset with the Python module, and what scripts/deps.sh installs for tests. Open
+# FOLDER/index.html. A link within the site that leads nowhere ends it with exit code 1, and so does
+# a notebook that fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$(realpath -m "${1:-build/site}")

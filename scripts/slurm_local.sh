@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # A Slurm of one node on 127.0.0.1 alone, for tests:  scripts/slurm_local.sh COMMAND [ARGUMENT ...]
-# Starts munged, slurmctld and slurmd in a folder of its own, runs the command with SLURM_CONF set, stops the three by their ids, and
-# ends as the command did. Needs root and slurmctld, slurmd, slurm-client, munge of Debian 12.
+# Starts munged, slurmctld and slurmd in a folder of its own, runs the command with SLURM_CONF set,
+# stops the three by their ids, and ends as the command did. Needs root and slurmctld, slurmd,
+# slurm-client, munge of Debian 12.
 set -euo pipefail
 (($# > 0)) || { echo "slurm_local.sh: COMMAND is missing, expected what is to run" >&2; exit 2; }
 ((EUID == 0)) || { echo "slurm_local.sh: user = $(id -un), expected root: slurmd starts tasks" >&2; exit 2; }

@@ -1,4 +1,5 @@
-# Stages of a script with their times and a count of those that passed; source it at the root of the tree.
+# Stages of a script with their times and a count of those that passed; source it at the root of the
+# tree.
 
 passed=0 failed=0
 stage() {

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Every figure that "Promises kept" asks for, section by section:  scripts/accept/10.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/10/ and is not done again; delete it to begin anew. A killed run goes on where it
-# was. Needs the release preset built with tests. BEFORE=path names the binary of the commit before, for `bench`.
+# What is finished stays in out/accept/10/ and is not done again; delete it to begin anew. A killed
+# run goes on where it was. Needs the release preset built with tests. BEFORE=path names the binary
+# of the commit before, for `bench`.
 # --short is for CI, beside the short forms of all campaigns that scripts/test.sh flies: `bench_turns.sh` itself.
 # Random scenarios are in 43.sh.
 set -uo pipefail

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # Every figure that "Ready for the world" asks for, section by section:  scripts/accept/11.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/11/ and is not done again; delete it to begin anew. Needs the release preset,
-# `npm ci --prefix tests/npm`, and the repository's history. --short is for CI: a log against itself.
+# What is finished stays in out/accept/11/ and is not done again; delete it to begin anew. Needs the
+# release preset, `npm ci --prefix tests/npm`, and the repository's history. --short is for CI: a
+# log against itself.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 build=build/release
 . scripts/accept/sections.sh
-# The log of every shipped scenario, seed 1, is the same from the commit before the first step to the one after the last.
-# "Record a formula in one way" (6d5e99f) changed last bits, and that commit alone: what came before it is compared up to
-# its parent, what came after from it.
+# The log of every shipped scenario, seed 1, is the same from the commit before the first step to
+# the one after the last. "Record a formula in one way" (6d5e99f) changed last bits, and that commit
+# alone: what came before it is compared up to its parent, what came after from it.
 stretches=('22aaa23 b146855' '6d5e99f 8e55433')
 
 # The command line of a commit, built from the repository's files of then.
@@ -23,7 +24,8 @@ built() {
 # What a binary understands of a scenario; warnings are words about it.
 team_of() { "$1" check "$2" 2>/dev/null | grep -v '^warning'; }
 
-# $1, $2: a binary and its scenario; $3, $4: those of the other. Whether they fly to the same messages, seed 1.
+# $1, $2: a binary and its scenario; $3, $4: those of the other. Whether they fly to the same
+# messages, seed 1.
 flies_as() {
   local log bad=0
   for log in first second; do
@@ -63,7 +65,8 @@ logs() {
   ((bad == 0 && flown > 0))
 }
 
-# Every shipped scenario, flown with seed 1 and then replayed: no command differs, and in how many seconds.
+# Every shipped scenario, flown with seed 1 and then replayed: no command differs, and in how many
+# seconds.
 replay() {
   local name begin seconds bad=0 flown=0
   local -a scenarios=(scenarios/*.toml)
@@ -82,7 +85,8 @@ replay() {
   ((bad == 0 && flown > 0))
 }
 
-# What others get: components without what they do not need, old processors, shared libraries, an older compiler.
+# What others get: components without what they do not need, old processors, shared libraries, an
+# older compiler.
 package() {
   local work name output
   local -a without=()
@@ -111,8 +115,8 @@ package() {
   rm -rf "$work"
 }
 
-# GCC and clang print the same kernels and fly every shipped scenario, seed 1, to the same messages. Builds the preset
-# clang, library and command line, into build/clang; --short: the kernels alone.
+# GCC and clang print the same kernels and fly every shipped scenario, seed 1, to the same messages.
+# Builds the preset clang, library and command line, into build/clang; --short: the kernels alone.
 bits() {
   local other=build/clang kernels=$out/clang_kernels output bad=0 flown=0
   local target=sightline_cli

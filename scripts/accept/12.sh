@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
 # The figures of identified vehicles and of the world "rotors", section by section:  scripts/accept/12.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/12/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
-# release preset, and `npm ci --prefix tests/npm`.  A figure that is "missed" was never reached; one that FAILS was.
+# What is finished stays in out/accept/12/ and is not done again; delete it to begin anew. A killed
+# run goes on where it was. Needs the release preset, and `npm ci --prefix tests/npm`. A figure that
+# is "missed" was never reached; one that FAILS was.
 # --short is for CI: fewer seeds, vehicles and directions, shorter flights that judge.
-# BEFORE=path names a binary without the lean, against whose update the section `tilt` judges its own.
+# BEFORE=path names a binary without the lean, against whose update the section `tilt` judges its
+# own.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 build=build/release
 . scripts/accept/sections.sh
 . scripts/accept/rotors.sh
 
-# 20 s of excitation in noise, judged on a task and on bang-bang of the same vehicle; the intervals of 20 drawn vehicles; the AR.Drone;
-# the presets of hover_multirotor. Then the command itself, twice: the same numbers.
+# 20 s of excitation in noise, judged on a task and on bang-bang of the same vehicle; the intervals
+# of 20 drawn vehicles; the AR.Drone; the presets of hover_multirotor. Then the command itself,
+# twice: the same numbers.
 identify() {
   local said
   said=$(SIGHTLINE_CAMPAIGN=$form "$build/tests/analysis_campaign_test" --gtest_filter='IdentifyCampaign.*' 2>&1)
@@ -26,8 +29,9 @@ identify() {
   whole || rm -rf "$out"/{first,second}
 }
 
-# A camera that leans with its body: a target at 2 m/s on a circle of 1.33 m (3 m/s^2) and of 2 m (2 m/s^2), by the true camera; an update with
-# lean, lags and disturbance against that of cooperative_localization. Then a flight and its replay by the command line.
+# A camera that leans with its body: a target at 2 m/s on a circle of 1.33 m (3 m/s^2) and of 2 m (2
+# m/s^2), by the true camera; an update with lean, lags and disturbance against that of
+# cooperative_localization. Then a flight and its replay by the command line.
 tilt() {
   local said code now then
   said=$(SIGHTLINE_CAMPAIGN=$form "$build/tests/record_campaign_test" --gtest_filter='BodyCameraCampaign.*' 2>&1)
@@ -49,9 +53,10 @@ tilt() {
     "$build/bin/sightline" replay "$out/leaning" | grep ', 0 differ' || return 1
 }
 
-# In steady wind, how far the target robot stands beside its reference from 10 s on: planned by numbers of the vehicle, by gains that
-# are wrong, on its circle (also with u* from its reference: fed) and with a reference that stands, and without compensation. The plan
-# itself cuts the circle: see wind 0.
+# In steady wind, how far the target robot stands beside its reference from 10 s on: planned by
+# numbers of the vehicle, by gains that are wrong, on its circle (also with u* from its reference:
+# fed) and with a reference that stands, and without compensation. The plan itself cuts the circle:
+# see wind 0.
 offset() {
   local wind case way ways directions=24 folder=$out/offset bad=0
   local -a winds=(0 0.5 1) cases=(identified gains_0.7 gains_1.5 fed_1.0 fed_0.7 fed_1.5 standing_0.7 standing_1.5 without as_shipped)
@@ -99,7 +104,8 @@ offset_line() {
       [.[0][0] - .[1][0], .[0][1] - .[1][1], .[0][2] - .[1][2]] | map(. * .) | add) | [(add / length | sqrt), (max | sqrt)] | @tsv'
 }
 
-# Commands that act late, modelled with an error, and not modelled: the share of time out of view and the largest view angle after 5 s.
+# Commands that act late, modelled with an error, and not modelled: the share of time out of view
+# and the largest view angle after 5 s.
 delay() {
   local late modelled folder=$out/delay bad=0
   local -a lates=(0 0.1 0.2 0.3 0.4) errors=(-0.05 0 0.05 unmodelled)
@@ -129,9 +135,10 @@ disturbance_time = 0.5"
 # Share of time out of view, and the largest view angle [rad], from `settle` on.
 view_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max] | @tsv' "$1/summary.json"; }
 
-# Duels of one robot with barrier and an adversary that goes for it (duel.toml), 1 m to be kept, from 2 m on: distances, floor and,
-# in a sample and wherever the distance was broken, conflicts and what the barrier believed at the start.
-# DUELS=100 flies so many of each of 48 kinds, for a first look; the next time goes on.
+# Duels of one robot with barrier and an adversary that goes for it (duel.toml), 1 m to be kept,
+# from 2 m on: distances, floor and, in a sample and wherever the distance was broken, conflicts and
+# what the barrier believed at the start. DUELS=100 flies so many of each of 48 kinds, for a first
+# look; the next time goes on.
 barrier() {
   local vehicle commands within late wind cell index want claim runs=${DUELS:-420} sample=20 seed=0 folder=$out/barrier bad=0
   local -a lates=(0.0 0.1 0.15)
@@ -162,14 +169,14 @@ barrier() {
   judge 'barrier: flights below the floor' "$(cat "$folder"/*.tsv | awk '{ n += $4 } END { print n + 0 }')" '== 0' flights wanted
   return $bad
 }
-# Each run of a campaign: index, least distance, distance at the start, whether it came below the floor (the one way to fail
-# without a touch).
+# Each run of a campaign: index, least distance, distance at the start, whether it came below the
+# floor (the one way to fail without a touch).
 duel_rows() {
   sqlite3 -separator $'\t' "$1/campaign.sqlite" 'select "index", min_distance, sqrt("uav.range" * "uav.range" + "uav.height" * "uav.height"),
     outcome = '"'failed'"' and min_distance > 0.4 from runs'
 }
-# Flies one run of a campaign again and leaves one line, once: the least distance, the barrier's reserve at the start, its share of
-# conflicts, the least height.
+# Flies one run of a campaign again and leaves one line, once: the least distance, the barrier's
+# reserve at the start, its share of conflicts, the least height.
 duel_look() {
   local folder=$1/looked/$2
   [[ -s $folder.txt ]] && return
@@ -198,7 +205,8 @@ duel_says() {
     END { printf "%d flights, %d below 1 m (%d of them with a reserve at the start), worst %.3f m; %d below the floor", n, below, inside, least, floors
       if (looked) printf "; of %d looked at %d had a conflict, least height %.3f m, least reserve at the start %.3f m", looked, conflicts, low, reserve }'
 }
-# $1: vehicle, $2: its commands, tilt or velocity, $3: plane or space, $4: how late commands act [s], $5: wind [m/s^2].
+# $1: vehicle, $2: its commands, tilt or velocity, $3: plane or space, $4: how late commands act
+# [s], $5: wind [m/s^2].
 duel() {
   local -A stands_for_lags=([x500 tilt]=0.16 [crazyflie tilt]=0.114 [x500 velocity]=0.142 [crazyflie velocity]=0.069)  # sightline identify
   local delay lowest=0.0 highest=0.0
@@ -210,8 +218,9 @@ duel() {
   sed "${robot[@]}" -e "s/VEHICLE/$1/; s/WITHIN/$3/; s/LATE/$4/; s/WIND/$5/; s/DELAY/$delay/; s/LOWEST/$lowest/; s/HIGHEST/$highest/" scripts/accept/duel.toml
 }
 
-# The same with 2, 3, 4 and 6 adversaries, drawn around the first, commands 0.1 s late in wind of 1 m/s^2. A ring can close: then the
-# barrier reports a conflict. No distance may break without one, and two adversaries break none.
+# The same with 2, 3, 4 and 6 adversaries, drawn around the first, commands 0.1 s late in wind of 1
+# m/s^2. A ring can close: then the barrier reports a conflict. No distance may break without one,
+# and two adversaries break none.
 several() {
   local vehicle commands within number cell runs=100 folder=$out/several bad=0 database
   local -a numbers=(2 3 4 6)
@@ -241,8 +250,9 @@ more_adversaries() {
   done
 }
 
-# Starts of [campaign], with commands 0 to 0.1 s late and wind of up to 1 m/s^2 drawn for each run. The robots know how
-# late. The vehicle is 0.75 m wide, so that the distance of 0.6 m that the scenario keeps is a touch:
+# Starts of [campaign], with commands 0 to 0.1 s late and wind of up to 1 m/s^2 drawn for each run.
+# The robots know how late. The vehicle is 0.75 m wide, so that the distance of 0.6 m that the
+# scenario keeps is a touch:
 # 0.85 m here, and beside it as shipped.
 campaign() {
   local hard begin runs=2000 folder=$out/campaign bad=0
@@ -277,7 +287,8 @@ drawn() { printf '\n[[campaign.draw]]\nkey = "%s"\nuniform = [%s, %s]\n' "$@"; }
 # $1: folder of a campaign; $2: what holds in these runs; $3: of those where this does.
 share_of_runs() { sqlite3 "$1/campaign.sqlite" "select round(100.0 * sum($2) / count(*), 2) from runs where ${3:-true}"; }
 
-# Inputs with a limit of 2 per second, in the models' world and in that of rotors: none moves faster, and the view is kept.
+# Inputs with a limit of 2 per second, in the models' world and in that of rotors: none moves
+# faster, and the view is kept.
 rate() {
   local kind folder=$out/rate bad=0
   mkdir -p "$folder"
@@ -291,8 +302,9 @@ rate() {
   return $bad
 }
 
-# Wind of 1 m/s^2 from 24 directions with gusts of 0.5, noise and commands 0.1 s late: how long the view is lost, and the distances. Beside
-# it the paper's potentials in the same air, with its numbers and with identified ones and compensation.
+# Wind of 1 m/s^2 from 24 directions with gusts of 0.5, noise and commands 0.1 s late: how long the
+# view is lost, and the distances. Beside it the paper's potentials in the same air, with its
+# numbers and with identified ones and compensation.
 directions() {
   local case way ways=24 folder=$out/directions bad=0
   local -a cases=(ours paper paper_compensated)
@@ -325,10 +337,12 @@ disturbance_time = 0.5' wind team=cooperative_localization
   TEAM=$team rotor_team x500 "$keys" "${edit[@]}" -e "s/^wind = .*/wind = [$wind]/; s/^gust = .*/gust = { sigma = 0.5, time = 1.0 }/" \
     -e 's/^input_delay = .*/input_delay = 0.1/; s/^noise = .*/noise = { position = 0.005, heading = 0.01, velocity = 0.03 }/'
 }
-# Share of time out of view, largest view angle [rad], least and greatest distance [m], from `settle` on.
+# Share of time out of view, largest view angle [rad], least and greatest distance [m], from
+# `settle` on.
 directions_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max, .distance.min, .distance.max] | @tsv' "$1/summary.json"; }
 
-# How fast it goes: a vehicle's step, closed loops of two robots on one core, 32 robots on two. Not for CI: other work shares the machine.
+# How fast it goes: a vehicle's step, closed loops of two robots on one core, 32 robots on two. Not
+# for CI: other work shares the machine.
 speed() {
   local flown begin seconds folder=$out/speed bad=0
   whole || { echo "whole only"; return 0; }
@@ -352,7 +366,8 @@ disturbance_time = 0.5' >"$folder/pair.toml"
 }
 since() { awk -v a="$1" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.2f", b - a }'; }
 
-# The same seed, the same bytes: 20 flights in gusts, noise and delay, in either world; and their replay.
+# The same seed, the same bytes: 20 flights in gusts, noise and delay, in either world; and their
+# replay.
 same() {
   local kind run runs=20 folder=$out/same bad=0
   whole || runs=2

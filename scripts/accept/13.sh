@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The figures of flights over DDS, section by section:  scripts/accept/13.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/13/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
-# release preset with Cyclone DDS. `timing` judges this machine: run it where nothing else does.
+# What is finished stays in out/accept/13/ and is not done again; delete it to begin anew. A killed
+# run goes on where it was. Needs the release preset with Cyclone DDS. `timing` judges this machine:
+# run it where nothing else does.
 # --short is for CI: fewer vehicles, shorter flights, and times that are shown and not judged.
 # DOMAIN=228 names another domain of DDS.
 set -uo pipefail
@@ -11,8 +12,8 @@ build=build/release
 . scripts/accept/rotors.sh
 domain=${DOMAIN:-227}
 
-# $1: vehicles; $2: duration [s]. PX4 vehicles of all releases in rows of four, 3 m apart, on circles of 0.3 m; each keeps 1 m from the
-# one before it.
+# $1: vehicles; $2: duration [s]. PX4 vehicles of all releases in rows of four, 3 m apart, on
+# circles of 0.3 m; each keeps 1 m from the one before it.
 fleet() {
   local i x y
   cat <<TOML
@@ -57,8 +58,8 @@ TOML
   done
 }
 
-# Flies a fleet that is stood in for.  $1: folder, with fleet.toml. Leaves fly.txt, vehicles.txt and `flown`, and in flight the
-# flyer's number in `pid`. The exit code is that of `fly`.
+# Flies a fleet that is stood in for. $1: folder, with fleet.toml. Leaves fly.txt, vehicles.txt and
+# `flown`, and in flight the flyer's number in `pid`. The exit code is that of `fly`.
 fly_fleet() {
   local folder=$1 vehicles flyer code=0
   "$sightline" vehicles "$folder/fleet.toml" >"$folder/vehicles.txt" 2>"$folder/vehicles.err" </dev/null &
@@ -87,7 +88,8 @@ timing() {
       echo 1 >"$folder/done"
     fi
     grep -m 1 'real time' "$folder/fly.txt"
-    # Times are judged in the whole form, on a machine that does nothing else; beside other work they are those of the others.
+    # Times are judged in the whole form, on a machine that does nothing else; beside other work
+    # they are those of the others.
     shown='' fifo='' late=0.2 apart=$((n > 2 ? 12 : 10))
     whole || shown=wanted
     { whole && grep -q 'real time: SCHED_FIFO' "$folder/fly.txt"; } || fifo=wanted late=2 apart=15
@@ -105,7 +107,8 @@ timing() {
   return $bad
 }
 
-# Flights of all kinds, missed periods, losses, restarts and pilots included, are replayed: 0 commands differ.
+# Flights of all kinds, missed periods, losses, restarts and pilots included, are replayed: 0
+# commands differ.
 replay() {
   local case kind folder bad=0
   local -a cases=(good losses pilot restart stopped)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The figures of robots that are localized by vision, section by section:  scripts/accept/14.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/14/ and is not done again; delete it to begin anew. A killed run goes on where it was. Needs the
-# release preset.
+# What is finished stays in out/accept/14/ and is not done again; delete it to begin anew. A killed
+# run goes on where it was. Needs the release preset.
 # --short is for CI: fewer and shorter flights, whose figures are judged by wider limits.
 # RUNS=50 flies so many a campaign in place of 200.
 set -uo pipefail
@@ -15,8 +15,9 @@ if whole; then runs=${RUNS:-200} duration=60; else runs=${RUNS:-6} duration=15; 
 of() { sqlite3 "$1/campaign.sqlite" "SELECT $2 FROM runs"; }  # $1: folder; $2: SQL
 holds() { awk "BEGIN { exit !($1) }"; }
 
-# Flies scenarios/localize.toml.  $1: name; $2: greatest error (RMS) [m]; $3 and $4: least and greatest ANEES; then keys, KEY=VALUE.
-# In the short form errors settle for a quarter of a flight: half as much again.
+# Flies scenarios/localize.toml. $1: name; $2: greatest error (RMS) [m]; $3 and $4: least and
+# greatest ANEES; then keys, KEY=VALUE. In the short form errors settle for a quarter of a flight:
+# half as much again.
 fly() {
   local name=$1 most=$2 low=$3 high=$4 folder=$out/$1 rmse anees out_of_view never lost
   shift 4
@@ -36,8 +37,8 @@ fly() {
   return 1
 }
 
-# By heading and by full attitude; camera or broadcast at 10 Hz; outliers and turned sightings; correlated errors; a camera that sits
-# 2 degrees off.
+# By heading and by full attitude; camera or broadcast at 10 Hz; outliers and turned sightings;
+# correlated errors; a camera that sits 2 degrees off.
 campaign() {
   local bad=0 share time
   fly heading 0.025 3.4 4.6 || bad=1
@@ -58,8 +59,8 @@ campaign() {
   return $bad
 }
 
-# Flies the scenario while a level disc passes between camera and tags.  $1: for how long about [s]; $2: how many of the flights are to
-# be recovered.
+# Flies the scenario while a level disc passes between camera and tags. $1: for how long about [s];
+# $2: how many of the flights are to be recovered.
 hide() {
   local seconds=$1 expected=$2 folder=$out/hidden_$1 recovered
   cat >"$folder.toml" <<TOML
@@ -97,7 +98,8 @@ hidden() {
   return $bad
 }
 
-# A chain of four hops: uav0 sees uav1, each of the next the one before it. other_error_spread was chosen by flights of seed 7001. SEED=9001 flies others.
+# A chain of four hops: uav0 sees uav1, each of the next the one before it. other_error_spread was
+# chosen by flights of seed 7001. SEED=9001 flies others.
 chain() {
   local i before folder=$out/chain flights=20 bad=0 hop rmse anees most
   whole || flights=2
@@ -140,7 +142,8 @@ TOML
   return $bad
 }
 
-# Without the tags' yaw and a compass nothing tells a heading: it is refused before flight. With a compass it flies.
+# Without the tags' yaw and a compass nothing tells a heading: it is refused before flight. With a
+# compass it flies.
 compass() {
   local said blind=(--set 'agent.uav0.camera.output="position"')
   for command in check explain; do
@@ -163,7 +166,8 @@ replay() {
   done
 }
 
-# Over DDS: two vehicles of PX4 that are stood in for, uav0 without a position. In view to the end, lands, and the same again from the log.
+# Over DDS: two vehicles of PX4 that are stood in for, uav0 without a position. In view to the end,
+# lands, and the same again from the log.
 flight() {
   local fleet=fleets/localize.toml folder=$out/flown_over_links pid code said
   "$sightline" vehicles "$fleet" --seconds $((duration + 60)) >"$folder.vehicles" 2>&1 &
@@ -181,8 +185,9 @@ flight() {
   grep -q ' commands, 0 differ' <<<"$said" && grep -q 'estimates of poses, 0 differ' <<<"$said"
 }
 
-# Drawn detections beside rendered pictures at the same places, docs/localization.md: how often a single plate is found, the bias and the
-# standard deviation of its range. Whole, it draws docs/noise.svg too.
+# Drawn detections beside rendered pictures at the same places, docs/localization.md: how often a
+# single plate is found, the bias and the standard deviation of its range. Whole, it draws
+# docs/noise.svg too.
 noise() {
   local table=$out/noise.md pictures=100
   whole || pictures=6
@@ -229,8 +234,9 @@ figure.savefig("docs/noise.svg", metadata={"Date": None})
 PLOT
 }
 
-# Rendered pictures: flights of two x500 in wind of 0.5 m/s^2 from four directions, the camera's pictures by MuJoCo at 30 Hz, AprilTag.
-# Each is replayed, the first is flown again to the same bytes, and all take less time than they last.
+# Rendered pictures: flights of two x500 in wind of 0.5 m/s^2 from four directions, the camera's
+# pictures by MuJoCo at 30 Hz, AprilTag. Each is replayed, the first is flown again to the same
+# bytes, and all take less time than they last.
 rendered() {
   local wind folder said begin took bad=0 seconds=60 first=''
   local -a winds=('0.5, 0.0' '0.0, 0.5' '-0.5, 0.0' '0.0, -0.5')
@@ -265,16 +271,19 @@ rendered() {
   return $bad
 }
 
-# Hidden for 2, 5 and 10 s, given a wrong pose, without a position at all; hard distances on estimates.
+# Hidden for 2, 5 and 10 s, given a wrong pose, without a position at all; hard distances on
+# estimates.
 searching() { tests run_campaign_test 'SearchingCampaign.*'; }
 
 # Who observes whom, in drawn layouts; what `explain` tells of distances beside flights.
 views() { tests world_campaign_test 'ViewChoice.*:ViewFlight.*'; }
 
-# A pillar goes round between the two: with the limit by text the target is in sight, without it detections stop.
+# A pillar goes round between the two: with the limit by text the target is in sight, without it
+# detections stop.
 sight() { tests scenario_test 'LineOfSight.*'; }
 
-# A sample and a sighting that is 80 ms late: at most 10 us by heading, 30 us by full attitude. Judges this machine where it is whole.
+# A sample and a sighting that is 80 ms late: at most 10 us by heading, 30 us by full attitude.
+# Judges this machine where it is whole.
 filters() {
   local rows
   rows=$("$sightline" bench --case estimate --json) || return 1

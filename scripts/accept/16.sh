@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The figures of large teams, section by section:  scripts/accept/16.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/16/ and is not done again; delete it to begin anew. Needs the release preset. One pinned core (CORE, else 1).
+# What is finished stays in out/accept/16/ and is not done again; delete it to begin anew. Needs the
+# release preset. One pinned core (CORE, else 1).
 # --short is for CI: few robots and few updates, no limits of time.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
@@ -65,8 +66,9 @@ times() {
   return $bad
 }
 
-# Eigenvalues of P^-1 C on recorded problems, and what each way to the team's step takes. In the words of B a pass in order is the
-# step, though GMRES needs many; felt by both, whole bands of modes are strong. Once settled, an update needs two at most.
+# Eigenvalues of P^-1 C on recorded problems, and what each way to the team's step takes. In the
+# words of B a pass in order is the step, though GMRES needs many; felt by both, whole bands of
+# modes are strong. Once settled, an update needs two at most.
 spectra() {
   local -a cases=(chain_16 cascade_16 strong_chain_16 mutual_chain_8 mutual_chain_16)
   whole || cases=(strong_chain_8 mutual_chain_8)
@@ -100,7 +102,8 @@ tails() {
   local name updates=1000000 busy priority=(chrt -f 50)
   whole || updates=2000
   "${priority[@]}" true 2>/dev/null || { echo 'no right to SCHED_FIFO here: times of an ordinary process'; priority=(); }
-  # The kernel stops for 50 ms of each second who takes more of a core by FIFO: a control thread does not, updates without a pause do.
+  # The kernel stops for 50 ms of each second who takes more of a core by FIFO: a control thread
+  # does not, updates without a pause do.
   local limit=/proc/sys/kernel/sched_rt_runtime_us before
   before=$(<$limit)
   taskset -c $((1 - core)) bash -c 'while :; do :; done' &
@@ -122,7 +125,8 @@ rows_of() {
 figure_of() { awk -v name="$2" -v column="$3" '$1 == name { print $column }' <<<"$1"; }
 at_most() { awk -v value="$1" -v most="$2" 'BEGIN { exit !(value != "" && value <= most) }'; }
 
-# Swarms that cross with the barrier off: distance, arrival, pairs; the worst second, alone and with the barrier.
+# Swarms that cross with the barrier off: distance, arrival, pairs; the worst second, alone and with
+# the barrier.
 swarm() {
   tests cli_campaign_test 'SwarmFlights.*' || return 1
   local rows bad=0 n=64
@@ -149,7 +153,8 @@ barrier() {
   ! whole || { at_most "$(figure_of "$rows" barrier_16 2)" 3 && at_most "$(figure_of "$rows" barrier_16 3)" 10; }
 }
 
-# $1: robots; $2: seconds; $3: who feels; $4 to $6: weights of bearing, too_near, too_far; $7: more of the file. A chain on a circle.
+# $1: robots; $2: seconds; $3: who feels; $4 to $6: weights of bearing, too_near, too_far; $7: more
+# of the file. A chain on a circle.
 chain_file() {
   printf '%s\n[simulation]\nduration = %s.0\nseed = 1\nsettle = 0.1\nrms_from = 0.1\n' "${7:-}" "$2"
   printf '[agent."uav{0000..%04d}"]\nrobot = "multirotor"\n' $(($1 - 1))
@@ -179,8 +184,8 @@ large() {
   ((bad == 0))
 }
 
-# A large team in real time, from its cold start on: with a deadline its updates end when it is past, but for the step they are at,
-# and say so; commands keep to their limits.
+# A large team in real time, from its cold start on: with a deadline its updates end when it is
+# past, but for the step they are at, and say so; commands keep to their limits.
 deadline() {
   local folder n=128 bad=0 ms longest limits=(0 1)
   whole && n=1024 limits=(0 30 10)

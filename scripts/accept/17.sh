@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The figures of campaigns in shards and of teams that plan apart, section by section:  scripts/accept/17.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/17/ and is not done again; delete it to begin anew. Needs the release preset with Cyclone DDS.
+# What is finished stays in out/accept/17/ and is not done again; delete it to begin anew. Needs the
+# release preset with Cyclone DDS.
 # --short is for CI: fewer runs and shorter flights, and the limits of a machine that others use too.
 # DOMAIN=226 names another domain of DDS, RUNS=1000 flies fewer in `shards`.
 set -uo pipefail
@@ -31,7 +32,8 @@ rows() { sqlite3 -csv "$1" 'SELECT * FROM runs ORDER BY "index"'; }  # of a camp
 # Of Slurm, that run; who has ended and is not waited for does not.
 daemons() { ps -eo stat=,pid=,comm= | awk '$1 !~ /^Z/ && $3 ~ /slurm|munge/'; }
 
-# The same runs in one process and as shards, one of them killed and resumed, one corrupted: one table, row by row.
+# The same runs in one process and as shards, one of them killed and resumed, one corrupted: one
+# table, row by row.
 shards() {
   local n=8 runs=10000 bad=0 i began one all daemons
   local scenario=scenarios/cooperative_localization.toml folder=$out/shards
@@ -88,8 +90,8 @@ in_simulation() {
   local folder=$1
   "$sightline" run $fleet "${@:2}" -o "$folder" >"$folder.txt" 2>&1 || { cat "$folder.txt"; return 1; }
 }
-# $1: folder; $2: parts, as "front back"; then options. Flies each part in a process of its own, beside vehicles that stand in; writes
-# their memory into $watched, where that is said.
+# $1: folder; $2: parts, as "front back"; then options. Flies each part in a process of its own,
+# beside vehicles that stand in; writes their memory into $watched, where that is said.
 in_processes() {
   local folder=$1 part vehicles code=0
   local -a flyers=()
@@ -107,7 +109,8 @@ in_processes() {
   ((code == 0)) || tail -n 5 "$folder"/*.txt
   return $code
 }
-# $1: folder; $2: parts. Their cost together; a coupling that robots of two parts feel is in both, and here it is nothing.
+# $1: folder; $2: parts. Their cost together; a coupling that robots of two parts feel is in both,
+# and here it is nothing.
 cost_of() {
   local part
   for part in $2; do jq .cost "$1/$part/summary.json"; done | awk '{ sum += $1 } END { print sum }'
@@ -133,10 +136,12 @@ shares_of() {
 }
 least_distance() { for part in $2; do jq .min_distance "$1/$part/summary.json"; done | sort -g | head -1; }
 
-# The chain of eight in 2 and 4 processes, without loss and with 20 % of the messages lost and 30 ms late, against one solver that flies
-# the same vehicles; and what the exchange costs, against what it costs in simulation. Vehicles turn and climb later than the model that
-# a simulation flies: that is in both of the former. They are compared from 4 s on: before, the cost goes with when in a period the
-# first poses come, three fifths of all are spent there, and flights of one solver differ by 2 % of all.
+# The chain of eight in 2 and 4 processes, without loss and with 20 % of the messages lost and 30 ms
+# late, against one solver that flies the same vehicles; and what the exchange costs, against what
+# it costs in simulation. Vehicles turn and climb later than the model that a simulation flies: that
+# is in both of the former. They are compared from 4 s on: before, the cost goes with when in a
+# period the first poses come, three fifths of all are spent there, and flights of one solver differ
+# by 2 % of all.
 parts() {
   local bad=0 seconds=60 part_set parts folder cost simulated flown whole name most d agree=0.005 from=4 apart together
   whole || seconds=12 agree=0.03
@@ -158,7 +163,8 @@ parts() {
       cost=$(cost_of "$folder" "$parts") simulated=$(jq .cost "$folder-simulated/summary.json")
       d=$(least_distance "$folder" "$parts")
       echo "$part_set processes, $name: cost $cost, one solver $flown; in simulation $simulated, one solver $whole"
-      # The first seconds show where vehicles stood after their take-off, which no two flights share.
+      # The first seconds show where vehicles stood after their take-off, which no two flights
+      # share.
       apart=$(cost_from $from $(printf "$folder/%s " $parts))/$(cost_from $from "$out/central-flown/all")
       together=$(cost_from $from "$folder-simulated")/$(cost_from $from "$out/central")
       holds "$part_set processes, $name, from $from s on: $(awk "BEGIN { printf \"%+.2f\", 100*($apart-1) }") %, in simulation $(awk "BEGIN { printf \"%+.2f\", 100*($together-1) }") %" \
@@ -171,8 +177,9 @@ parts() {
   return $bad
 }
 
-# A process that is killed in flight: its robots' autopilots land them, the others keep distance and view; started again it is in the
-# exchange within 2 s, and its robots fly no more before they have landed and somebody calls ~/start.
+# A process that is killed in flight: its robots' autopilots land them, the others keep distance and
+# view; started again it is in the exchange within 2 s, and its robots fly no more before they have
+# landed and somebody calls ~/start.
 killed() {
   local folder=$out/killed bad=0 seconds=45 vehicles front back second=0 code=0
   whole || seconds=25
@@ -252,8 +259,8 @@ chain_run() {
   "$sightline" run "$name.toml" "${@:4}" -o "$name" >"$name.txt" 2>&1 || { grep '^sightline' "$name.txt"; return 1; }
 }
 
-# Teams of 64, 256 and 1024 in parts of eight, and in smaller ones: what a part takes, and what it costs against one solver. The log
-# is the same whatever the number of threads.
+# Teams of 64, 256 and 1024 in parts of eight, and in smaller ones: what a part takes, and what it
+# costs against one solver. The log is the same whatever the number of threads.
 scale() {
   local n of seconds name bad=0 excess p99
   local -a teams=(64 256 1024) sizes=(8 4 2 1)
@@ -281,7 +288,8 @@ scale() {
   return $bad
 }
 
-# $1: file; then programs by their ids. Their memory [kB] each 15 s, a line each time, until the first has ended.
+# $1: file; then programs by their ids. Their memory [kB] each 15 s, a line each time, until the
+# first has ended.
 watch_memory() {
   local file=$1 id
   shift

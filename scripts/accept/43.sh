@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The figures of verdicts, commands and what comes from outside, section by section:  scripts/accept/43.sh [--short] [SECTION ...]
-# What is finished stays in out/accept/43/ and is not done again; delete it to begin anew. Needs the release preset built with tests.
-# BEFORE=path names the binary that `bench` compares with. `debian13` needs root.
+# What is finished stays in out/accept/43/ and is not done again; delete it to begin anew. Needs the
+# release preset built with tests. BEFORE=path names the binary that `bench` compares with.
+# `debian13` needs root.
 # --short is for CI, beside the 40 random scenarios of scripts/test.sh: ten others.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
@@ -29,7 +30,8 @@ random() {
   failed_blocks '^(?!exit codes|[0-9]+ scenarios:)' "${bad[@]}"
 }
 
-# Full disks, no memory, no descriptors, handlers that throw, logs that are stuck, floods of messages: no flight ends by them.
+# Full disks, no memory, no descriptors, handlers that throw, logs that are stuck, floods of
+# messages: no flight ends by them.
 outside() {
   ctests '^(base\.(CCallback|Failure|ServiceThread)|record\.(Log|Mcap)|run\.LoopSink|server\.(Outside|PageServer|Tuning)|dds\.(ChannelOwner|Flood)|cli\.Memory)\.|^house\.lint$'
 }

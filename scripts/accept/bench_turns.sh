@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Times two builds in turns, case by case on one core, and fails where the second is more than 3 % slower:
+# Times two builds in turns, case by case on one core, and fails where the second is more than 3 %
+# slower:
 #   scripts/accept/bench_turns.sh BEFORE AFTER [CASE ...]
-# BEFORE and AFTER are programs sightline_bench, or sightline of a commit without that program. Each runs `bench --case --times`.
-# The least of the medians of TURNS (5) turns counts: other load only adds time. A case beyond LIMIT (1.03) is timed again, up to
-# four times. Each turn times fresh copies: the pages of memory that hold a program's file decide up to 40 % of a case. One core
+# BEFORE and AFTER are programs sightline_bench, or sightline of a commit without that program. Each
+# runs `bench --case --times`. The least of the medians of TURNS (5) turns counts: other load only
+# adds time. A case beyond LIMIT (1.03) is timed again, up to four times. Each turn times fresh
+# copies: the pages of memory that hold a program's file decide up to 40 % of a case. One core
 # (CORE, else 1).
 set -euo pipefail
 (($# >= 2)) || { echo "bench_turns.sh: expected BEFORE AFTER [CASE ...]" >&2; exit 2; }

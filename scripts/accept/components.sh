@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds without one component of the library each, section by section:  scripts/accept/components.sh [--short] [SECTION ...]
-# The command line is built, flies, and names the component of a command that it lacks. --short, for CI, configures alone.
+# The command line is built, flies, and names the component of a command that it lacks. --short, for
+# CI, configures alone.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 . scripts/accept/sections.sh

@@ -2,8 +2,9 @@
 # Flights in the world "rotors" for sections of acceptance scripts, to be sourced after sections.sh.
 sightline=${build:?}/bin/sightline
 
-# cooperative_localization, or TEAM, with two vehicles.  $1: preset, of the vehicles and of the hover_multirotor that plans them;
-# $2: keys of each robot, one a line; further arguments: of sed -E, on the scenario.
+# cooperative_localization, or TEAM, with two vehicles. $1: preset, of the vehicles and of the
+# hover_multirotor that plans them; $2: keys of each robot, one a line; further arguments: of sed
+# -E, on the scenario.
 rotor_team() {
   local preset=$1 keys=$2
   shift 2
@@ -12,8 +13,9 @@ rotor_team() {
   printf '\n[world]\nkind = "rotors"\n\n[agent.uav0.vehicle]\npreset = "%s"\n\n[agent.uav1.vehicle]\npreset = "%s"\n' "$preset" "$preset"
 }
 
-# Flies the scenario of standard input and leaves one line of figures, once.  $1: file of the line; $2: function that says the line of
-# a folder with results. A flight that ends early says so before its figures.
+# Flies the scenario of standard input and leaves one line of figures, once. $1: file of the line;
+# $2: function that says the line of a folder with results. A flight that ends early says so before
+# its figures.
 fly_once() {
   local scenario output line folder=${1%.txt} ended=''
   scenario=$(cat)
@@ -31,8 +33,8 @@ fly_once() {
   echo "$ended$line" >"$1.part" && mv "$1.part" "$1" && rm -rf "$folder"
 }
 
-# One line for a figure.  $1: what it is; $2: value; $3: what is required, as "<= 0.02"; $4: unit; $5: "wanted" where it was never reached
-# and a miss is no failure.
+# One line for a figure. $1: what it is; $2: value; $3: what is required, as "<= 0.02"; $4: unit;
+# $5: "wanted" where it was never reached and a miss is no failure.
 judge() {
   if awk -v a="$2" "BEGIN { exit !(a != \"\" && a $3) }"; then
     echo "$1: $2 $4, required $3: holds"

@@ -1,5 +1,6 @@
-# Sections of an acceptance script, to be sourced with its arguments: what is finished stays in out/accept/NAME/ and is
-# not done again; delete it to begin anew. --short, for CI, sets form=short and forgets what it finds.
+# Sections of an acceptance script, to be sourced with its arguments: what is finished stays in
+# out/accept/NAME/ and is not done again; delete it to begin anew. --short, for CI, sets form=short
+# and forgets what it finds.
 form=whole out=out/accept/$(basename "$0" .sh)
 if [[ ${1:-} == --short ]]; then
   form=short out=$(mktemp -d)
@@ -17,8 +18,9 @@ tests() {
   grep -qE 'PASSED  \] [1-9]' <<<"$said" && ((code == 0))
 }
 
-# Blocks of numbers side by side, each of which leaves what it printed in $out/random/: what is there is not done again.
-# $1, $2, $3: first, size of a block, last; $4: a function of the first number and the size.
+# Blocks of numbers side by side, each of which leaves what it printed in $out/random/: what is
+# there is not done again. $1, $2, $3: first, size of a block, last; $4: a function of the first
+# number and the size.
 blocks() {
   mkdir -p "$out/random"
   export -f "$4"
@@ -29,7 +31,8 @@ blocks() {
     "$4" "$2" "$3" >"$done.part" 2>&1
     mv "$done.part" "$done"' _ "$out/random" {} "$2" "$4"
 }
-# $1: lines to show, as Perl has expressions; the rest: files of blocks that failed, which are flown again the next time.
+# $1: lines to show, as Perl has expressions; the rest: files of blocks that failed, which are flown
+# again the next time.
 failed_blocks() {
   local shown=$1
   shift
@@ -38,7 +41,8 @@ failed_blocks() {
   rm -f "$@"
   return 1
 }
-# $1: tests of ctest by a regular expression; the rest: more for ctest. Those that failed, and how many passed; none is a failure.
+# $1: tests of ctest by a regular expression; the rest: more for ctest. Those that failed, and how
+# many passed; none is a failure.
 ctests() {
   ctest --preset release -j "$(nproc)" --no-tests=error -R "$@" | grep -E 'tests passed|Failed|Timeout'
   ((PIPESTATUS[0] == 0))

@@ -22,8 +22,8 @@ using testing::HasSubstr;
 
 constexpr double scale = 0.8, thrust_lag = 0.06;
 
-/// Two small vehicles. The upper one moves on a Lissajous figure around the place above the
-/// other, whose thrust holds its height and which the air pushes by `pushed`.
+/// Two small vehicles. The upper one moves on a Lissajous figure around the place above the other.
+/// The lower one's thrust holds its height, and the air pushes it by `pushed`.
 /// @param sigma  of the measured acceleration [m/s^2]
 /// @param lag    of the thrust [s]
 DownwashFlight crossing(Random& random, double sigma, double pushed = scale, double lag = thrust_lag,
@@ -180,8 +180,8 @@ TEST(DownwashFit, RefusesFlightsThatShowNoDownwash) {
               HasSubstr("lower was outside of the downwash for 0 s, expected at least 2 s"));
 }
 
-/// The flight with one more vehicle. It cuts its motors 0.05 s before it is under the upper one: by a lag of
-/// its thrust above 0.15 s it would still fly there, by a shorter one not.
+/// The flight with one more vehicle. It cuts its motors 0.05 s before it is under the upper one.
+/// Only with a lag of its thrust above 0.15 s would it still fly there.
 DownwashFlight with_one_that_lands(const DownwashFlight& flight) {
   const RotorRecord& upper = flight[0];
   RotorRecord lands = upper;

@@ -81,7 +81,8 @@ TEST(Excitation, BeginsInTheAirAloneAndAtRest) {
   EXPECT_NEAR(motion.seconds(), 21.0, 1e-9);
 }
 
-// In a world where it flies already: it stays within the walls, which leave less than it was asked for, and away from what is there.
+// In a world where it flies already: it stays within the walls and away from bodies, though less
+// space is left than asked for.
 TEST(Excitation, OfAFlyingRobotStaysWithinTheWalls) {
   const auto flown = [](const std::string& rest, bool stopped = false) {
     const Scenario scenario = alone("robot = \"multirotor\"", 7, "", "[world]\nkind = \"rotors\"\n" + rest);

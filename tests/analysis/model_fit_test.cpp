@@ -34,7 +34,8 @@ TEST(ModelFit, WithoutNoiseFindsTheNumbersOfTheRobot) {
   for (const FoundNumber& one : model.found) EXPECT_TRUE(one.known()) << one.number.key;
 }
 
-// As a vehicle with periods of its own is seen: each measurement 4 ms before the period in which it is there.
+// As a vehicle with periods of its own is seen: each measurement 4 ms before the period in which it
+// is there.
 TEST(ModelFit, MeasurementsBetweenPeriodsCountAtTheirTimes) {
   FlownMotion motion = excited(delayed);
   EXPECT_FALSE(motion.is_between_periods());

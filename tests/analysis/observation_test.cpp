@@ -18,7 +18,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// n robots in a ring of 1.5 m, each looking at the next by a bearing; each feels its own couplings alone.
+/// n robots in a ring of 1.5 m, each looking at the next by a bearing; each feels its own couplings
+/// alone.
 struct RobotRing {
   Team team;
   std::vector<AgentId> robots{};

@@ -92,7 +92,8 @@ std::pair<double, double> distances(const Drawing& d) {
   return {low, high};
 }
 
-TEST(PotentialFigures, KeepOutIsWorthAHalfAtOnePointThreeAndCohesionAtOnePointNineFour) {  // Figs. 14, 16
+TEST(PotentialFigures, KeepOutIsWorthAHalfAtOnePointThreeAndCohesionAtOnePointNineFour) {
+  // Figs. 14, 16
   const auto keep_out = distances(named(pictures(KeepOut{}), "worth 0.5"));
   EXPECT_NEAR(keep_out.first, 1.30, 0.005);
   EXPECT_NEAR(keep_out.second, 1.30, 0.005);

@@ -137,7 +137,8 @@ TEST(RecordedFlightMotion, ALogOfPx4IsAFlightOrSaysWhyNot) {
   EXPECT_EQ(motion.robot, "flight_vision_uav0");
   EXPECT_NEAR(motion.seconds(), 61.8, 0.1);
   EXPECT_EQ(motion.truth.size(), motion.size());
-  // The position drifts, for it comes from a camera; velocity and heading show that frames and times agree.
+  // The position drifts, for it comes from a camera; velocity and heading show that frames and
+  // times agree.
   double velocity = 0.0, heading = 0.0;
   for (std::size_t k = 0; k < motion.size(); ++k) {
     velocity += square(motion.truth[k].v_f - motion.measured[k].v_f);

@@ -127,7 +127,7 @@ TYPED_TEST(LaneLaws, PermutedLanesComeFromWhereTheyAreSaidTo) {
 }
 
 TEST(Lane, AFusedProductIsRoundedOnce) {
-  const double a = 1.0 + 0x1p-30, tail = 0x1p-60;  // a^2 = 1 + 2^-29 + 2^-60, the last beyond a double
+  const double a = 1.0 + 0x1p-30, tail = 0x1p-60;  // a^2 = 1 + 2^-29 + 2^-60, which a double lacks
   EXPECT_EQ(fma(a, a, -(1.0 + 0x1p-29)), tail);
   EXPECT_EQ(fma(NativeLane(a), NativeLane(a), NativeLane(-(1.0 + 0x1p-29)))[0], tail);
 }

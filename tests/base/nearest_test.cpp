@@ -57,7 +57,8 @@ std::set<std::string> documented_keys() {
   return keys;
 }
 
-// Of all keys there are: a letter that slipped is found, and a key is taken for another only where the two look alike.
+// Of all keys there are: a letter that slipped is found, and a key is taken for another only where
+// the two look alike.
 TEST(Nearest, EachKeyOfTheDocumentsIsFoundByASlipAndIsNoHintForAnother) {
   const std::set<std::string> keys = documented_keys();
   EXPECT_GT(keys.size(), 300U);

@@ -1,4 +1,5 @@
-// Laws of the benchmark's controllers: their closed forms against finite differences and independent formulas.
+// Laws of the benchmark's controllers: their closed forms against finite differences and
+// independent formulas.
 #include "benchmark/controllers/controllers.hpp"
 
 #include <gmock/gmock.h>

@@ -25,7 +25,8 @@ Scenario losing_campaign() {
 
 constexpr double spread_x = 0.1, spread_y = 0.2413;  // [m]
 
-/// Two robots at rest: the view is lost where the drawn place of one is outside of the other's cone.
+/// Two robots at rest: the view is lost where the drawn place of one is outside of the other's
+/// cone.
 Scenario resting_pair() {
   return test::scenario_of(fmt::format(R"(
 [horizon]

@@ -19,7 +19,7 @@ enum class End {
   recovered,   ///< in view within 20 s and at the end
   separated,   ///< and further than 0.5 m apart within 5 s
   approached,  ///< nearer at the end by as much as it flies at its cruising speed
-  held,        ///< out of the world: its measurements are refused, it holds where it is, and both are told
+  held,        ///< out of the world: its measurements are refused, it holds, and both are told
 };
 
 struct Start {
@@ -85,7 +85,8 @@ std::vector<Start> starts() {
            .heading = turn});
     }
   }
-  // Where sigmoids of squares overflow, and far beyond: 15.4, 40 and 355 m and what a robot never reaches.
+  // Where sigmoids of squares overflow, and far beyond: 15.4, 40 and 355 m and what a robot never
+  // reaches.
   for (const double range : {15.4, 20.0, 30.0, 40.0}) {
     for (const double bearing : {0.0, pi / 2, pi, -pi / 2})
       add({.name = fmt::format("{} m at {:.2f}", range, bearing),

@@ -15,7 +15,8 @@ Scenario paper() {
   return scenario;
 }
 
-/// A trace that is shown, one after another, the robot at (x, 0, 1) looking along +x and the obstacle at (o, 0, 1).
+/// A trace that is shown, one after another, the robot at (x, 0, 1) looking along +x and the
+/// obstacle at (o, 0, 1).
 EvasionTrace shown(const std::vector<std::array<double, 3>>& t_x_o) {
   const Scenario scenario = paper();
   const auto solver = make_solver(scenario.solver, scenario.team, scenario.horizon);
@@ -31,7 +32,8 @@ EvasionTrace shown(const std::vector<std::array<double, 3>>& t_x_o) {
 }
 
 TEST(EvasionTrace, TheObstacleAndTheAngleCountFromItsEntryTheDistanceAlways) {
-  // At 1.46 m across and 0.74 m up the target is in the axis; from above, at 0.04, it is 1.07 rad off.
+  // At 1.46 m across and 0.74 m up the target is in the axis; from above, at 0.04, it is 1.07 rad
+  // off.
   const EvasionTrace trace = shown({{1.0, 0.04, 0.5}, {15.0, -1.46, -4.0}, {16.0, -1.26, -2.5}});
   const EvasionRow& row = trace.row();
   EXPECT_NEAR(row.min_obstacle, 1.24, 1e-12);

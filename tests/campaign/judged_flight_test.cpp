@@ -1,5 +1,5 @@
-// What a flight's exit code and summary claim of distances and walls: between samples, at the end, at the start. A campaign and
-// a summary claim the same.
+// What a flight's exit code and summary claim of distances and walls: between samples, at the end,
+// at the start. A campaign and a summary claim the same.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -90,7 +90,8 @@ TEST(JudgedFlight, ALogWithTheStatesAfterTheLastCommandIsReplayedBitForBit) {
   EXPECT_EQ(compared.differing(), 0);
 }
 
-/// A robot that follows another which leaves, one that is tuned anew and narrowed while it flies, and one that is held.
+/// A robot that follows another which leaves, one that is tuned anew and narrowed while it flies,
+/// and one that is held.
 std::string with_events(double duration) {
   return fmt::format("[simulation]\nduration = {:.1f}\n", duration) + R"toml(
 rms_from = 1.0

@@ -96,7 +96,7 @@ TEST(MergeShards, SaysByNameWhatIsMissingDamagedForeignTwiceOrNotWhole) {
   EXPECT_THAT(merge_refusal({files[0], files[1], flown_shard(folder / "half.sqlite", {3, 3}, 4)}, to),
               testing::HasSubstr("half.sqlite: holds 4 of the 7 runs of shard 3/3"));
   std::string bytes = test::read_file(files[2]);
-  for (std::size_t page = 4096; page < bytes.size(); page += 4096) bytes[page] = '\x5a';  // their headers
+  for (std::size_t page = 4096; page < bytes.size(); page += 4096) bytes[page] = '\x5a';  // headers
   std::ofstream(folder / "damaged.sqlite", std::ios::binary) << bytes;
   EXPECT_THAT(merge_refusal({files[0], files[1], folder / "damaged.sqlite"}, to),
               testing::HasSubstr("damaged.sqlite: holds no sound shard"));

@@ -69,7 +69,8 @@ TEST(Campaign, RunsThatAreNotRecoveredAreSaidAndAFailure) {
   EXPECT_THAT(read_file(folder / "a" / "campaign.html"), HasSubstr("runs were not recovered."));
 }
 
-// The row of the table, an ordinary run folder, and that folder's scenario flown as any other: all the same.
+// The row of the table, an ordinary run folder, and that folder's scenario flown as any other: all
+// the same.
 TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
   const fs::path folder = fresh_folder();
   const std::string scenario = with_runs_of("3.0", folder), campaign = "campaign " + scenario + " --seed 4";
@@ -99,7 +100,8 @@ TEST(Campaign, OneRunAloneIsTheRowOfTheTable) {
   EXPECT_TRUE(read_file(folder / "again" / "run.mcap") == read_file(folder / "one" / "run.mcap"));
 }
 
-// Its scenario lies in another folder than the one that it was read from, which has no seed and a file beside it.
+// Its scenario lies in another folder than the one that it was read from, which has no seed and a
+// file beside it.
 TEST(Campaign, TheScenarioOfARunAloneFindsTheFilesThatItNames) {
   const fs::path folder = fresh_folder();
   fs::create_directory(folder / "sensors");

@@ -13,8 +13,8 @@ void put(std::string& text, std::string_view from, std::string_view to) {
   if (const std::size_t at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
 }
 
-/// The observer of a scenario beside a target on a circle of 1 m, in place of the robot it observes. Its
-/// potentials are judged, so no barrier keeps it away from what it does not know.
+/// The observer of a scenario beside a target on a circle of 1 m, in place of the robot it
+/// observes. Its potentials are judged, so no barrier keeps it away from what it does not know.
 Scenario watching_a_circle(const std::string& name, double speed, double phase, SeenVelocity velocity) {
   std::string text =
       test::read_file(std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "scenarios" / (name + ".toml"));

@@ -28,7 +28,8 @@ TEST(Evasions, OurPotentialsKeepBothDistancesAndTheViewOnceItIsThere) {
   }
 }
 
-// As printed: no state cost, soft limits. The distance to the target holds, that to the obstacle need not.
+// As printed: no state cost, soft limits. The distance to the target holds, that to the obstacle
+// need not.
 TEST(Evasions, ThePapersPotentialsKeepTheTargetAndLetTheObstacleUpToItsStandoff) {
   const Scenario scenario = shipped("paper_7_3");
   Random random(1);

@@ -44,7 +44,8 @@ TEST(Flights, Paper72KeepsDistanceAndViewOnEverySeed) {
   }
 }
 
-// Figs 4 and 6: the angle jumps at pi and the robot turns on; the direction vector knows no such place.
+// Figs 4 and 6: the angle jumps at pi and the robot turns on; the direction vector knows no such
+// place.
 TEST(Flights, TheAngleModelSpinsAndTheDirectionVectorSettles) {
   const Recording r = flown("yaw_step");
   const Recording::Body &angle = r.bodies.at(0), &direction = r.bodies.at(1);

@@ -138,7 +138,8 @@ TEST(Killed, ACampaignHoldsWhatTheTerminalSaidASecondBeforeAndGoesOnToTheSameByt
   EXPECT_TRUE(test::read_file(killed / "campaign.sqlite") == test::read_file(whole / "campaign.sqlite"));
 }
 
-// In a folder that holds a finished flight, another begins and is killed: the old log, or one that opens.
+// In a folder that holds a finished flight, another begins and is killed: the old log, or one that
+// opens.
 TEST(Killed, AFlightAgainLeavesTheOldLogOrOneThatOpens) {
   const std::filesystem::path folder = test::fresh_folder(), out = folder / "out";
   const std::string scenario = SIGHTLINE_SOURCE_DIR "/scenarios/yaw_step.toml";

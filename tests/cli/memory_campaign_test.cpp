@@ -45,7 +45,8 @@ long most_memory(int minutes) {
 }
 
 TEST(Memory, OfARunDoesNotGrowWithItsLength) {
-  // The report holds as many rows of the one as of the other: each eighth row of four times as many as each second.
+  // The report holds as many rows of the one as of the other: each eighth row of four times as many
+  // as each second.
   const long of_15_min = most_memory(15), of_60_min = most_memory(60);
   EXPECT_LT(of_60_min, of_15_min + 1'024) << of_15_min;
 }

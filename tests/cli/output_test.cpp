@@ -72,7 +72,8 @@ TEST(Output, AFileThatMayNotGrowIsToldAndNoSignal) {
   EXPECT_GT(read_recording(folder / "out").time.size(), 10U) << "what was written opens";
 }
 
-// Whoever gets neither messages nor progress: a pipe, a socket, a terminal, that is full and that nobody reads.
+// Whoever gets neither messages nor progress: a pipe, a socket, a terminal, that is full and that
+// nobody reads.
 TEST(Output, AStreamThatNobodyReadsHoldsNothingUp) {
   const fs::path folder = fresh_folder();
   for (const char* kind : {"pipe", "socket", "terminal"}) {

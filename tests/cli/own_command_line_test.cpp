@@ -1,4 +1,5 @@
-/// The command line of a program with parts of its own, examples/own_command_line.cpp: all commands, its words.
+/// The command line of a program with parts of its own, examples/own_command_line.cpp: all
+/// commands, its words.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +51,7 @@ TEST(OwnCommandLine, FliesAScenarioWithARobotAPotentialAndAReferenceOfItsOwn) {
   EXPECT_EQ(summary.at("not_finite"), 0);
   EXPECT_EQ(summary.at("allocations_per_update"), 0);
   EXPECT_EQ(summary.at("limits").at(0).at("name"), "halo uav-blimp");
-  EXPECT_LT(summary.at("limits").at(0).at("fraction").get<double>(), 0.05);  // beside it, from 5 s on
+  EXPECT_LT(summary.at("limits").at(0).at("fraction").get<double>(), 0.05);  // from 5 s on
   EXPECT_LT(summary.at("agents").at(0).at("rms_position_error").get<double>(), 0.5);
 
   EXPECT_EQ(own("report " + (folder / "out").string(), folder).code, 0);

@@ -1,4 +1,5 @@
-// Old, lost and wrong data: compensated, slowed, held, landed; never a command that is not finite or too large.
+// Old, lost and wrong data: compensated, slowed, held, landed; never a command that is not finite
+// or too large.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,8 +18,8 @@ namespace {
 
 constexpr double settle = 10.0;  // [s]
 
-// The observer of scenarios/cooperative_localization.toml and a target that circles at 0.3 m/s: another robot, or a
-// uncooperative bodies whose motion nobody tells.
+// The observer of scenarios/cooperative_localization.toml and a target that circles at 0.3 m/s:
+// another robot, or uncooperative bodies whose motion nobody tells.
 Scenario scenario(bool uncooperative, const std::string& more) {
   const std::string robot = "robot = \"multirotor\"\n";
   std::string text = "[agent.a]\n" + robot +
@@ -45,9 +46,9 @@ Scenario scenario(bool uncooperative, const std::string& more) {
 }
 
 struct Flight {
-  std::vector<double> distance, angle;                                   // after settle, one a period
+  std::vector<double> distance, angle;                                   // after settle
   bool in_view = true;                                                   // always, after settle
-  double nearest = 1e9, largest_input = 0.0, height = 0.0, speed = 0.0;  // the last two at the end, of a
+  double nearest = 1e9, largest_input = 0.0, height = 0.0, speed = 0.0;  // the last two: of a, at the end
   std::vector<Event> events;
   LoopOutcome outcome;
 };

@@ -1,4 +1,5 @@
-// scenarios/swarm32.toml, and the same swap from starts that are scattered: nobody comes too near, all arrive.
+// scenarios/swarm32.toml, and the same swap from starts that are scattered: nobody comes too near,
+// all arrive.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace {
 
 struct SwapOutcome {
   double least = 1e9, arrival = 0.0;  // [m], [s]
-  int pairs = 0, near = 0;            // most along the plans; most nearer than the radius at one time
+  int pairs = 0, near = 0;            // most along the plans; most within the radius at one time
   int left_out = 0;
 };
 

@@ -1,6 +1,5 @@
-// Random flights over links in which the team changes: robots join, leave, hold and land, an
-// observer turns to other targets, references, weights and limits change, and a person tunes. In
-// some a vehicle has a fault.
+// Random flights over links in which the team changes: robots join, leave, hold and land. Targets,
+// references, weights and limits change, and a person tunes. In some a vehicle has a fault.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>

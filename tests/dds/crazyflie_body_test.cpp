@@ -26,8 +26,8 @@ double passes(const std::vector<double>& record, double value) {
   return period * static_cast<double>(at - record.begin() + 1);
 }
 
-// Each figure of the firmware is of its Mellinger controller at 500 Hz, over a rigid body of 34 g whose
-// motors lag by 30 ms.
+// Figures of the firmware are of its Mellinger controller at 500 Hz, with a rigid body of 34 g and
+// motor lags of 30 ms.
 TEST(CrazyflieBody, AnswersAStepOfVelocityAsTheFirmware) {
   CrazyflieBody body = hovering();
   std::vector<double> v, behind;

@@ -21,8 +21,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Crazyflies in a row, 2 m apart, whose world is turned; or in G, with poses by motion capture. The
-/// last joins by the signal go, if there is one that joins.
+/// Crazyflies in a row, 2 m apart, whose world is turned; or in G, with poses by motion capture.
+/// The last joins by the signal go, if there is one that joins.
 Scenario crazyflies(const Fields& robots, double duration, bool by_mocap = false, double heading = 0.0,
                     bool joins = false) {
   std::string text = fmt::format(
@@ -422,8 +422,8 @@ TEST(CrazyswarmLink, OneThatIsHeavierThanItsControllerAssumesFlies) {
   EXPECT_LT(crazyflie_of(rig, 0).motion().p.z, 0.02);
 }
 
-// Measured on the firmware: from the end of its landing it flies for 2.0 s, and is armed for 3.0 s more. The
-// server requests take-offs with heading 0.
+// Measured on the firmware: from the end of its landing it flies for 2.0 s, and is armed for 3.0 s
+// more. The server requests take-offs with heading 0.
 TEST(CrazyswarmLink, ATakeOffTurnsItToHeadingZeroAndAfterItsLandingItStaysArmed) {
   Rig rig(crazyflies(1, 1.0));
   rig.world.reset();
@@ -442,7 +442,8 @@ TEST(CrazyswarmLink, ATakeOffTurnsItToHeadingZeroAndAfterItsLandingItStaysArmed)
   EXPECT_EQ(hand.crazyflie.supervisor(), can_be_armed) << "5.7 s after";
 }
 
-// Measured on the firmware: a take-off 1 ms after it may fly went to the origin of its frame, 1.2 m away.
+// Measured on the firmware: a take-off 1 ms after it may fly went to the origin of its frame, 1.2 m
+// away.
 TEST(CrazyswarmLink, ATakeOffBeforeThePlannerKnowsThePlaceFliesToTheOrigin) {
   Rig rig(crazyflies(1, 1.0));
   rig.world.reset();
@@ -487,8 +488,8 @@ TEST(CrazyswarmLink, ASetpointAfterTheLandingBeganEndsIt) {
   EXPECT_EQ(hand.crazyflie.reported().locked_out, 1);
 }
 
-// Measured on the firmware behind a full radio: one set-point came after the end of set-points, the landing
-// ended, and 2 s later the motors stopped at 1 m.
+// Measured on the firmware behind a full radio: one set-point came after the end of set-points. The
+// landing ended, and 2 s later the motors stopped at 1 m.
 TEST(CrazyswarmLink, ALandingThatALateSetpointEndsIsRequestedAgain) {
   Rig rig(crazyflies(1, 20.0));
   ASSERT_TRUE(rig.take_off());
@@ -508,7 +509,8 @@ TEST(CrazyswarmLink, ALandingThatALateSetpointEndsIsRequestedAgain) {
   EXPECT_LT(crazyflie_of(rig, 0).motion().p.z, 0.02);
 }
 
-// The firmware of Crazyflies with brushed motors arms itself: it is asked nothing, and done when it has landed.
+// The firmware of Crazyflies with brushed motors arms itself: it is asked nothing, and done when it
+// has landed.
 TEST(CrazyswarmLink, OneThatArmsItselfFliesToo) {
   const Scenario scenario = crazyflies(1, 1.0);
   const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);

@@ -17,7 +17,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Commands go to the vehicle in its own frame, and come back as measurements in G: a wrong sign anywhere would lead away.
+// Commands go to the vehicle in its own frame, and come back as measurements in G: a wrong sign
+// anywhere would lead away.
 TEST(DdsFlights, AVehicleWithRotorsFollowsItsReference) {
   Rig rig(row_of({"1.16"}, 6.0, "[agent.uav0.vehicle]\npreset = \"x500\"\n", "rotors"));
   std::vector<double> error;
@@ -33,7 +34,8 @@ TEST(DdsFlights, AVehicleWithRotorsFollowsItsReference) {
   EXPECT_THAT(rig.world->faults(), IsEmpty());
 }
 
-// A fifth is lost, a tenth is no number, some come twice or out of order, all late: the task goes on, and distances are kept.
+// A fifth is lost, a tenth is no number, some come twice or out of order, all late. The task goes
+// on, and distances are kept.
 TEST(DdsFlights, OverABadLinkTheTaskIsCompletedAndTheHardDistanceKept) {
   const std::string couple =
       "[agent.uav0.sensor]\npitch = 0.5\n[[couple]]\npotential = { too_far = { d_max = 2.0, kappa = 10.0 } "

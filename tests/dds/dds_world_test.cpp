@@ -61,7 +61,8 @@ TEST(DdsWorld, AFleetOfAllReleasesTakesOffFliesItsTaskAndLands) {
   expect_well_treated(rig);
 }
 
-// A rover by Twist, one by TwistStamped whose odometry begins elsewhere and turned, one by transforms, and a multirotor of PX4.
+// A rover by Twist, one by TwistStamped whose odometry begins elsewhere and turned, one by
+// transforms, and a multirotor of PX4.
 TEST(DdsWorld, AMixedFleetFliesAndDrives) {
   const auto rover = [](std::string_view name, std::string_view robot, double x, std::string_view more) {
     return fmt::format(
@@ -110,7 +111,8 @@ TEST(DdsWorld, TheLatenessOfPosesIsCountedWithoutPx4) {
   EXPECT_LT(rig.world->timing().arrival.median, 0.1);
 }
 
-// Who is there is discovered while it is listened to: a rover has no other states in which another writer could be noticed before it moves.
+// Other writers are discovered while the rover is listened to: before it moves, no other state
+// notices them.
 TEST(DdsWorld, AnotherWriterThatIsDiscoveredLateKeepsARoverWhereItIs) {
   Rig rig(rover_in("odom"), {.ready = 2.5});
   std::unique_ptr<RawWriter> rival;
@@ -188,7 +190,8 @@ TEST(DdsWorld, AVehicleThatReceivesNoRequestIsGivenUpAfterFour) {
   EXPECT_EQ(rig.faults(0).counts().requests_lost, 4);
 }
 
-// A vehicle that lands by its failsafe stays in offboard, where it does not pass its checks without heartbeats.
+// A vehicle that lands by its failsafe stays in offboard, where it does not pass its checks without
+// heartbeats.
 TEST(DdsWorld, AVehicleThatWasLeftInOffboardFliesAgain) {
   Rig rig(row_of({"1.16"}, 1.0));
   std::atomic<int> nav{0};
@@ -220,7 +223,8 @@ TEST(DdsWorld, AVehicleWithoutAGlobalOriginReceivesOne) {
   EXPECT_THAT(rig.reported, Contains("uav1: the request to take an origin is accepted"));
 }
 
-// PX4 holds from 0.8 m below the altitude of its take-off on. The start is above that altitude, or the floor is.
+// PX4 holds from 0.8 m below the altitude of its take-off on. The start is above that altitude, or
+// the floor is.
 TEST(DdsWorld, TheTaskBeginsAtItsStartHeightAboveTheFloor) {
   for (const auto& [start, floor] : {std::pair(1.6, 0.2), std::pair(0.6, 1.2)}) {
     Scenario scenario = row_of({"1.16"}, 0.5);
@@ -265,7 +269,8 @@ TEST(DdsWorld, APilotWhoTakesOneHasItForGoodAndTheOtherLands) {
   EXPECT_EQ(rig.world->ended(), "uav0: a pilot has it; the others landed");
 }
 
-// What the vehicle says is 50 ms old when it comes: until then set-points go out, as nobody can know better. After that none does.
+// What the vehicle says is 50 ms old when it comes: until then set-points go out, as nobody can
+// know better. After that none does.
 TEST(DdsWorld, NoSetPointIsSentAfterAnotherModeWasHeardOf) {
   Rig rig(row_of({"1.16", "1.18"}, 20.0));
   std::atomic<std::int64_t> another_mode{0}, last_setpoint{0};
@@ -368,7 +373,8 @@ TEST(DdsWorld, WithoutItsFlyerAVehicleFailsSafeASecondAfterTheLastHeartbeat) {
   EXPECT_EQ(rig.counts_of(0).heartbeats, n.heartbeats);
 }
 
-// Numbers of any kind, in frames of any kind: what is believed of the robot is finite, and nothing of it is lost uncounted.
+// Numbers of any kind, in frames of any kind: what is believed of the robot is finite, and nothing
+// of it is lost uncounted.
 TEST(DdsWorld, OfAnyPoseThatComesOnlyThoseThatAreFiniteAreBelieved) {
   OneVehicle vehicle;
   DdsWorld& world = vehicle.world;
@@ -390,7 +396,8 @@ TEST(DdsWorld, OfAnyPoseThatComesOnlyThoseThatAreFiniteAreBelieved) {
   EXPECT_THAT(world.counts()[0], testing::Not(HasSubstr(" 0 in other frames")));
 }
 
-// PX4's quaternion turns FRD to NED: nose up is a backward tilt of the thrust, right side down one to the right.
+// PX4's quaternion turns FRD to NED: nose up is a backward tilt of the thrust, right side down one
+// to the right.
 TEST(DdsWorld, AnAttitudeIsThatOfTheNewestPose) {
   OneVehicle vehicle;
   DdsWorld& world = vehicle.world;

@@ -32,7 +32,7 @@ TEST_F(DoctorCommand, ALightForEachAspectOfEachRobotAndAnExitCode) {
     EXPECT_EQ(finding["light"], "green") << finding;
     EXPECT_FALSE(finding["sentence"].get<std::string>().empty());
   }
-  EXPECT_EQ(aspects_seen.size(), 16u) << seen.out;  // no satellite says where origins are, no camera looks
+  EXPECT_EQ(aspects_seen.size(), 16u) << seen.out;  // no satellite and no camera
   EXPECT_EQ(seen.code, json["light"] == "green" ? 0 : 1);
   EXPECT_EQ(json["poses"][0]["robot"], "uav0");
   EXPECT_NEAR(json["poses"][0]["p"][0], -1.2, 0.05);

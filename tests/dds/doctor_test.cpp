@@ -215,7 +215,7 @@ class ByHand {
     Writer<px4_msgs_msg_dds__VehicleLocalPosition_16_> position;
     Writer<px4_msgs_msg_dds__VehicleLandDetected_> landed;
     Writer<px4_msgs_msg_dds__VehicleStatus_16_> status;
-    double ahead = 0.0, drift = 0.0, late = 0.0;  // of its clock [s], [s/s]; of each tenth message [s]
+    double ahead = 0.0, drift = 0.0, late = 0.0;  // of its clock [s], [s/s]; of every 10th message [s]
     std::uint8_t frame = 1;
     float north = 0.0F;
     bool valid = true, global = false;
@@ -382,7 +382,8 @@ TEST(Doctor, FleetsOfAllKindsOfLinksAreGreen) {
   }
 }
 
-// One mechanism for all that keeps on the ground: what the doctor finds red, a flight refuses before it arms.
+// One mechanism for all that keeps on the ground: what the doctor finds red, a flight refuses
+// before it arms.
 TEST(Doctor, WhatIsRedForAFlightIsRefusedByTheFlightInTheSameSentence) {
   {
     Scenario fleet = row_of({"1.16", "1.16", "1.16"}, 1.0);

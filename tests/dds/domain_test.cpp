@@ -58,8 +58,9 @@ TEST(Domain, MulticastIsOnWhereItIsAskedForAlone) {
               HasSubstr(R"(<Peer Address="192.168.1.4"/><Peer Address="192.168.1.5"/>)"));
 }
 
-// rmw_fastrtps_cpp under ROS_LOCALHOST_ONLY announces itself by multicast alone, which is off here: it learns of us from our
-// announcements. While these came each 8 s it was discovered 0.2 to 7.9 s after its start.
+// rmw_fastrtps_cpp under ROS_LOCALHOST_ONLY announces itself by multicast alone, which is off here:
+// it learns of us from our announcements. While these came each 8 s it was discovered 0.2 to 7.9 s
+// after its start.
 TEST(Domain, ItAnnouncesItselfEachTwoSecondsToThoseWhoOnlyListen) {
   const FleetNetwork network = own_network(1);
   const int other = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -126,7 +127,8 @@ TEST_F(Channel, AMessageArrivesWholeAndStamped) {
   EXPECT_EQ(in.topic(), "rt/a/odometry");
 }
 
-// 1.14 on a topic of 1.16 and the other way round: neither is taken for the other, and both are counted or dropped.
+// 1.14 on a topic of 1.16 and the other way round: neither is taken for the other, and both are
+// counted or dropped.
 TEST_F(Channel, AMessageOfAnotherReleaseIsRefusedAndCounted) {
   std::atomic<int> taken{0};
   const RawReader in = reader(px4_msgs_msg_dds__VehicleStatus_14__desc, "/b/status",

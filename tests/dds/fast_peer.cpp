@@ -1,6 +1,7 @@
-// A program on Fast DDS, the second vendor: `fast_peer DOMAIN rover SECONDS` is a robot that drives by cmd_vel, looks at its flyer's topics
-// and ends the task by a service; `fast_peer DOMAIN px4 SECONDS` says odometry as PX4's agent does, reads set-points and serves a Trigger.
-// Messages are put together by Fast CDR, field by field. It prints what it saw, a line each.
+// A program on Fast DDS, the second vendor. `fast_peer DOMAIN rover SECONDS` is a robot that drives
+// by cmd_vel, reads its flyer's topics and ends the task by a service. `fast_peer DOMAIN px4
+// SECONDS` publishes odometry as PX4's agent does, reads set-points and serves a Trigger. Messages
+// are put together by Fast CDR, field by field. It prints what it saw, a line each.
 #include <fastcdr/Cdr.h>
 #if __has_include(<fastdds/utils/IPLocator.hpp>)  // Fast DDS 3
 #include <fastdds/rtps/common/WriteParams.hpp>
@@ -31,7 +32,8 @@
 #include <thread>
 #include <vector>
 
-/// Fast DDS 2.9 deletes a writer by the size of its base, which AddressSanitizer would end this program for.
+/// Fast DDS 2.9 deletes a writer by the size of its base, which AddressSanitizer would end this
+/// program for.
 extern "C" const char* __asan_default_options() { return "new_delete_type_mismatch=0"; }  // NOLINT
 
 namespace {

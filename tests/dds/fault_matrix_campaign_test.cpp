@@ -69,7 +69,8 @@ TEST(FaultMatrix, JumpsThatAreCountedButTooFarLandAll) {
   expect_well_treated(rig);
 }
 
-// Nobody counts it: the supervisor doubts, and accepts what goes on being published. It is off its circle by the jump.
+// Nobody counts it: the supervisor doubts, and accepts what goes on being published. It is off its
+// circle by the jump.
 TEST(FaultMatrix, AJumpThatNobodyCountsIsDoubtedAndThenBelieved) {
   Rig rig(row_of({"1.16", "1.18"}, 5.0));
   LoopOutcome outcome;

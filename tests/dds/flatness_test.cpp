@@ -7,8 +7,8 @@
 namespace sightline::dds {
 namespace {
 
-// Along a curve with all derivatives: the thrust is along what accelerates, the heading is the one asked for, and the attitude changes
-// by the rates.
+// Along a curve with all derivatives: the thrust points along the acceleration, the heading is as
+// asked, and the attitude changes by the rates.
 TEST(Flatness, TheAttitudeCarriesTheAccelerationAndItsRatesAreThoseOfItsChange) {
   const auto a = [](double t) { return Vec3<double>{3 * std::sin(2 * t), 2 * std::cos(t), std::sin(3 * t)}; };
   const auto j = [](double t) {

@@ -148,7 +148,8 @@ const std::string coupled =
     "[[couple]]\npotential = { sensor_cone = { alpha = 0.5 } }\nbetween = [\"uav0\", \"uav1\"]\nfelt_by = "
     "[\"uav0\"]\nweight = 0.01\n";
 
-// A flight from the ground to the ground, looked on by another participant: names, types, hashes, frames, numbers and rates.
+// A flight from the ground to the ground, looked on by another participant: names, types, hashes,
+// frames, numbers and rates.
 TEST(FlightPublisher, AFlightIsShownAsRosShowsOne) {
   Rig rig(row_of({"1.16", "1.16"}, 4.0, coupled));
   Onlooker onlooker(*rig.domain);
@@ -233,7 +234,8 @@ TEST(FlightPublisher, WithoutTopicsNothingIsShownButServicesAreThere) {
   }));
 }
 
-// More than there is room for, and more lines than a person reads: the producer is not held up, and what is left out is reported.
+// More messages and lines than there is room for: the producer is not held up, and what is left out
+// is reported.
 TEST(FlightPublisher, WhatComesTooFastIsLeftOut) {
   const Scenario scenario = row_of({"1.16"}, 1.0);
   const auto domain = std::make_shared<Domain>(fleet_of(scenario).network);

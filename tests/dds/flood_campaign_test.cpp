@@ -16,7 +16,8 @@ namespace {
 
 using testing::IsEmpty;
 
-// By the network, from another program. The time of the control thread is judged where nothing else runs.
+// By the network, from another program. The time of the control thread is judged where nothing else
+// runs.
 TEST(Flood, OfTenThousandMessagesASecondEachIsCountedAndTheFlightGoesOn) {
   constexpr int a_second = 10'000, seconds = 4;
   Rig rig(row_of({"1.16", "1.16"}, 7.0));

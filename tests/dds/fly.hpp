@@ -49,7 +49,8 @@ class FlyTest : public testing::Test {
     EXPECT_EQ(done.code, 0) << done.err;
     EXPECT_THAT(done.out, testing::HasSubstr(" commands, 0 differ"));
   }
-  /// Takes off on a desk, flies for so long, lands, and flies again from its log; hard distances are kept, all exit with 0.
+  /// Takes off on a desk, flies for so long, lands, and flies again from its log; hard distances
+  /// are kept, all exit with 0.
   /// @param set  further words of `fly`
   void expect_flies(const std::string& name, const std::string& duration, const std::string& set = "") const {
     const std::filesystem::path fleet = fleet_of(name, duration);

@@ -41,7 +41,8 @@ TEST_F(Fly, ARobotWithoutAPositionFliesByWhatItSees) {
   EXPECT_THAT(printed("vehicles.out"), HasSubstr("pictures with tags: "));
 }
 
-// The log has each motion sample with the means of its IMU: the estimates of a replay are the same bits.
+// The log has each motion sample with the means of its IMU: the estimates of a replay are the same
+// bits.
 TEST_F(Fly, ARobotWithTheAttitudeFilterFliesByItsImuAndIsReplayed) {
   expect_flies("localize", whole_campaign() ? "60.0" : "3.0",
                " --set 'agent.uav0.estimate.filter=\"attitude\"'");
@@ -67,7 +68,8 @@ TEST_F(Fly, VehiclesThatRestartInFlightAreNeitherArmedNorSteeredAgain) {
   EXPECT_THAT(printed("fly.err"),
               testing::AnyOf(HasSubstr("it was restarted"), HasSubstr("it was disarmed")));
   again->end(SIGINT);
-  // A few set-points may have left before its first word was heard; an autopilot outside offboard drops them.
+  // A few set-points may have left before its first word was heard; an autopilot outside offboard
+  // drops them.
   for (const char* uav : {"uav0", "uav1"})
     EXPECT_THAT(printed("again.out"),
                 testing::ContainsRegex(std::string(uav) +

@@ -1,5 +1,6 @@
-// Packets that Cyclone DDS did not write, in the midst of a flight: nothing crashes, no command is out of its limits, and each vehicle is
-// flown on or given up with a sentence. The whole of it is 10 000 packets.
+// Packets that Cyclone DDS did not write, in the midst of a flight: nothing crashes and commands
+// keep to their limits. Each vehicle is flown on or given up with a sentence. The whole of it is 10
+// 000 packets.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

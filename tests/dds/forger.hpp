@@ -23,7 +23,8 @@
 
 namespace sightline::test {
 
-/// Does it in a process and a network of its own, with a loopback and nothing else. What it expects counts for this test.
+/// Does it in a process and a network of its own, with a loopback and nothing else. What it expects
+/// counts for this test.
 inline void in_own_network(const std::function<void()>& act) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0) << std::strerror(errno);

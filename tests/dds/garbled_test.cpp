@@ -1,5 +1,6 @@
-// Messages that are not what they should be, by the readers' own way: none is taken for another, each is counted, what is commanded
-// stays finite and within its limits. The whole of it is 100 000 of each type.
+// Messages that are not what they should be, by the readers' own way: none is taken for another,
+// each is counted. Commands stay finite and within their limits. The whole of it is 100 000 of each
+// type.
 #include <dds/ddsi/ddsi_serdata.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -228,7 +229,8 @@ class GarbledWorld final : public World {
   std::int64_t sent_ = 0;
 };
 
-// A rover; Crazyflies by their own poses, by motion capture and by transforms; a body that others see.
+// A rover; Crazyflies by their own poses, by motion capture and by transforms; a body that others
+// see.
 const std::string garbled_more =
     "[agent.rover]\nrobot = \"unicycle\"\nstart = { p = [0.0, 9.0, 0.0], heading = 0.5 }\n"
     "Q = [2, 2, 0, 0, 0, 0]\n[agent.rover.link]\nkind = \"ros2\"\nodometry = \"/rover/odom\"\n"
@@ -258,7 +260,7 @@ TEST(Garbled, WhatIsBelievedAndCommandedStaysFiniteAndWithinItsLimits) {
   EXPECT_TRUE(world.finite());
   EXPECT_LE(world.greatest(), 1.0);
   EXPECT_GT(world.sent(), 5'000);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_TRUE(world.has_seen(i)) << i;  // the others: by frame and name
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_TRUE(world.has_seen(i)) << i;  // by frame and name
   EXPECT_LE(world.fastest(), 10.0);
   for (int i = 0; i < 9; ++i)  // nobody was ready
     EXPECT_THAT(world.world().state(BodyId{i}), testing::AnyOf(LinkState::waiting, LinkState::done));

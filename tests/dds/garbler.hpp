@@ -1,4 +1,5 @@
-/// Messages as others would write them by mistake or malice: whole ones with odd numbers, and their bytes changed.
+/// Messages as others would write them by mistake or malice: whole ones with odd numbers, and their
+/// bytes changed.
 #pragma once
 
 #include <dds/dds.h>
@@ -28,7 +29,8 @@ class Payloads {
  public:
   explicit Payloads(std::uint64_t seed) : random_(seed) {}
 
-  /// One that a writer of this type could send: stamps are of now, most numbers small, some of them as odd as numbers can be.
+  /// One that a writer of this type could send: stamps are of now, most numbers small, some of them
+  /// as odd as numbers can be.
   Bytes whole(const MessageType& type) {
     Bytes bytes = {0, 1, 0, 0};
     fields(type, bytes);
@@ -138,8 +140,8 @@ class Payloads {
   std::mt19937_64 random_;
 };
 
-/// Writes payloads to a topic of this program as they would come from the network: what Cyclone DDS cannot read goes no further,
-/// the rest is in the reader's hands when send() returns.
+/// Writes payloads to a topic of this program as they would come from the network. What Cyclone DDS
+/// cannot read is dropped; the reader has the rest when send() returns.
 class PayloadWriter {
  public:
   /// @param participant  another than the reader's

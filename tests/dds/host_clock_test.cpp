@@ -1,4 +1,5 @@
-/// Steps of the host's clock in flight: this program's CLOCK_REALTIME is shifted, as by an operator or by NTP.
+/// Steps of the host's clock in flight: this program's CLOCK_REALTIME is shifted, as by an operator
+/// or by NTP.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/syscall.h>

@@ -15,8 +15,9 @@ namespace fs = std::filesystem;
 
 using IdentifyOverLink = FlyTest;
 
-// The stand-in follows climbs with a lag of 0.3 s and yaw rates with one of 0.1 s, as commanded. Forward and sideways it
-// holds the trajectory of the model that is flown, which is found again. How its periods lie between ours is the delay that is found.
+// The stand-in follows climbs with a lag of 0.3 s and yaw rates with one of 0.1 s, as commanded.
+// Forward and sideways it holds the trajectory of the model that is flown, which is found again.
+// How its periods lie between ours is the delay that is found.
 TEST_F(IdentifyOverLink, FindsTheNumbersOfTheStandIn) {
   const fs::path fleet = desk("10.0");
   const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");

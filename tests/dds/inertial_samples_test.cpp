@@ -31,7 +31,8 @@ bool are_equal_to_some(const MotionSample& motion) {
   return norm(motion.gyro - some_rate) < 1e-12 && norm(motion.force - some_force) < 1e-12;
 }
 
-// Whatever the periods of both are: the sum of what the filter integrates is that of what was measured.
+// Whatever the periods of both are: the sum of what the filter integrates is that of what was
+// measured.
 TEST(InertialSamples, TheMeansIntegrateToAllThatWasMeasured) {
   RandomStream random(3, StreamId::draw, 0);
   for (int run = 0; run < 200; ++run) {

@@ -25,7 +25,8 @@ inline std::filesystem::path keys_in(const std::filesystem::path& folder, const 
   return made_keys(folder, options + " '" + folder.string() + "' " + names);
 }
 
-/// A program of its own, as far as the network sees: a second domain of this one that speaks on the network of own_domain().
+/// A program of its own, as far as the network sees: a second domain of this one that speaks on the
+/// network of own_domain().
 class OtherProgram {
  public:
   OtherProgram(const FleetNetwork& network, Identity who) {

@@ -13,7 +13,8 @@ TEST(LatencyMonitor, OfNoneAllIsZero) {
   EXPECT_EQ(none.rate, 0.0);
 }
 
-// A clock that is 3 s ahead of our real-time one, which is 1000 s ahead of the monotonic one; every tenth message is late.
+// A clock that is 3 s ahead of our real-time one, which is 1000 s ahead of the monotonic one; every
+// tenth message is late.
 TEST(LatencyMonitor, RateGapsAndDelaysAreThoseOfTheLastTenSeconds) {
   LatencyMonitor arrivals;
   Nanoseconds now = 0;

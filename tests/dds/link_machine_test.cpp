@@ -254,8 +254,9 @@ TEST(LinkMachine, ARequestIsRepeatedUntilItIsAnswered) {
   }
 }
 
-// Whatever robots and persons do: set-points only where the autopilot takes them and in the states for them, heartbeats only from
-// ready to landing, few requests to arm, take off and take set-points, no way out of pilot and done, and each state in bounded time.
+// Whatever robots and persons do: set-points only where the autopilot takes them and in the states
+// for them, heartbeats only from ready to landing. Requests to arm, take off and take set-points
+// are few; pilot and done have no way out; each state ends in bounded time.
 TEST(LinkMachine, KeepsItsPromisesInAMillionRandomEvents) {
   std::mt19937 random(7);
   const auto chance = [&](double p) { return std::uniform_real_distribution<>(0, 1)(random) < p; };

@@ -135,7 +135,8 @@ TEST(LinkTelemetry, ARobotFliesByWhatItSees) {
   expect_well_treated(rig);
 }
 
-// Its camera finds nothing any more: it does not know where it is any longer, and lands by its supervisor.
+// Its camera finds nothing any more: it does not know where it is any longer, and lands by its
+// supervisor.
 TEST(LinkTelemetry, ARobotThatSeesNothingAnyMoreLands) {
   const Scenario scenario =
       localized(12.0, {"safety.supervisor.sigma_hold=0.1", "safety.supervisor.sigma_land=0.15"});

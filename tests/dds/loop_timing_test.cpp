@@ -31,7 +31,8 @@ TEST(LoopTiming, TheLoopRunsForThatLongAtItsPeriod) {
   EXPECT_THAT(timing.finding().sentence, HasSubstr(timing.realtime.sentence()));
 }
 
-// A horizon of 1000 stages for 64 robots in 0.1 ms: 640 000 stages a millisecond, which no machine keeps.
+// A horizon of 1000 stages for 64 robots in 0.1 ms: 640 000 stages a millisecond, which no machine
+// keeps.
 TEST(LoopTiming, AMachineThatCannotKeepUpIsRed) {
   const LoopTiming timing =
       time_loop(test::scenario_of("[horizon]\nperiod = 0.0001\nstages = 1000\n[agent.\"r{0..63}\"]\nrobot = "

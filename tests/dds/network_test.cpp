@@ -1,4 +1,5 @@
-// What leaves the machine: two programs in a network of their own, whose second interface counts what passes.
+// What leaves the machine: two programs in a network of their own, whose second interface counts
+// what passes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -110,8 +110,8 @@ TEST(RemoteClock, SingleBadStampsChangeNothing) {
   EXPECT_EQ(clock.jumps(), 0);
 }
 
-// Stamps of PX4's own simulation: its clock is 7 ms a second slow, and its time sync sets it right by
-// 0.1 s.
+// Stamps of PX4's own simulation: its clock is 7 ms a second slow, and its time sync sets it right
+// by 0.1 s.
 TEST(RemoteClock, OfASlowSimulationThatIsSetRightNowAndThenStampsAreRight) {
   RemoteClock clock;
   Nanoseconds slow = 0;

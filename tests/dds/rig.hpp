@@ -68,7 +68,8 @@ struct NullSink final : Sink<Sample> {
   std::array<int, event_kinds> occurred{};
 };
 
-/// Simulated vehicles have published all of their states, and accept set-points, sooner than a vehicle.
+/// Simulated vehicles have published all of their states, and accept set-points, sooner than a
+/// vehicle.
 inline LinkTimes of_vehicle_simulators(LinkTimes times) {
   times.listened = 0.8;
   times.received = 0.3;

@@ -35,7 +35,8 @@ class SecondVendor : public FlyTest {
   }
 };
 
-// The robot is the other vendor's: it publishes its odometry, drives as commanded, reads its flyer's topics, and ends the task by a call.
+// The robot is the other vendor's: it publishes its odometry, drives as commanded, reads its
+// flyer's topics, and ends the task by a call.
 TEST_F(SecondVendor, ARobotOfFastDdsDrivesAndIsShownAndCalls) {
   std::ofstream(folder / "rover.toml") << fmt::format(
       "[fleet]\ndomain = {}\n[simulation]\nduration = 30.0\n[agent.rover]\nrobot = \"unicycle\"\nstart = {{ "

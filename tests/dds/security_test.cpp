@@ -58,7 +58,8 @@ class Security : public FlyTest {
   int changed_ = 0;
 };
 
-/// One who writes to a topic as fast as a vehicle, and hears the others: each message names who sent it.
+/// One who writes to a topic as fast as a vehicle, and hears the others: each message names who
+/// sent it.
 class Talker {
  public:
   Talker(dds_entity_t participant, std::uint64_t number)

@@ -216,7 +216,8 @@ TEST(SeenPoses, ABodyThatNobodySeesAWrongFrameAndATurnedEstimatorKeepAFleetOnThe
       "[target.lamp]\np = [0, 3, 1]\n[target.lamp.link]\nposes = \"mocap\"\npose_topic = \"/lamp\"\n";
   const Scenario flown =
       seen_row({mocap + "pose_frame = \"map\"\n", "poses = \"tf\"\npose_name = \"b\"\n"}, 1.0, lamp);
-  // The vehicles' world has no lamp, uav0's frame is another, and uav1's estimator stands otherwise.
+  // The vehicles' world has no lamp, uav0's frame is another, and uav1's estimator stands
+  // otherwise.
   std::string text = seen_row({mocap, "poses = \"tf\"\npose_name = \"b\"\n"}, 1.0).text;
   const std::size_t heading = text.rfind("heading = 0.4");
   text.replace(heading, 13, "heading = 1.4");

@@ -114,7 +114,7 @@ TEST_F(CalledFlight, AnEmergencyStopsEachOnceAndNothingIsSentAfter) {
   std::array<std::int64_t, 2> heartbeats{}, setpoints{};
   const LoopOutcome outcome = rig.fly(1.0, [&] {
     EXPECT_THAT(call(rig, "emergency"), HasSubstr("yes: the motors of all robots stop"));
-    EXPECT_THAT(call(rig, "emergency"), testing::StartsWith(""));  // again, whatever is left of the flight
+    EXPECT_THAT(call(rig, "emergency"), testing::StartsWith(""));  // again, after the flight too
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     for (std::size_t i = 0; i < 2; ++i)
       heartbeats[i] = rig.counts_of(i).heartbeats, setpoints[i] = rig.counts_of(i).setpoints;

@@ -71,9 +71,9 @@ double delay_of_logs(SimulatedRadio& radio, double seconds) {
   return delay;
 }
 
-// The firmware holds 200 logs. Measured with it: at 100 packets a second for 110 logs its poses come 2 s
-// late after 20 s; at 75 they are lost; at 250 they come at once. The latency stays at its last value below
-// 1 s.
+// The firmware holds 200 logs. Measured with 110 logs: at 100 packets a second poses come 2 s late
+// after 20 s; at 75 they are lost; at 250 they come at once. The latency stays at its last value
+// below 1 s.
 TEST(SimulatedRadio, LogsThatAreMoreThanThePacketsComeSecondsLate) {
   SimulatedRadio fast(0, 4 * radio_ms), full(0, 10 * radio_ms), slow(0, 13'333'333);
   EXPECT_LT(delay_of_logs(fast, 20), 10);
@@ -86,7 +86,8 @@ TEST(SimulatedRadio, LogsThatAreMoreThanThePacketsComeSecondsLate) {
   EXPECT_LE(full.latency(), 1000);
 }
 
-// With set-points alone on the radio nothing else leaves: the server's echo and requests wait behind them.
+// With set-points alone on the radio nothing else leaves: the server's echo and requests wait
+// behind them.
 TEST(SimulatedRadio, ARequestWaitsForAsLongAsSetpointsFillTheRadio) {
   SimulatedRadio radio(0, 10 * radio_ms);
   bool landed = false;

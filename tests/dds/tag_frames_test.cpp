@@ -20,7 +20,8 @@ TEST(TagFrames, ATagSeenFromAheadHasItsAxesAsAprilTagHasThem) {
   EXPECT_NEAR(seen.p.x, 0, 1e-12);
   EXPECT_NEAR(seen.p.y, 0, 1e-12);
   EXPECT_NEAR(seen.p.z, 2 - tags.distance, 1e-12);
-  // x to the right as in the picture, y up, against the picture's, z towards the camera: half a turn about x.
+  // x to the right as in the picture, y up, against the picture's, z towards the camera: half a
+  // turn about x.
   const Rotation R = rotation(seen.q);
   EXPECT_NEAR(R.x.x, 1, 1e-12);
   EXPECT_NEAR(R.y.y, -1, 1e-12);

@@ -17,7 +17,8 @@ FrameTransform transform(std::string_view parent, std::string_view child, const 
   return {parent, child, p, turned_by(angle), stamp, writer};
 }
 
-// world <- map, at rest, a quarter turn; map <- odom, seldom; odom <- base, often; base <- marker, at rest.
+// world <- map, at rest, a quarter turn; map <- odom, seldom; odom <- base, often; base <- marker,
+// at rest.
 TEST(TransformChain, ABodyIsWhereTheChainOfItsParentsLeads) {
   TransformChain chain("marker", "world");
   EXPECT_EQ(chain.ends_at(), "marker");

@@ -7,7 +7,8 @@
 namespace sightline {
 namespace {
 
-/// What a robot on a circle means at a time, and its dead reckoning, in a frame turned by a radian and moved.
+/// What a robot on a circle means at a time, and its dead reckoning, in a frame turned by a radian
+/// and moved.
 PoseHypothesis on_circle(double t) {
   const auto place = [](double s) { return Vec3<double>{std::cos(s), std::sin(s), 1.0}; };
   PoseHypothesis m{

@@ -15,7 +15,8 @@ constexpr SensorMount aside_on_gimbal{
     .pitch = 0.4, .offset = {0.1, -0.2, 0.05}, .frame = MountFrame::level, .yaw = 1.5, .roll = -0.7};
 
 TEST(AttitudeFilter, TheCovarianceGoesOnAsTheStateDoes) {
-  // The gyroscope's bias is taken along axes of the step's beginning, so to first order in the turn of a step.
+  // The gyroscope's bias is taken along axes of the step's beginning, so to first order in the turn
+  // of a step.
   test::expect_propagation(AttitudeFilter({}, on_body), 2e-5);
 }
 

@@ -6,8 +6,8 @@
 #include "tests/support/filter_derivatives.hpp"
 #include "tests/support/synthetic_flight.hpp"
 
-/// Robots in a row: the first is an anchor, whose pose is known to motion capture; each other one follows the one
-/// before it and sees it.
+/// Robots in a row: the first is an anchor, whose pose motion capture knows; each other one follows
+/// and sees the one before it.
 namespace sightline::test {
 namespace {
 
@@ -97,8 +97,8 @@ class SyntheticChain {
   std::vector<std::pair<double, SeenRobot>> flying_;
 };
 
-/// Flies a chain whose robots tell each other their estimates at 100 Hz, 20 to 30 ms late, each with a filter of
-/// its own. Result i is of robot i; that of the anchor stays empty.
+/// Flies a chain whose robots tell each other their estimates at 100 Hz, 20 to 30 ms late, each
+/// with a filter of its own. Result i is of robot i; that of the anchor stays empty.
 /// @param other_error  how an observer takes the error of a robot that is localized itself
 std::vector<Consistency> fly_chain(SyntheticOptions options, int robots, OtherError other_error, int flights,
                                    double duration, const std::vector<std::pair<int, int>>& edges = {},

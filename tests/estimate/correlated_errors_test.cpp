@@ -33,8 +33,8 @@ TEST(CorrelatedErrors, TheirCovarianceGoesOnAsTheyDoAndAnInnovationChangesWithTh
   expect_derivatives<AttitudeFilterOf<1>>(2e-5);
 }
 
-// A flight is about one draw of each of 4 errors for each correlation time, so the mean of 30 flights of 11 s is
-// within a fifth of 4.
+// A flight is about one draw of each of 4 errors for each correlation time. So the mean of 30
+// flights of 11 s is within a fifth of 4.
 TEST(CorrelatedErrors, AFilterThatKnowsTheirTimeIsConsistentAndOneThatTakesThemAsWhiteIsOverconfident) {
   for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
     for (const double time : {0.5, 2.0, 5.0}) {

@@ -33,8 +33,8 @@ TEST(HeadingFilter, ADoubtfulHeadingWeakensASightingAcrossTheLineOfSightAlone) {
   const Innovation<4, HeadingFilter::n> sure = filter.innovation(s, z, {});
   s.P(3, 3) = 0.25;
   const Innovation<4, HeadingFilter::n> uncertain = filter.innovation(s, z, {});
-  // Seen from ahead a turn shortens the way by (1 - cos) of it: along the line of sight, 0.5 psi^2 of the
-  // distance.
+  // Seen from ahead a turn shortens the way by (1 - cos) of it: along the line of sight, 0.5 psi^2
+  // of the distance.
   EXPECT_NEAR(uncertain.R(0, 0) - sure.R(0, 0), 0.5 * 0.25 * 0.25 * 2.17 * 2.17, 1e-6);
   EXPECT_NEAR(uncertain.R(1, 1), sure.R(1, 1), 1e-12);
   EXPECT_NEAR(uncertain.R(2, 2), sure.R(2, 2), 1e-12);

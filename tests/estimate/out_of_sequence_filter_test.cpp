@@ -19,8 +19,8 @@ namespace {
 using test::SyntheticFlight;
 using test::SyntheticOptions;
 
-/// A flight as it happened: the motion of each period, and all that was measured, each with the end of the period
-/// that its stamp falls into.
+/// A flight as it happened: the motion of each period, and each measurement with the end of the
+/// period that its stamp falls into.
 struct Happened {
   std::vector<MotionSample> motion;
   std::vector<Measurement> measured;

@@ -15,9 +15,9 @@ using test::SyntheticOptions;
 constexpr FilterOptions by_heading{.filter = FilterKind::heading};
 constexpr FilterOptions by_attitude{.filter = FilterKind::attitude};
 
-// The errors of one flight are alike for seconds, so the bands are those of the mean of so many flights, not of
-// samples: the mean NEES of 4 errors over N independent flights is within 4 +- 1.96 sqrt(8 / N) in 95 of 100,
-// were a flight one draw.
+// The errors of one flight are alike for seconds, so the bands are of the mean of N flights, not of
+// samples. Were a flight one draw, the mean NEES of 4 errors would be within 4 +- 1.96 sqrt(8 / N)
+// in 95 of 100.
 TEST(PoseFilter, TheErrorOfTheHeadingFilterIsWhatItsCovarianceSays) {
   const Consistency flown = fly_filters(by_heading, {}, 200, 14.0);
   EXPECT_GT(flown.anees(), 3.4);
@@ -156,8 +156,8 @@ TEST(PoseFilter, PositionsThatFitDoNotLockAWrongHeadingIn) {
         EXPECT_LT(recovery(options, seed, {}, turned), 1.5) << seed << ", turned by " << turned;
 }
 
-// Round a body at rest whose place is known, all that a robot measures is the same whichever way it looks: its
-// heading is dead reckoning.
+// Round a body at rest at a known place, all measurements are the same whichever way the robot
+// looks: its heading is dead reckoning.
 TEST(PoseFilter, WithoutAYawThereIsNoBeginningAndAHeadingThatIsToldGetsLostAsTheCovarianceSays) {
   constexpr int flights = 40;
   double early = 0.0, late = 0.0, squares = 0.0;

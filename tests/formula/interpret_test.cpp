@@ -54,7 +54,7 @@ TEST(Interpret, OnLanesAFormulaIsWhatItIsOnPlainNumbers) {
     const Rows out = run(f.program, in, length);
     for (int point = 0; point < length; ++point) {
       const Wide exact = f.formula(std::vector<Wide>{in[0][point], in[1][point], in[2][point]});
-      if (!(exact.rounding() < 1e-13)) continue;  // away from the point it was drawn at, a formula may grow
+      if (!(exact.rounding() < 1e-13)) continue;  // a formula may grow away from its point
       ASSERT_LE(std::fabs(out[0][point] - static_cast<double>(exact.value())), 2 * exact.rounding()) << k;
       ++tested;
     }

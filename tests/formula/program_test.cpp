@@ -64,8 +64,9 @@ TEST(Program, EveryOutputIsWrittenOnceAndLast) {
   }
 }
 
-/// A formula whose operands are computed in an order that C++ leaves to the compiler: left first, right first, or
-/// either, operation by operation. Of few numbers and few functions, so that equal parts and equal shapes meet.
+/// A formula whose operands are computed in an order that C++ leaves to the compiler: left first,
+/// right first, or either, operation by operation. Of few numbers and few functions, so that equal
+/// parts and equal shapes meet.
 class Tree {
  public:
   enum class Order { left_first, right_first, mixed };
@@ -171,7 +172,7 @@ TEST(Program, AProductUsedByOneSumAloneBecomesPartOfIt) {
   EXPECT_EQ(codes(g, g.add(xy, z)), std::vector{Code::multiply_add});
   EXPECT_EQ(codes(g, g.subtract(z, xy)), std::vector{Code::subtract_product});
   EXPECT_EQ(codes(g, g.multiply(xy, g.add(xy, z))), (std::vector{Code::multiply, Code::add, Code::multiply}));
-  const Term late = g.exponential(z);  // after the product, so that the product stands first in the sum
+  const Term late = g.exponential(z);  // so that the product stands first in the sum
   EXPECT_EQ(codes(g, g.subtract(xy, late)), (std::vector{Code::exponential, Code::multiply_subtract}));
 }
 

@@ -9,7 +9,8 @@
 namespace sightline {
 namespace {
 
-/// Each lane of a program whose inputs and outputs are cut into two blocks each, against `evaluate`.
+/// Each lane of a program whose inputs and outputs are cut into two blocks each, against
+/// `evaluate`.
 template <int W>
 void expect_same_bits(const Program& program, Random& random) {
   const auto halves = [](int n) { return std::array{n / 2, n - n / 2}; };

@@ -1,4 +1,5 @@
-// What another project gets: from an installed prefix, as a subproject, by pkg-config, and as a Debian package.
+// What another project gets: from an installed prefix, as a subproject, by pkg-config, and as a
+// Debian package.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -489,7 +489,8 @@ std::string urdf_joint(std::string_view child, std::string_view origin) {
       "<joint name='{0}_joint' type='fixed'><origin {1}/><parent link='base'/><child link='{0}'/></joint>\n",
       child, origin);
 }
-/// Two places are in the joints and two in the inertial frames. The battery is turned by a right angle.
+/// Two places are in the joints and two in the inertial frames. The battery is turned by a right
+/// angle.
 const std::string urdf_links =
     "<?xml version='1.0'?>\n<robot name='small'>\n" + urdf_link("base", "0.03", "xyz='0 0 0'") +
     urdf_link("battery", "0.01", "xyz='0 0 0.02'") + urdf_link("prop0_link", "0", "xyz='0.03 -0.03 0'") +

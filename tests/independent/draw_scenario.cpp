@@ -1,5 +1,6 @@
 // Draws scenarios into a folder:  draw_scenario DIR FIRST COUNT
-// SEED.toml of each seed from FIRST on; a flight lasts 2 to 8 s. Every second one that may says that it begins outside of its limits.
+// SEED.toml of each seed from FIRST on; a flight lasts 2 to 8 s. Every second one that may says
+// that it begins outside of its limits.
 #include <fmt/format.h>
 
 #include <cstdlib>

@@ -1,7 +1,9 @@
-/// What random scenarios are made of: a new kind of robot, motion, potential, trigger or fault is one line here.
+/// What random scenarios are made of: a new kind of robot, motion, potential, trigger or fault is
+/// one line here.
 ///
-/// In a line `$[0.5 2]` stands for a number that is drawn, `$[sine|tangent]` for one of some words, `$[near 2]` for
-/// a place up to 2 m from the body, `$[robot]`, `$[observer]` and `$[body]` for names.
+/// In a line `$[0.5 2]` stands for a number that is drawn, `$[sine|tangent]` for one of some words.
+/// `$[near 2]` is a place up to 2 m from the body; `$[robot]`, `$[observer]` and `$[body]` are
+/// names.
 #pragma once
 
 #include <fmt/format.h>
@@ -130,7 +132,8 @@ f.theta = "pitch - theta")toml"},
   return kinds;
 }
 
-/// Potentials that look through a sensor, that hold two bodies apart or together, and of one robot alone.
+/// Potentials that look through a sensor, that hold two bodies apart or together, and of one robot
+/// alone.
 inline constexpr std::array<std::string_view, 4> drawn_views = {
     "bearing = { alpha = $[0.3 1], width = 0.1, tilt = $[0 0.2] }",
     "sensor_cone = { alpha = $[0.3 1], kappa_G = 0.01, form = \"$[sine|tangent]\" }",

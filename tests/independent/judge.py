@@ -46,7 +46,7 @@ class Judge:
         self.simulation = self.scenario.get("simulation", {})
         delay = float(self.simulation.get("disturbance", {}).get("input_delay", 0.0))
         self.pieces = motions(self.flight, self.robots, self.vehicles, self._jumps(), delay)
-        self.begins_outside = self.scenario.get("safety", {}).get("start_outside", False)  # as the scenario means it
+        self.begins_outside = self.scenario.get("safety", {}).get("start_outside", False)
         self.verdict = Verdict()
         self.differences = []  # (claim, sentence)
         self.wrong_commands = 0
@@ -157,7 +157,8 @@ class Judge:
 
             off, raw = outside(body.u, body.there & commanded), outside(body.raw, body.there & commanded)
             beyond, raw_beyond = beyond + int(off.sum()), raw_beyond + int(raw.sum())
-            # Through periods that the loop missed its last inputs were held; the states after the last command are of no period.
+            # Through periods that the loop missed its last inputs were held; the states after the
+            # last command are of no period.
             last = np.maximum.accumulate(np.where(commanded, np.arange(len(commanded)), 0))
             missed = ~commanded & (np.arange(len(commanded)) < len(commanded) - 1) & body.there
             beyond += int(outside(body.u[last], missed).sum())
@@ -198,7 +199,7 @@ class Judge:
         flight = self.flight
         hold_after = self.scenario.get("safety", {}).get("supervisor", {}).get("hold_after", 0.5)
         guarded = "supervisor" in self.scenario.get("safety", {})
-        longest = {True: 0.0, False: 0.0}  # counting failures that may be of the measurements, or not
+        longest = {True: 0.0, False: 0.0}  # with failures of the measurements, or not
         for doubtful in longest:
             since = None
             for k in np.flatnonzero(flight.commanded):

@@ -185,8 +185,8 @@ def motions(flight, robots, vehicles, jumps, delay):
     put elsewhere; `delay`: from a command to its effect [s]."""
     steps = flight.steps
     last = np.append(np.diff(steps), 1)
-    # Between commands, as in periods that were missed, the one before is in force. After the last one the motion goes on for a
-    # period, whether its end is in the log or not.
+    # Between commands, as in periods that were missed, the one before is in force. After the last
+    # one the motion goes on for a period, whether its end is in the log or not.
     given = np.flatnonzero(flight.commanded)
 
     def in_force(piece, delay):
@@ -220,7 +220,7 @@ def motions(flight, robots, vehicles, jumps, delay):
             elif vehicles:
                 places = np.where(stays[:, None, None], _hermite(body, piece, after), straight)
                 err = np.linalg.norm(places - straight, axis=2).max(axis=1) + np.where(stays, 0, 0.5 * piece.span)
-                if delay > 0:  # commands that change within a period bend the motion there, by as much as that of the model
+                if delay > 0:  # commands that change within a period bend the motion
                     moved = _modelled(robots[name], body, piece, commands) - _modelled(robots[name], body, piece, in_force(piece, 0.0))
                     bends = moved - piece.at[None, :, None] * moved[:, -1:]
                     err += np.nan_to_num(np.linalg.norm(bends, axis=2).max(axis=1))

@@ -83,7 +83,7 @@ class Team:
     def __init__(self, scenario, flight, robots):
         self.scenario, self.flight, self.models = scenario, flight, robots
         self.robots = flight.robots
-        self.terms, self.retuned, self.changed = [], [], set()  # changed: robots whose reference or weights events change
+        self.terms, self.retuned, self.changed = [], [], set()  # changed: robots with new goals
         self.duties = {}
         for name in flight.names:
             there = all(scenario.get(kind, {}).get(name, {}).get("present", True) for kind in ("agent", "target", "obstacle"))

@@ -48,7 +48,7 @@ TEST(Chatter, NoiseOscillationsAndJumpsNowAndThenAreNone) {
   EXPECT_TRUE(of(200'000, [&](int) { return uniform(random, -1, 1); }).empty());
   EXPECT_TRUE(of(2000, [](int k) { return std::sin(1.5 * k); }).empty());  // 21 periods of 5
   EXPECT_TRUE(of(2000, [](int k) { return k / 50 % 2 == 0 ? 1.0 : -1.0; }).empty());
-  EXPECT_TRUE(of(2000, [](int k) { return k % 100 < 40 ? k % 2 : 0; }).empty());  // a transient of 40 periods
+  EXPECT_TRUE(of(2000, [](int k) { return k % 100 < 40 ? k % 2 : 0; }).empty());  // a transient
   EXPECT_TRUE(of(2000, [](int) { return std::nan(""); }).empty());
 }
 

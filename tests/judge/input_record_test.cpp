@@ -12,7 +12,8 @@ namespace {
 
 using test::control_period;
 
-/// Robots a and b; a's limits narrow at 1 s, and the events that a test lets happen retune it, and hold b.
+/// Robots a and b; a's limits narrow at 1 s, and the events that a test lets happen retune it, and
+/// hold b.
 class InputFlight {
  public:
   InputFlight()

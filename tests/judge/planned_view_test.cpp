@@ -32,7 +32,8 @@ struct WatchedTarget {
     sample.path_u.resize(planned_stages * sample.u.size());
   }
 
-  /// Plans from `time` on, `late` after it, that it is pitched by `angle` at each stage; flown it is by `flown`.
+  /// Plans from `time` on, `late` after it, that it is pitched by `angle` at each stage; flown it
+  /// is by `flown`.
   template <class Angle>
   void add(PlannedView& view, double time, double late, Angle&& angle, double flown, bool counts = true) {
     sample.time = time;

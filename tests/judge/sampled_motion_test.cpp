@@ -16,7 +16,8 @@
 namespace sightline {
 namespace {
 
-/// Two robots and an obstacle that move by their models, and a motion that sees them at the samples alone.
+/// Two robots and an obstacle that move by their models, and a motion that sees them at the samples
+/// alone.
 class Flown {
  public:
   explicit Flown(Team team, double input_delay = 0.0)
@@ -35,7 +36,8 @@ class Flown {
   double* state(int body) { return sample.x.data() + team_.state_offset(BodyId{body}); }
   double* input(int body) { return sample.u.data() + team_.input_offset(BodyId{body}); }
 
-  /// What small steps find: least distance of the first two, greatest height of the first, and its places.
+  /// What small steps find: least distance of the first two, greatest height of the first, and its
+  /// places.
   struct Truth {
     double least, highest;
     std::vector<Vec3<double>> places{};
@@ -46,8 +48,8 @@ class Flown {
     }
   };
 
-  /// Moves all bodies by their models for T, the first one also with a wind [m/s], or with one that pushes it [m/s^2] where its
-  /// states 3 to 5 are its velocity.
+  /// Moves all bodies by their models for T, the first one also with a wind [m/s]. Where its states
+  /// 3 to 5 are its velocity, the wind pushes it [m/s^2].
   Truth fly(double T, const Vec3<double>& wind = {}, const Vec3<double>& push = {}) {
     const int steps = 2000;
     Truth truth{distance(), place(0).z, {place(0)}};
@@ -188,7 +190,8 @@ TEST(SampledMotion, TheLeastDistanceAndTheGreatestHeightAreThoseOfSmallStepsToAM
   agrees_with_small_steps<AngleMultirotor, Multirotor>();
 }
 
-/// Commands that act late, of models whose velocity jumps with its command and whose does not: extremes lie at the switch.
+/// Commands that act late, of models whose velocity jumps with its command and whose does not:
+/// extremes lie at the switch.
 template <class Robot>
 void follows_late_commands() {
   std::mt19937 random(11);
@@ -254,7 +257,8 @@ TEST(SampledMotion, WhatComesBackReachedItsSummit) {
   EXPECT_NEAR(flown.highest(), truth.highest, 1e-3);
 }
 
-// In a period that others were missed in, several commands come into force: velocities at its ends say nothing of them.
+// In a period that others were missed in, several commands come into force: velocities at its ends
+// say nothing of them.
 TEST(SampledMotion, WhatComesBackByCommandsThatActLateReachedItsSummit) {
   Flown flown(two<PointMass, Multirotor>(), 0.25);
   Model(Multirotor{}).at_rest({{9, 0, 0}, {1, 0}}, flown.state(1));

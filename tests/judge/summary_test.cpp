@@ -214,7 +214,7 @@ TEST(Summary, LeastDistanceIsThatOfARobotToAnyBodyAndNullForOneAlone) {
   const Scenario scenario = scenario_of(std::move(pair));
   Summary summary(scenario, 1);
   Sample sample = sample_of(scenario, 0.0);
-  sample.x[0] = 0.3;  // the wall; the tree, which stands nearer to it than the robot, at the same place
+  sample.x[0] = 0.3;  // the wall; the tree, nearer to it than the robot, in place
   sample.x[13] = 0.3;
   summary.add(sample);
   EXPECT_DOUBLE_EQ(summary.values().min_distance, 0.3);

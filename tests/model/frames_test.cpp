@@ -78,7 +78,8 @@ TEST(SensorMount, TheClosedFormIsTheProductOfTheTransforms) {
   }
 }
 
-/// A cone that holds the farthest point holds all that are `sigmas` deviations beside the target, but near the axis.
+/// A cone that holds the farthest point holds all that are `sigmas` deviations beside the target,
+/// but near the axis.
 TEST(SensorMount, TheFarthestPointIsAsFarOffTheAxisAsAnyOfTheDoubt) {
   Random random(21);
   for (int trial = 0; trial < 1000; ++trial) {
@@ -131,7 +132,8 @@ TEST(SensorMount, PointsOfSAndOfGAreThereAndBackAgain) {
   EXPECT_EQ((SensorMount{.pitch = 0.0, .offset = {0.0, 0.3, 0.0}}.depth_at(0.1)), 0.0) << "all are farther";
 }
 
-// A camera that is turned to the left on a robot that is turned to the right looks where one ahead did.
+// A camera that is turned to the left on a robot that is turned to the right looks where one ahead
+// did.
 TEST(SensorMount, AYawOfTheSensorAndAHeadingOfTheRobotAreOneTurn) {
   Random random(6);
   for (int k = 0; k < 2000; ++k) {

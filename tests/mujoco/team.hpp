@@ -65,7 +65,8 @@ inline Scene scene(const Vehicle& vehicle, double z, Other other = Other::none, 
   return made;
 }
 
-/// When and why it ended under the same velocity of the first vehicle; "" where it flew on for so long.
+/// When and why it ended under the same velocity of the first vehicle; "" where it flew on for so
+/// long.
 struct End {
   double t = 0.0;
   std::string why;

@@ -1,6 +1,7 @@
 // Looks at a page in Chromium:  node browser.mjs URL [PICTURES]
-// Prints what it found as JSON: the link's state, moments, frames a second, how many colours are on the canvas, faults of the page.
-// Lines on stdin are steps, the names of `steps` with their words, and "quit"; an answer a line.
+// Prints what it found as JSON: the link's state, moments, frames a second, how many colours are on
+// the canvas, faults of the page. Lines on stdin are steps, the names of `steps` with their words,
+// and "quit"; an answer a line.
 import { readdirSync, readFileSync } from 'node:fs';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
@@ -46,7 +47,8 @@ try {
       const before = { ...window.sightline, at: performance.now() };
       await new Promise((done) => setTimeout(done, 1000 * wait));
       const perSecond = (key) => (1000 * (window.sightline[key] - before[key])) / (performance.now() - before.at);
-      // A picture for each message of a flight, and some of what stands still, as often as the browser lets it.
+      // A picture for each message of a flight, and some of what stands still, as often as the
+      // browser lets it.
       const fps = perSecond('frames'), due = Math.min(perSecond('turns'), Math.max(4, perSecond('news')));
       const canvas = document.querySelector('#stage canvas'), small = document.createElement('canvas');
       small.width = 160;
@@ -119,7 +121,8 @@ try {
     figures: async () => page.evaluate(() => [...document.querySelectorAll('figure')].map((figure) => ({ title: figure.ariaLabel,
       panels: [...figure.querySelectorAll('.axes')].map((panel) => panel.querySelectorAll('svg svg > path[stroke^="#"]').length) })))
       .then((figures) => ({ figures, faults })),
-    // The pointer in a panel, at parts of its width, with the button pressed on the way from the first to the second.
+    // The pointer in a panel, at parts of its width, with the button pressed on the way from the
+    // first to the second.
     point: async (panel, from, to) => {
       const axes = page.locator('.axes').nth(Number(panel));
       await axes.scrollIntoViewIfNeeded();

@@ -1,5 +1,6 @@
 // Subscribes to all topics of a flight with the protocol's own client, and decodes all messages.
-// node foxglove_client.mjs URL SECONDS: one line of JSON, exit 0; or one sentence on stderr, exit 1.
+// node foxglove_client.mjs URL SECONDS: one line of JSON, exit 0; or one sentence on stderr, exit
+// 1.
 //   {protocol, name, session, statuses, times: {count, first, last},
 //    topics: {"/uav0/pose": {encoding, schema, count, first, last, gap, message}}}
 // Times in s; gap is the longest between two messages; message the last, decoded.

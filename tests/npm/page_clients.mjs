@@ -1,7 +1,8 @@
-// Looks on at a flight as often as asked: a third by its page, the others by Foxglove's protocol with all topics; the last one
-// subscribes to all, reads nothing, and comes again whenever it is closed.
-// node page_clients.mjs URL COUNT: until the server has gone; one line of JSON {states, messages, deaf}, what the page's and
-// Foxglove's clients heard, and how often the last one came.
+// Looks on at a flight as often as asked: a third by its page, the others by Foxglove's protocol
+// with all topics; the last one subscribes to all, reads nothing, and comes again whenever it is
+// closed.
+// node page_clients.mjs URL COUNT: until the server has gone; one line of JSON {states, messages,
+// deaf}, what the page's and Foxglove's clients heard, and how often the last one came.
 import net from "node:net";
 import protocol from "@foxglove/ws-protocol";
 import WebSocket from "ws";

@@ -1,5 +1,6 @@
 // Reads every message of a log with the format's own library and checks every CRC.
-// node read_mcap.mjs FILE: one line with the messages per topic, exit 0; or one sentence on stderr, exit 1.
+// node read_mcap.mjs FILE: one line with the messages per topic, exit 0; or one sentence on stderr,
+// exit 1.
 import { crc32 } from "@foxglove/crc";
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";

@@ -1,6 +1,7 @@
-// Compares two logs message by message: topic, times and bytes, in the order of the files; metadata may differ, and the
-// second may have topics that the first has not.
-// node same_mcap.mjs FILE FILE: one line with the messages, exit 0; or the first that differs on stderr, exit 1.
+// Compares two logs message by message: topic, times and bytes, in the order of the files; metadata
+// may differ, and the second may have topics that the first has not.
+// node same_mcap.mjs FILE FILE: one line with the messages, exit 0; or the first that differs on
+// stderr, exit 1.
 import { McapStreamReader } from "@mcap/core";
 import { loadDecompressHandlers } from "@mcap/support";
 import { createReadStream } from "node:fs";

@@ -85,7 +85,8 @@ TEST(ViewChoice, ATurnHasToBeWorthItForAsLongAsTheDwell) {
   plane.put(2, 2.2, 0.0, 3.1416);
   for (int k = 0; k < 50; ++k) plane.look(chooser);
   EXPECT_EQ(chooser.target(0), 0);
-  // The turn costs 0.013 m^2, and views add 0.0015 at most. Of a hundred times the variance it is worth it.
+  // The turn costs 0.013 m^2, and views add 0.0015 at most. Of a hundred times the variance it is
+  // worth it.
   for (ViewVariance& v : plane.choice.variances)
     for (double& value : v.values) value *= 100;
   plane.t = 0.0;
@@ -142,7 +143,8 @@ TEST(ViewChoice, OneTargetOfOneObserverIsObservedByTheBest) {
   EXPECT_EQ(chooser.target(1), 0);
 }
 
-/// Whether a path leads from each observer that has a target to an anchor, and no target has too many.
+/// Whether a path leads from each observer that has a target to an anchor, and no target has too
+/// many.
 void expect_paths(const Plane& plane, const ViewChooser& chooser, int robots, int anchors) {
   std::vector<int> count(static_cast<std::size_t>(robots));
   for (int i = anchors; i < robots; ++i) {

@@ -22,7 +22,8 @@ Bearing random_bearing(Random& random) {
               .roll = uniform(random, -3, 3)}};
 }
 
-/// l with the target `far` [m] from the sensor, phi off where it looks (> 0: to the left) and `up` above it.
+/// l with the target `far` [m] from the sensor, phi off where it looks (> 0: to the left) and `up`
+/// above it.
 double at(const Bearing& bearing, double far, double phi, double up) {
   const Sight<double> observer{{-1.0 * bearing.mount.offset, {1.0, 0.0}}, {}};
   const double yaw = bearing.mount.yaw + phi;
@@ -57,7 +58,8 @@ TEST(Bearing, IsAtMostTwoAndNeverNegative) {
   }
 }
 
-// The only bearings at which nothing turns the robot are straight ahead and one between 189 and 192 degrees.
+// The only bearings at which nothing turns the robot are straight ahead and one between 189 and 192
+// degrees.
 TEST(Bearing, BetweenTheNoseAndTheRidgeBehindTheRobotAlwaysTurnsTowardsTheTarget) {
   Random random(3);
   for (int k = 0; k < 5000; ++k) {

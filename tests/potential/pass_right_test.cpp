@@ -92,7 +92,7 @@ TEST(PassRight, OnlyDifferencesCountAndEachHasTheOtherOnTheSameSide) {
   for (int k = 0; k < 2000; ++k) {
     const PassRight pass = random_parameters(random);
     const Sight<double> a = random_sight(random, 1), b = random_sight(random, 1);
-    EXPECT_NEAR(pass(a, b), pass(b, a), 0.03);  // up to the slope that parts two robots in one place
+    EXPECT_NEAR(pass(a, b), pass(b, a), 0.03);  // but for the slope that parts two in one place
     EXPECT_NEAR(pass.violation(a, b), pass.violation(b, a), 1e-12);
     Sight<double> moved_a = a, moved_b = b;
     const Vec3<double> way = random_point(random, 3);

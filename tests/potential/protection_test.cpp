@@ -35,7 +35,7 @@ std::vector<ProtectionCase> cases() {
       {PassRight{.d_min = 1.0, .delta = 0.9}, true, false, 1},
       {Ellipsoid{}, true, false, 1},
       {Region("range > 1 m"), true, false, 1},
-      {Region("range > 0.1 m"), true, false, 1},  // from the sensor, which sits 0.17 m before the middle
+      {Region("range > 0.1 m"), true, false, 1},  // from the sensor, 0.17 m before the middle
       {Region("range > 0.1 m").seen_from(level), true, false, 1},
       {Region("distance > 1.2 m").slope(Softplus{}), true, false, 1},
       {Region("hypot(r_x, r_y) > 0.8 m"), true, false, 1},

@@ -39,7 +39,8 @@ TEST(RosBag, EachTypeOfMessageGivesTheSameMotion) {
         EXPECT_NEAR(motion[k].t, row.t, 1e-6);
         EXPECT_LE(norm(motion[k].p - row.p), 1e-12) << body;
         EXPECT_NEAR(motion[k].heading, row.psi, 1e-9) << "without jumps";
-        // Of poses alone the velocity is a slope over 0.1 s, whose error is that of the acceleration.
+        // Of poses alone the velocity is a slope over 0.1 s, whose error is that of the
+        // acceleration.
         EXPECT_LE(norm(motion[k].v - row.v), std::string(body) == "/odom" ? 1e-12 : 0.35) << body;
       }
     }
@@ -108,7 +109,8 @@ TEST(RosBag, AFolderIsReadWhollyAndInOrder) {
   EXPECT_EQ(RosBag(folder).motion("/pose").size(), 201U) << "the folder of a run is its log alone";
 }
 
-/// A bag with one pose, its number ahead, and one command for each time, recorded 0.1 s apart from 1e9 s on.
+/// A bag with one pose, its number ahead, and one command for each time, recorded 0.1 s apart from
+/// 1e9 s on.
 fs::path stamped_bag(const std::vector<double>& times) {
   BagWriter writer;
   for (std::size_t k = 0; k < times.size(); ++k) {
@@ -189,7 +191,8 @@ TEST(RosBag, TheLengthOfAQuaternionDoesNotCountAndZeroIsUnknown) {
         const bool known = k == 0 || length > 0;
         EXPECT_EQ(std::isfinite(motion[k].heading), known) << body << k;
         EXPECT_NEAR(known ? motion[k].heading : psi, psi, 1e-12);
-        // Without an attitude the velocity in its axes is unknown, and that of the positions counts.
+        // Without an attitude the velocity in its axes is unknown, and that of the positions
+        // counts.
         const bool of_odometry = known && std::string(body) == "/odom";
         EXPECT_NEAR(motion[k].v.x, of_odometry ? std::cos(psi) : 2.0, 1e-9) << body << k;
         EXPECT_NEAR(motion[k].v.y, of_odometry ? std::sin(psi) : 0.0, 1e-9) << body << k;

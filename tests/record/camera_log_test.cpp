@@ -49,7 +49,8 @@ TEST(CameraLog, ALensIsReadBack) {
   }
 }
 
-// The layout of ROS 2: what is in a header with a frame of 3 letters, and then the numbers of the pinhole on multiples of 8.
+// The layout of ROS 2: a header with a frame of 3 letters, then the numbers of the pinhole on
+// multiples of 8.
 TEST(CameraLog, TheNumbersStandWhereRosHasThem) {
   const Camera camera{};
   std::vector<std::byte> bytes;
@@ -59,7 +60,8 @@ TEST(CameraLog, TheNumbersStandWhereRosHasThem) {
     std::memcpy(&value, bytes.data() + 4 + place, sizeof(value));
     return value;
   };
-  // stamp 8, frame 4 + 4, height 4, width 4, model 4 + 10, to 40: length 4, to 48: five of distortion.
+  // stamp 8, frame 4 + 4, height 4, width 4, model 4 + 10, to 40: length 4, to 48: five of
+  // distortion.
   constexpr std::size_t k = 48 + 40;
   EXPECT_EQ(number_at(k), camera.focal());
   EXPECT_EQ(number_at(k + 16), 160.0);

@@ -1,5 +1,5 @@
-/// Teams that change in flight, under a supervisor and a barrier: who comes flies, who is held is kept off, what
-/// protected goes on to protect, and the summary says from when to when.
+/// Teams that change in flight, under a supervisor and a barrier: who comes flies, who is held is
+/// kept off, protection goes on. The summary says from when to when.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -107,8 +107,7 @@ const std::string guarded = "[safety]\nd_hard = 0.6\nfloor = 0.3\nbarrier = \"on
 
 TEST(ChangingTeams, WhoJoinsOrReturnsUnderASupervisorFlies) {
   const std::string team = lasts(6.0) + supervised + robot("a", "[0.0, 0.0, 1.0]");
-  const std::string lost =
-      "[[simulation.fault]]\nkind = \"dropout\"\nbody = \"b\"\nuntil = 3.4\n";  // nothing of it comes while it is away
+  const std::string lost = "[[simulation.fault]]\nkind = \"dropout\"\nbody = \"b\"\nuntil = 3.4\n";  // silent
   for (const std::string& fault : {std::string(), lost}) {
     const ChangingFlight joins(team + robot("b", "[2.0, 0.0, 1.0]", "present = false") + fault +
                                "[[event]]\nat = 3.5\nadd = \"b\"\n");

@@ -1,4 +1,5 @@
-/// The shipped scenarios whose teams change, event by event: who is near notices gently, who is far does not.
+/// The shipped scenarios whose teams change, event by event: who is near notices gently, who is far
+/// does not.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -20,8 +20,8 @@ namespace {
 
 using testing::ElementsAre;
 
-/// The simulated world of a scenario, but the take-off of an added robot lasts for `duration` [s]. Of
-/// several robots only the second body is refused.
+/// The simulated world of a scenario, but the take-off of an added robot lasts for `duration` [s].
+/// Of several robots only the second body is refused.
 class TakeOffWorld final : public World {
  public:
   TakeOffWorld(const Scenario& scenario, double duration, Joining outcome)

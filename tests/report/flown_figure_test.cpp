@@ -12,7 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Ten periods of an observer at the origin that leans by 0.1 forward, planned 0.05, and a target that flies along y at 1 m/s.
+/// Ten periods of an observer at the origin that leans by 0.1 forward, planned 0.05, and a target
+/// that flies along y at 1 m/s.
 Recording observed(bool target_is_robot) {
   Recording r;
   r.period = 0.1;

@@ -51,7 +51,8 @@ bool is_colour(const Colour& c, std::string_view hex) {
   return c.r == part(1) && c.g == part(3) && c.b == part(5);
 }
 
-// Its rim is where the limit of the view angle lies, by the function that flights are judged with; green and red as they are judged.
+// Its rim is at the limit of the view angle, by the function that judges flights; green and red are
+// as judged.
 TEST(Scene, TheConeOfAViewIsThatOfItsLimit) {
   std::mt19937_64 random(1);
   const auto draw = [&](double low, double high) {

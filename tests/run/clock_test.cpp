@@ -42,7 +42,8 @@ TEST(SteadyClock, ALatePeriodDoesNotMoveTheGrid) {
   std::this_thread::sleep_for(milliseconds(31));
   std::int64_t k = clock.wait(1) + 1;
   k = clock.wait(k);
-  // It begins on a multiple of the period after the start, or later, never on one after the late wake-up.
+  // It begins on a multiple of the period after the start, or later, never on one after the late
+  // wake-up.
   EXPECT_GE(Time::now() - start, milliseconds(20) * k);
   EXPECT_GE(k, 2);
 }

@@ -117,7 +117,8 @@ TEST(Compensation, FindsTheWindThatTheCommandsDoNotExplain) {
   }
 }
 
-// How far a robot stands from where it is asked to be, after 20 s in a wind of which it knows nothing.
+// How far a robot stands from where it is asked to be, after 20 s in a wind of which it knows
+// nothing.
 template <RobotModel M>
 double offset(const M& robot, const Vec3<double>& wind, double gain,
               const std::vector<RobotCompensation>& how) {
@@ -154,7 +155,8 @@ TEST(Compensation, LeavesNoOffsetInWindFromAnywhereEvenWithAWrongGain) {
   }
 }
 
-// A robot of its own states is told the rest of its state and of its lean; both together are what it has in the wind.
+// A robot with its own states is told the rest of its state and of its lean. Both together are what
+// it has in the wind.
 TEST(Compensation, TellsHowWhatItAddsMakesARobotLean) {
   const Vec3<double> wind = {0.6, -0.3, 0.0};
   for (const Alone& alone : {Alone(Multirotor{}), Alone(AngleMultirotor{}), Alone(VelocityMultirotor{}),
@@ -183,7 +185,8 @@ TEST(Compensation, TellsHowWhatItAddsMakesARobotLean) {
   }
 }
 
-// How far a robot is from its circle after 20 s, in a wind and with a gain of which it knows nothing.
+// How far a robot is from its circle after 20 s, in a wind and with a gain of which it knows
+// nothing.
 double beside_its_circle(FeedForwardFrom feed_forward, double gain, std::string_view solver_name) {
   const Circle circle = {.centre = {0, 0, 1}, .radius = 0.5, .rate = 0.3};
   const Alone alone(HoverMultirotor{});

@@ -16,7 +16,8 @@ Agent agent_of(const M& robot) {
   return team.agent(team.add(robot));
 }
 
-/// How far a robot ends from its circle after 3 s under u* alone, from a place on it at its velocity.
+/// How far a robot ends from its circle after 3 s under u* alone, from a place on it at its
+/// velocity.
 double astray(const Agent& agent, const Circle& circle, const Vec2<double>& heading, bool fed) {
   const Model& model = agent.model;
   std::vector<double> x(agent.Q.size()), u(agent.R.size());

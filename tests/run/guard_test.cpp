@@ -24,7 +24,8 @@ Team two_robots() {
 }
 const Numbers start_of_both = {0, 0, 1, 1, 0, 0, 0, /**/ 4, 0, 1, 1, 0, 0, 0, /**/ 2, 3, 1, 0, 0, 0};
 
-// A flight under one command for both robots; the true states are measured, with the time of the moment.
+// A flight under one command for both robots; the true states are measured, with the time of the
+// moment.
 struct GuardedFlight {
   explicit GuardedFlight(const GuardOptions& options, const Numbers& command = {1, 0, 0, 0, -1, 0, 0, 0})
       : guard(team, options), requested(command) {}

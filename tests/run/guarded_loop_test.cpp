@@ -15,8 +15,8 @@ namespace {
 using test::control_period;
 using Numbers = std::vector<double>;
 
-// Plans at t0 the input 0.1 + (t - t0) for every channel, so that each input tells how old its plan is; keeps what it
-// was asked.
+// Plans at t0 the input 0.1 + (t - t0) for every channel, so that each input tells its plan's age.
+// Keeps what it was asked.
 class ScriptedSolver : public Solver {
  public:
   explicit ScriptedSolver(Team team)
@@ -94,7 +94,7 @@ TEST(GuardedLoop, OfALatePlanTheOneBeforeGoesOnAndTheNextUpdateBeginsOnlyWhenItI
   }
   for (int k = 0; k < 100; ++k) {
     const int since = k < 30 || k >= 60 ? 0 : (k - 30) % 6;
-    const int age = since == 5 ? 5 : since + (k < 30 || k >= 60 ? 0 : k < 36 ? 1 : 6);  // in periods
+    const int age = since == 5 ? 5 : since + (k < 30 || k >= 60 ? 0 : k < 36 ? 1 : 6);  // periods
     const double expected = 0.1 + control_period * age;
     ASSERT_NEAR(samples[static_cast<std::size_t>(k)].u[0], expected, 1e-9) << k;
     const Status status = samples[static_cast<std::size_t>(k)].solvers[0].status;
@@ -121,7 +121,8 @@ TEST(GuardedLoop, APlanThatFailsIsFlownOnThenSlowedThenHeldThenLanded) {
   }
 }
 
-// An update that the solver's own clock ended is a plan still: 799 of 799 of them landed the robots.
+// An update that the solver's own clock ended is a plan still: 799 of 799 of them landed the
+// robots.
 TEST(GuardedLoop, OfWhateverStatusAPlanIsFlownAndOnlyWithoutOneTheRobotLands) {
   for (int s = 0; s < status_count; ++s) {
     ScriptedSolver solver(one_robot());

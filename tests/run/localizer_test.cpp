@@ -65,7 +65,8 @@ struct LocalizedFlight {
   std::vector<double> end;                // true states
 };
 
-/// A world that tells no more than robots would be told, and what localizes uav1 and those behind it by it.
+/// A world that tells no more than robots would be told, and what localizes uav1 and those behind
+/// it by it.
 struct Localization {
   std::unique_ptr<TelemetryWorld> world;
   LocalizerOptions options{};
@@ -212,7 +213,8 @@ TEST(Localizer, ItTellsHowWellAPositionIsKnownAndWhatWasSeen) {
   EXPECT_EQ(flight.localizer->uncertainties()[0].after(1.0), 0.0) << "it needs no view";
 }
 
-/// Nothing is seen from 3 s on. What the robot says then of a second later is what it says then, and at most the double.
+/// Nothing is seen from 3 s on. What the robot says then of a second later is what it says then,
+/// and at most the double.
 TEST(Localizer, ADoubtAheadIsThatOfARobotThatSeesNothingUntilThen) {
   for (const FilterKind kind : {FilterKind::heading, FilterKind::attitude}) {
     auto flight = localized(2, kind, 5, {.from = 3.0, .until = 60.0});
@@ -333,7 +335,8 @@ class SpoiledWorld final : public World {
   std::vector<double> spoiled_, stamps_;
 };
 
-/// Commands of a guarded loop in a world where the state of uav1 is measured with that error, and estimates of uav1.
+/// Commands of a guarded loop in a world where the state of uav1 is measured with that error, and
+/// estimates of uav1.
 std::vector<double> commands_with(double spoiled_by) {
   auto flight = localized(2, FilterKind::heading, 7);
   SpoiledWorld world(*flight.world, spoiled_by);

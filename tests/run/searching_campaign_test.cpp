@@ -108,7 +108,8 @@ TEST(SearchingCampaign, OnEstimatesNobodyComesBelowTheHardDistance) {
     int below = 0;
     const int count = runs(guarded ? 2000 : 100, 50);
     for (int i = 0; i < count; ++i) {
-      // Shorter than it takes until the barrier reckons with less than is not known, Guard::sigma_most.
+      // Shorter than it takes until the barrier reckons with less than is not known,
+      // Guard::sigma_most.
       SearchingOptions options{
           .seed = static_cast<std::uint64_t>(i) + 1, .duration = 7.0, .hostile = true, .guarded = guarded};
       options.filter = both_filters[i % 10 == 0 ? 1 : 0];

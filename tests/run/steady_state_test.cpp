@@ -47,7 +47,8 @@ TEST(SteadyState, OfARobotWithoutInnerStatesIsTheStateItself) {
 TEST(SteadyState, TheTopSpeedIsThatOfTheModelUnderItsLimits) {
   const std::vector<double> low(4, -1.0), high(4, 1.0), half(4, 0.5), minus_half(4, -0.5);
   const Model multirotor = Multirotor{};
-  // Its drag is linear: whatever it does, no component of a velocity under random inputs within the limits is beyond.
+  // Its drag is linear: whatever it does, no component of a velocity under random inputs within the
+  // limits is beyond.
   const double top = top_speed(multirotor, low, high);
   EXPECT_NEAR(top_speed(multirotor, minus_half, half), 0.5 * top, 1e-2 * top);
   std::mt19937_64 random(3);

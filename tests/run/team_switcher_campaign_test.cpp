@@ -1,5 +1,5 @@
-/// The bumpless law: any sequence of events on any team leaves a flight that is finite, within its limits, and the
-/// same each time.
+/// The bumpless law: any sequence of events on any team leaves a flight that is finite, within its
+/// limits, and the same each time.
 #include <gtest/gtest.h>
 #include <malloc.h>
 

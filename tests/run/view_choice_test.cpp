@@ -12,7 +12,8 @@
 namespace sightline {
 namespace {
 
-/// Eight robots on circles of their own, two of which know their places; the others look at one of all.
+/// Eight robots on circles of their own, two of which know their places; the others look at one of
+/// all.
 struct ManyViews {
   Team team;
   Script script;

@@ -1,4 +1,5 @@
-// The frame in which the view of a robot that is localized by vision is kept: whatever its pose estimate does.
+// The frame in which the view of a robot that is localized by vision is kept: whatever its pose
+// estimate does.
 #include "sightline/run/view_odometry.hpp"
 
 #include <gtest/gtest.h>
@@ -44,8 +45,9 @@ struct Used {
   double above;
 };
 
-// The pose estimate jumps as it likes, as long as position relative to the target, velocity and yaw rate are
-// within their bounds. The truth is flown beside it, with wind, and with commands that act late.
+// The pose estimate jumps as it likes, as long as position relative to the target, velocity and yaw
+// rate are within their bounds. The truth is flown beside it, with wind, and with commands that act
+// late.
 template <RobotModel M>
 void fly_beside_truth(const M& robot, std::uint64_t seed) {
   const Model model(robot);
@@ -70,7 +72,7 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
 
     std::vector<double> x = test::state_of(model, {.z = 2.0});
     Vec3<double> target = {1.5, 0.0, 1.4};
-    std::vector<std::vector<double>> commands(size(late), std::vector<double>(4));  // in the order of effect
+    std::vector<std::vector<double>> commands(size(late), std::vector<double>(4));  // as they act
     std::vector<Used> used;
     std::vector<double> u(4);
     double gauge = 0.0, turned = 0.0, climbed = 0.0, farthest = 0.0, off = 0.0, off_v = 0.0, off_h = 0.0;
@@ -136,7 +138,7 @@ void fly_beside_truth(const M& robot, std::uint64_t seed) {
                 target.y + bounds.speed * odometry_period * way.y,
                 target.z + bounds.climb * odometry_period * (x[2] - target.z > 0.6 ? 1.0 : -1.0)};
     }
-    constexpr double rounding = 2e-3;  // of the wind that turns within a period, and of the delay's drag
+    constexpr double rounding = 2e-3;  // wind that turns within a period, drag of the delay
     ASSERT_LT(farthest, odometry_reach);
     EXPECT_LE(off, known.radius + rounding) << flight;
     EXPECT_GT(off, 0.3 * bounds.error) << flight;
@@ -163,7 +165,8 @@ TEST(ViewOdometry, ItsBoundsGrowWithEachError) {
   }
 }
 
-/// A view of uav1 by uav0, which is localized by vision, both at rest, from given estimates of its heading.
+/// A view of uav1 by uav0, which is localized by vision, both at rest, from given estimates of its
+/// heading.
 class GivenView {
  public:
   GivenView() {

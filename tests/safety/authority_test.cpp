@@ -111,7 +111,8 @@ TEST(Authority, OfThrustsInGDoesNotTurnWithTheHeading) {
   EXPECT_EQ(a.thrust_count, 2);
 }
 
-// Any model of the kind: with u the least command that gives it, v' is -c v + b m, at any speed and heading.
+// Any model of the kind: with u the least command that gives it, v' is -c v + b m, at any speed and
+// heading.
 TEST(Authority, CanBeHadInEveryDirectionAtEverySpeed) {
   Random random(1);
   for (int k = 0; k < 50; ++k) {

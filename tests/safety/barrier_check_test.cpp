@@ -1,4 +1,5 @@
-// The guarantee of docs/safety.md at periods from 1 ms to the longest, against bodies and robots that do their worst.
+// The guarantee of docs/safety.md at periods from 1 ms to the longest, against bodies and robots
+// that do their worst.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +16,9 @@
 #include "tests/support/random.hpp"
 #include "tests/support/refusal.hpp"
 
-/// Flights at any period of the commands, of any robot that a barrier accepts, against bodies that turn at any moment, and of two
-/// robots that meet. Distances are taken every 5 ms at least; whoever flies here starts at the edge of what is safe.
+/// Flights at any period of commands of any robot that a barrier accepts, against bodies that turn
+/// at will; and of two robots that meet. Distances are taken every 5 ms at least; whoever flies
+/// here starts at the edge of what is safe.
 namespace sightline::test {
 namespace {
 
@@ -27,9 +29,8 @@ Barrier barrier_of(const Model& model, double period, BarrierOptions options = {
 }
 
 struct ChaseOutcome {
-  bool began = false;  ///< within the guarantee
-  double spare =
-      std::numeric_limits<double>::infinity();  ///< least distance less d_hard, between samples too [m]
+  bool began = false;                                        ///< within the guarantee
+  double spare = std::numeric_limits<double>::infinity();    ///< least distance less d_hard, at any time [m]
   double lowest = std::numeric_limits<double>::infinity();   ///< least height [m]
   double farthest = 0.0;                                     ///< greatest |p_x| and |p_y| [m]
   double reserve = std::numeric_limits<double>::infinity();  ///< least [m]
@@ -129,8 +130,7 @@ ChaseOutcome chase(const Model& model, const Barrier& barrier, const Chase& c, s
       return barrier.reserve(robot.x, body);
     });
     body.p = start + (far + (c.bodies > 1 ? uniform(random, 0, 1) : 0.0)) * direction;
-    outcome.began =
-        outcome.began || norm(body.p - start) > 9.0;  // comes from beyond what one plan is sought for
+    outcome.began = outcome.began || norm(body.p - start) > 9.0;  // from beyond the reach of one plan
   }
   if (c.bodies > 1 && outcome.began) return {};
   const int pursuit = static_cast<int>(random() % 3), hold = 1 + static_cast<int>(random() % 12);

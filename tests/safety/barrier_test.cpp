@@ -45,8 +45,8 @@ Neighbour uncooperative_at(const Barrier& filter, const State& x, double reserve
   return n;
 }
 
-/// Whether the robot, flown by its own model with one pair of full thrusts, height and heading held, stays out of
-/// reach of the uncooperative neighbour for as long as it takes to be the faster one.
+/// Whether the robot stays out of reach of the uncooperative neighbour until it is the faster one.
+/// Its model flies with one pair of full thrusts, height and heading held.
 bool can_flee(const State& from, const Neighbour& n) {
   for (const double u_f : {-1.0, 1.0}) {
     for (const double u_s : {-1.0, 1.0}) {
@@ -76,7 +76,8 @@ TEST(Barrier, ReserveIsAPromiseThatTheRobotItselfCanKeep) {
   EXPECT_LE(beyond, 40);
 }
 
-// The argument of the barrier, tick by tick: whatever is commanded and wherever the uncooperative neighbour goes.
+// The argument of the barrier, tick by tick: whatever is commanded and wherever the uncooperative
+// neighbour goes.
 TEST(Barrier, UsesUpItsReserveNoFasterThanItsRate) {
   const Barrier filter = barrier();
   Random random(2);
@@ -217,7 +218,7 @@ TEST(Barrier, KeepsTheFloorWhateverPressesFromAbove) {
 
 TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
   const Barrier filter = barrier({.floor = 0.3, .ceiling = 2.0});
-  for (const double side : {1.0, -1.0}) {  // at the floor with one above, and at the ceiling with one below
+  for (const double side : {1.0, -1.0}) {  // floor, one above; ceiling, one below
     State x = {0, 0, side > 0 ? 0.3 : 2.0, 1, 0, 0, 0};
     const Neighbour threat{.p = {0.05, 0, x[2] + 0.3 * side}, .d_hard = 0.6, .speed_max = 0.0};
     VehicleInput u = {0, 0, 0, 0};
@@ -228,7 +229,8 @@ TEST(Barrier, KeepsFloorAndCeilingBeforeADistanceThatIsLost) {
   }
 }
 
-// A robot that just stops before a bound of the world, and a body behind it that it can only leave by going on.
+// A robot that just stops before a bound of the world, and a body behind it that it can only leave
+// by going on.
 TEST(Barrier, KeepsTheBoundsOfTheWorldBeforeADistanceThatIsLost) {
   constexpr double world = 5.0;
   const Barrier filter = barrier({.world = world});
@@ -464,7 +466,8 @@ TEST(Barrier, WithPartOfItsLimitsHeldForWindItKeepsTheDistanceFromFartherAway) {
   }
 }
 
-// A robot of px4's numbers flies at a pursuer that is as fast in height as in the plane, up, down and at random.
+// A robot of px4's numbers flies at a pursuer that is as fast in height as in the plane, up, down
+// and at random.
 TEST(Barrier, KeepsTheDistanceAndTheFloorOfARobotThatClimbsAndTurnsLate) {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const Model px4{VelocityMultirotor{.frame = seed < 60 ? VelocityFrame::heading : VelocityFrame::level}};

@@ -1,4 +1,5 @@
-// The barrier of robots that drive along their heading: the plan, its set, and who is kept away from.
+// The barrier of robots that drive along their heading: the plan, its set, and who is kept away
+// from.
 #include <gtest/gtest.h>
 
 #include <numbers>

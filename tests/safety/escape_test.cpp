@@ -116,7 +116,8 @@ TEST(Escape, TakesTheBestOfAllDirectionsOfADisc) {
   EXPECT_LE(apart, cases / 100);
 }
 
-// The tube's argument: who follows the plan has no less after a step, wherever the neighbour went meanwhile.
+// The tube's argument: who follows the plan has no less after a step, wherever the neighbour went
+// meanwhile.
 TEST(Escape, LosesNothingByFollowingThePlan) {
   const EscapePlans plans(drag, control_period);
   Random random(4);
@@ -164,7 +165,8 @@ bool same(const Touch& a, const Touch& b) {
          a.slope == b.slope && a.curvature == b.curvature;
 }
 
-// Of as many tubes as fill a pack, and of fewer; every fourth on the robot itself, every fifth beyond help.
+// Of as many tubes as fill a pack, and of fewer; every fourth on the robot itself, every fifth
+// beyond help.
 TEST(Escape, OfTubesSideBySideAreThoseOneByOne) {
   const EscapePlans plans(drag, control_period);
   Random random(6);

@@ -60,7 +60,8 @@ struct Best {
   VectorXd x;
 };
 
-/// The nearest point among those that keep all conditions and are nearest on some set of at most n of them.
+/// The nearest point among those that keep all conditions and are nearest on some set of at most n
+/// of them.
 class Enumeration {
  public:
   explicit Enumeration(const Conditions& c) : c_(c) { visit({}, 0); }
@@ -103,7 +104,8 @@ class Enumeration {
   Best best_;
 };
 
-/// Rows of many kinds: any, parallel, opposed, repeated, of limits, through one point, without influence.
+/// Rows of many kinds: any, parallel, opposed, repeated, of limits, through one point, without
+/// influence.
 Problem random_problem(Random& random, std::size_t nu, std::size_t m) {
   Problem p;
   for (std::size_t i = 0; i < nu; ++i) {
@@ -208,7 +210,8 @@ TEST(Projection, IsTheBestOfAllActiveSetsAmongSixteenRows) {
   EXPECT_GT(infeasible, 3);
 }
 
-// The optimum is known where the rows are made to hold there and to push against the step that led there.
+// The optimum is known where the rows are made to hold there and to push against the step that led
+// there.
 TEST(Projection, FindsTheOptimumThatTheRowsWereMadeFor) {
   Random random(3);
   for (int k = 0; k < 30000 && !HasFailure(); ++k) {
@@ -284,7 +287,8 @@ TEST(Projection, NeverTradesAHardRowForOneThatIsNot) {
     const ProjectionResult least = project(walls.rows, p.u_min, p.u_max, alone);
     hard_alone += !least.feasible;
     EXPECT_LE(violation_of(p, u, true), least.violation + 2e-9);
-    // What is left to the others is theirs: no command that keeps the hard rows as well misses them by less.
+    // What is left to the others is theirs: no command that keeps the hard rows as well misses them
+    // by less.
     const double missed = violation_of(p, u, false);
     for (int i = 0; i < 20; ++i) {
       std::vector<double> other = u;

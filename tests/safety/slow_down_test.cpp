@@ -12,8 +12,8 @@
 namespace sightline {
 namespace {
 
-// A point is at the robot for a while, then it follows no faster than `speed`. A request lasts while
-// it is left behind.
+// A point is at the robot for a while, then it follows no faster than `speed`. A request lasts
+// while it is left behind.
 template <RobotModel M>
 void expect_gains_little(const M& robot, double delay) {
   const Model model(robot);

@@ -272,7 +272,7 @@ void come_nearer(Neighbour& n, const LaggedVehicle& robot) {
 }
 
 /// What a plan of acceleration a leaves of the distance to a body at `other`, by the formulas of
-/// docs/safety.md, at samples of `from` and later.
+/// docs/safety.md, from sample `from` on.
 double left_by_plan(const LaggedVehicle& robot, const EscapePlans& plans, const Vec2<double>& a,
                     const Vec3<double>& other, double speed, double w, double delay, int from) {
   const LaggingHoverMultirotor& m = robot.m;
@@ -412,7 +412,8 @@ TEST(ThrustLag, ThePlanOfThePeriodBeforeIsFlownWhereNoneIsProvenThoughTheBodyIsF
   EXPECT_NEAR(flown(), -0.9, 1e-6);
 }
 
-/// One sample ahead of states at the edge of the safe set, with hostile commands, the worst neighbour and pushes.
+/// One sample ahead of states at the edge of the safe set, with hostile commands, the worst
+/// neighbour and pushes.
 TEST(ThrustLag, NoSampleLeavesTheSafeSet) {
   Random random(4);
   double worst = infinity, least = infinity, violation = 0.0;
@@ -462,8 +463,9 @@ struct LaggedDuel {
   std::int64_t allocations = 0;
 };
 
-/// A vehicle whose commands take effect `late` periods after the measurement, and an adversary that heads for it, for
-/// where it will be, or anywhere; from the edge of what `guard` calls safe. `at_once`: the filter omits the lags.
+/// A vehicle whose commands take effect `late` periods after the measurement, from the edge of what
+/// `guard` calls safe. An adversary heads for it, for where it will be, or anywhere. `at_once`: the
+/// filter omits the lags.
 LaggedDuel duel(const Barrier& guard, const Barrier& filter, bool at_once, const LaggingHoverMultirotor& m,
                 double w, int late, std::uint64_t seed) {
   Random random(seed);

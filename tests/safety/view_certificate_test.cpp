@@ -41,8 +41,8 @@ TEST(ViewCertificate, CertifiesTheSpeedsOfTheRecipe) {
   EXPECT_GE(largest_speed({.spread = 0.1}, cone_limits()), 0.81);
 }
 
-// The corridor between 0.655 and 2 m must let the robot flee at W, brake and pursue at W, with the
-// greatest radial acceleration of both thrusts, 1.36 b. No controller does better.
+// Between 0.655 and 2 m the robot must flee at W, brake and pursue at W. Its greatest radial
+// acceleration, of both thrusts, is 1.36 b. No controller does better.
 TEST(ViewCertificate, CertifiesNoMoreThanAnyControllerCanKeep) {
   EXPECT_LE(largest_speed({}, cone_limits()), 1.20);
   EXPECT_EQ(
@@ -64,7 +64,8 @@ TEST(ViewCertificate, CertifiesLessForEachGreaterBound) {
   EXPECT_LT(largest_speed({}, view_limits(SensorCone{}, 1.0, 1.8)), base);
 }
 
-// A right angle exchanges two inputs of equal thrust. Between, the longer diagonal of their square serves.
+// A right angle exchanges two inputs of equal thrust. Between, the longer diagonal of their square
+// serves.
 TEST(ViewCertificate, CertifiesNoLessOfASensorThatLooksAside) {
   const double ahead = largest_speed({}, test::aside_limits(0.0));
   for (const double yaw : {1.5708, -1.5708, 3.1416})

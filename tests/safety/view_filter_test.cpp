@@ -99,7 +99,8 @@ TEST(ViewFilter, NorOfOneWithOtherThrustAndDragSidewardThanAhead) {
   expect_invariant(uneven, {.speed = 0.5}, test::aside_limits(1.5708));
 }
 
-// Commands within both intervals stay as they are, though two inputs together make each acceleration.
+// Commands within both intervals stay as they are, though two inputs together make each
+// acceleration.
 TEST(ViewFilter, ChangesNoCommandOfASensorThatLooksAsideWithoutNeed) {
   const std::vector<Potential> limits = test::aside_limits(0.7);
   const ViewCertificate z = certificate_of(view_task(Multirotor{}, {}, limits), limits);

@@ -1,4 +1,5 @@
-// Whatever is measured and whatever plans, what is applied is finite and within the limits in force, limits before rates.
+// Whatever is measured and whatever plans, what is applied is finite and within the limits in
+// force, limits before rates.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -82,7 +83,8 @@ TEST(AppliedLimits, HoldInEachPeriodOnEveryPath) {
       if (in_force) most = way.narrowed;
       for (std::size_t i = 0; i < now.u.size(); ++i) {
         ASSERT_LE(std::abs(now.u[i]), most) << now.time << " s, input " << i << "\n" << text;
-        // Where an input may not move as little as its rate asks, it moves no further than the limit. The barrier may jump.
+        // Where an input may not move as little as its rate asks, it moves no further than the
+        // limit. The barrier may jump.
         if (way.barrier == "on") continue;
         const double nearest = std::clamp(before[i], -most, most);
         ASSERT_LE(std::abs(now.u[i] - nearest), rate_max * control_period + 1e-9)

@@ -42,7 +42,7 @@ TEST(HalfTurnOfAScenario, AStepOfPiTurnsTheRobot150DegreesIn3SecondsWhateverTheS
           heading + "] } }"));
       scenario.solver = solver_named(name);
       const TeamFlight flight = fly_scenario(scenario);
-      EXPECT_NEAR(turned(flight, 0.0, 3.0), 0.0, 1e-9) << name;  // until the horizon reaches the step
+      EXPECT_NEAR(turned(flight, 0.0, 3.0), 0.0, 1e-9) << name;  // before the horizon sees the step
       EXPECT_GE(turned(flight, 0.0, 7.0), 150 * deg) << name << " " << heading;
       EXPECT_LE(turned(flight, 0.0, 7.0), 181 * deg) << name << " " << heading;
     }

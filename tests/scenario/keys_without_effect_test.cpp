@@ -16,7 +16,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Its speed is a state that the wind does not push, its height changes never, and no one input turns it.
+// Its speed is a state that the wind does not push, its height changes never, and no one input
+// turns it.
 constexpr const char* boat = R"toml(
 [agent.boat]
 start = { p = [0.0, 0.0, 0.0] }

@@ -94,8 +94,8 @@ TEST(LocalizedView, OfLostDetectionsIsCertifiedLess) {
   EXPECT_LT(before, 1000);
 }
 
-// A pillar hides the target for seconds. The certificate ends before the view counts as lost, and the search
-// leads back into the set.
+// A pillar hides the target for seconds. The certificate ends before the view counts as lost, and
+// the search leads back into the set.
 TEST(LocalizedView, EndsBeforeTheViewIsLostAndTheSearchEndsInTheSet) {
   const LocalizedFlown flown =
       fly_localized(localized_view({"simulation.duration=40.0", "agent.uav1.reference.circle.rate=0.0",

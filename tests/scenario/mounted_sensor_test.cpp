@@ -1,5 +1,5 @@
-// Sensors that sit and look anywhere, also several on a robot: views by quaternions of the test's own, two set-ups that
-// are one, and flights.
+// Sensors that sit and look anywhere, also several on a robot: views by quaternions of the test's
+// own, two set-ups that are one, and flights.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -53,7 +53,8 @@ Vec3<double> turned(Quaternion q, const Vec3<double>& v, bool back = false) {
 
 constexpr Vec3<double> x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 
-/// The target in the sensor frame: yaw, pitch and roll of the robot, the lever arm, and those of the sensor.
+/// The target in the sensor frame: yaw, pitch and roll of the robot, the lever arm, and those of
+/// the sensor.
 Vec3<double> in_sensor(const SensorMount& mount, const Sight<double>& robot, const Vec3<double>& p_G) {
   Quaternion q = about(z_axis, std::atan2(robot.d.y, robot.d.x));
   if (mount.frame == MountFrame::body) {
@@ -103,7 +104,8 @@ std::array<double, 2 * sight_size + 1> numbers_of(const Sight<double>& a, const 
   return all;
 }
 
-/// The derivatives of the recorded formula, by which solvers see it, against central differences of `l`.
+/// The derivatives of the recorded formula, by which solvers see it, against central differences of
+/// `l`.
 template <class Own>
 void expect_derivatives(const Potential& potential, const Sight<double>& a, const Sight<double>& b,
                         const Own& l) {
@@ -118,7 +120,7 @@ void expect_derivatives(const Potential& potential, const Sight<double>& a, cons
   const std::vector<double> slopes =
       evaluate(Program(graph, gradient(graph, of.in(graph), by), 2 * sight_size + 1), here);
   for (std::size_t i = 0; i < 2 * sight_size; ++i) {
-    if (i % sight_size == 3 || i % sight_size == 4) continue;  // a heading has one degree of freedom
+    if (i % sight_size == 3 || i % sight_size == 4) continue;  // a heading has one freedom
     const auto moved = [&](double step) {
       auto there = here;
       there[i] += step;
@@ -159,7 +161,8 @@ TEST(MountedSensor, ADistanceOfTheSensorKeepsApartWhereverItSits) {
   EXPECT_FALSE(keeps_apart(Region("range < 0.7 m").seen_from(mount)));
 }
 
-/// The mount on a robot whose heading is turned back by a quarter, so that the sensor is where it was.
+/// The mount on a robot whose heading is turned back by a quarter, so that the sensor is where it
+/// was.
 SensorMount on_the_left(SensorMount mount) {
   mount.yaw += pi / 2;
   mount.offset = {-mount.offset.y, mount.offset.x, mount.offset.z};
@@ -195,7 +198,8 @@ TEST(MountedSensor, OnTheLeftOfARobotTurnedRightCostsAndJudgesAlike) {
   EXPECT_GT(seen, 100);
 }
 
-/// Sightings of a body by a robot at `p` with this heading, and what its filter makes of them in 2 s.
+/// Sightings of a body by a robot at `p` with this heading, and what its filter makes of them in 2
+/// s.
 struct Localized {
   std::vector<Detection> pictures{};
   PoseEstimate estimate{};
@@ -279,7 +283,8 @@ Scenario watched(std::string_view start, std::string_view sensor, std::string_vi
   return test::scenario_of(watcher(start, sensor, potential));
 }
 
-/// Share of the samples from 4 s on in which the ball is within 0.5 rad of the axis, by quaternions.
+/// Share of the samples from 4 s on in which the ball is within 0.5 rad of the axis, by
+/// quaternions.
 double share_in_view(const Scenario& scenario, const SensorMount& mount) {
   const auto& observed = observations(scenario.team.couplings());
   EXPECT_EQ(observed.at(0).mount, mount) << "as in the file";
@@ -557,7 +562,7 @@ TEST(SeveralCameras, GiveTheirSightingsInTheFrameOfTheFirstWithTheirCovariance) 
         const double sign = d.w < 0 ? -2.0 : 2.0;
         const std::array<double, 6> errors = {p.x - one.p.x, p.y - one.p.y, p.z - one.p.z,
                                               sign * d.x,    sign * d.y,    sign * d.z};
-        if (std::hypot(errors[3], errors[4], errors[5]) > 0.5) continue;  // the mirrored pose of a tag
+        if (std::hypot(errors[3], errors[4], errors[5]) > 0.5) continue;  // a tag's mirrored pose
         Column<6> e;
         for (int i = 0; i < 6; ++i) e(i, 0) = errors[static_cast<std::size_t>(i)];
         const Column<6> y = Cholesky<6>(one.covariance_matrix()).forward(e);

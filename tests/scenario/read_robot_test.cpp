@@ -113,7 +113,8 @@ TEST(ReadRobot, LimitsThatAreLeftOutAreTheRobots) {
   EXPECT_EQ(limits(1).u_min().at(0), (std::vector<double>{-3, -3, -1, -0.78}));
 }
 
-/// A scenario whose text robot lost, doubled or exchanged some of its bytes is read, or refused with a place.
+/// A scenario whose text robot lost, doubled or exchanged some of its bytes is read, or refused
+/// with a place.
 TEST(ReadRobot, ADamagedTextIsARobotOrARefusalWithItsLine) {
   Random random(2);
   int refused = 0;

@@ -59,8 +59,8 @@ struct Flown {
   ViewReserve missed{};  // of the last sample that is not certified
 };
 
-/// Flies a scenario; the view is judged by the limits themselves at the true states, the cost is that
-/// of the team `counted`.
+/// Flies a scenario; the view is judged by the limits themselves at the true states, the cost is
+/// that of the team `counted`.
 Flown fly(const Scenario& scenario, const Team& counted) {
   const Team& team = scenario.team;
   Flown flown;
@@ -161,8 +161,8 @@ TEST(CertifiedViews, AreNotCertifiedFromMeasurementsOlderThanStated) {
   EXPECT_EQ(stated.lost, 0);
 }
 
-// The supervisor predicts the own state to now. In wind that the bounds have, the view is kept; more
-// wind leaves the filter's state behind.
+// The supervisor predicts the own state to now. In wind that the bounds have, the view is kept;
+// more wind leaves the filter's state behind.
 TEST(CertifiedViews, OfAnObserverWhoseOwnStateIsLateNeedAgeSupervisorAndBoundedWind) {
   const auto late = [](const std::string& bounds, double wind, const std::string& supervisor) {
     return fly(
@@ -465,7 +465,8 @@ TEST(CertifyView, TheSetsOfAnEventAreThoseOfThePairsObservedAfterIt) {
             (Sets{"uav0 cube", "uav1 ball"}));
 }
 
-// The other coupling moves with the one that observes, or is added and given a sensor by two events.
+// The other coupling moves with the one that observes, or is added and given a sensor by two
+// events.
 TEST(CertifyView, ACouplingThatIsGivenASensorBeginsTheSetOfItsPair) {
   using Sets = std::vector<std::string>;
   const auto event = [](const char* name, double at, const std::string& actions) {

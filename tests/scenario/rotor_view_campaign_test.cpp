@@ -1,4 +1,5 @@
-// Certified views of vehicles with rotors, in wind, of a target that turns at will and at the robot.
+// Certified views of vehicles with rotors, in wind, of a target that turns at will and at the
+// robot.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

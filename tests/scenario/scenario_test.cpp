@@ -272,8 +272,8 @@ TEST(Scenario, AThousandRobotsAreReadAndOneTooManyIsRefused) {
             "a.toml:1: agent = {...}, expected at most 1024 robots");
 }
 
-// Bytes of a good scenario are deleted, doubled, exchanged and moved; whatever comes of it is read or
-// refused.
+// Bytes of a good scenario are deleted, doubled, exchanged and moved; whatever comes of it is read
+// or refused.
 TEST(Scenario, ASpoiltScenarioIsReadOrRefusedInOneLine) {
   // The one says everything, the other by templates and ranges.
   const std::array good = {read_file(tree / "scenarios/paper_7_1.toml"),

@@ -1,4 +1,5 @@
-// Certified views of another robot of the team that is faster than the bound until it is requested to slow down.
+// Certified views of another robot of the team that is faster than the bound until it is requested
+// to slow down.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -242,7 +243,8 @@ TEST(ViewsOnRequest, OfARobotWithACertifiedViewOfItsOwnStayCertifiedWithThatView
   EXPECT_GT(active, 0);
 }
 
-// Beyond the bound it would brake relative to the ball, and follow it faster than it is requested to.
+// Beyond the bound it would brake relative to the ball, and follow it faster than it is requested
+// to.
 TEST(ViewsOnRequest, OfARobotThatFollowsAMeasuredVelocityAreRefused) {
   Random random(9);
   const std::string text =

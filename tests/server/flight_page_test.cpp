@@ -83,7 +83,8 @@ TEST(FlightPage, TheSolveTimeIsThatOfTheSolvers) {
   EXPECT_THAT(client.receive("\"it\":", 5.0), HasSubstr("\"us\":40,"));
 }
 
-/// Hears the poses of uav0 until a flight of so many periods is over. @return their times, in periods
+/// Hears the poses of uav0 until a flight of so many periods is over. @return their times, in
+/// periods
 std::vector<std::int64_t> hear_poses(PageClient& client, std::int64_t last) {
   test::FoxgloveEars ears;
   const auto channel = test::advertised(ears.next_op(client, "advertise"), "/uav0/pose");
@@ -156,7 +157,7 @@ class Attackers {
   /// @param closes  else it is answered by a status
   void send(const std::string& bytes, bool closes) {
     PageClient client(port_);
-    if (!client.ask_for_topics().starts_with("HTTP/1.1 101")) return;  // no room, which is bounded too
+    if (!client.ask_for_topics().starts_with("HTTP/1.1 101")) return;  // no room, bounded too
     client.say(bytes);
     test::FoxgloveEars ears;
     const auto status = ears.next_op(client, "status", 2.0);
@@ -190,7 +191,8 @@ TEST(FlightPage, WhatIsTriedAtItsPortTouchesNeitherTheLoopNorWhoListens) {
   EXPECT_GT(flight.page.counts().closed, 0);
 }
 
-// The promise to the loop: ten who look on, of whom one reads nothing and others come and go, hold up nothing.
+// The promise to the loop: ten who look on, of whom one reads nothing and others come and go, hold
+// up nothing.
 TEST(FlightPage, WatchersThatReadNothingOrLeaveDoNotHoldUpTheLoop) {
   ShownFlight flight(2.0);
   std::list<PageClient> watchers;

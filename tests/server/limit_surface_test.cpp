@@ -28,7 +28,8 @@ std::pair<Sight<double>, Sight<double>> bodies_at(const LimitSurface& surface, c
   return {a, b};
 }
 
-/// How far a corner is from where the limit changes its sign: the limit is asked a little to all sides.
+/// How far a corner is from where the limit changes its sign: the limit is asked a little to all
+/// sides.
 bool lies_on_the_limit(const Potential& potential, const LimitSurface& surface, const Vec3<double>& corner) {
   const double step = 1e-4 * surface.reach;
   bool kept = false, broken = false;

@@ -142,7 +142,8 @@ TEST(LogPage, AKilledRunIsShownAsFarAsItGoes) {
   EXPECT_GT(seen, 20U);
   EXPECT_EQ(moments.state(), LogState::growing);
   log.leave();
-  // The two files are cut at the same share of their bytes, so the log may have periods whose times timing.csv has not.
+  // The two files are cut at the same share of their bytes, so the log may have periods whose times
+  // timing.csv has not.
   EXPECT_EQ(seen + moments.read_on().size(), LogMoments(log.folder, scenario).read_on().size());
   EXPECT_EQ(moments.state(), LogState::broken);
 }

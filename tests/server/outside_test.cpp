@@ -1,4 +1,5 @@
-// What goes wrong beside the control path, while something is flown, watched and logged: no flight ends by it.
+// What goes wrong beside the control path, while something is flown, watched and logged: no flight
+// ends by it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

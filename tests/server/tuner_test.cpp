@@ -36,8 +36,8 @@ TEST(Tuner, EachShippedScenarioTakesAChangeAndComesToAScenarioThatIsFlown) {
   int compared = 0;
   for (const auto& entry : fs::recursive_directory_iterator(SIGHTLINE_SOURCE_DIR "/scenarios")) {
     if (entry.path().extension() != ".toml") continue;
-    if (entry.path().parent_path().filename() == "mujoco") continue;  // of a world that is built apart
-    if (test::read_file(entry.path()).find("\n[agent.") == std::string::npos) continue;  // a template
+    if (entry.path().parent_path().filename() == "mujoco") continue;                     // built apart
+    if (test::read_file(entry.path()).find("\n[agent.") == std::string::npos) continue;  // template
     SCOPED_TRACE(entry.path().native());
     Scenario scenario = read_scenario(entry.path());
     compared += scenario.simulation.compare.empty() ? 0 : 1;

@@ -88,7 +88,8 @@ TYPED_TEST(AnySolverWithBarriers, AWideLimitChangesNextToNothing) {
   TypeParam without(free, {}), with(limited, {});
   fly(without, at_rest, 200, [&](double t, const std::vector<double>& x, const Solution& s) {
     const auto u = with.solve(t, x).u;
-    // Rounding alone, a weight that differs by 1e-15, moves the inputs of the solvers by continuation by 1e-4.
+    // Rounding alone, a weight that differs by 1e-15, moves the inputs of the solvers by
+    // continuation by 1e-4.
     for (std::size_t j = 0; j < 4; ++j) EXPECT_NEAR(u[j], s.u[j], 5e-4) << t;
   });
 }

@@ -12,7 +12,8 @@ namespace {
 
 using paper::Variant;
 
-/// The largest defect |x_1 - x_0 - h f(x_0, u_0)| of the first stage, u_0 being that of the prediction.
+/// The largest defect |x_1 - x_0 - h f(x_0, u_0)| of the first stage, u_0 being that of the
+/// prediction.
 double first_defect(const Ocp& ocp, const Solution& s) {
   std::vector<double> rate(static_cast<std::size_t>(ocp.nx()));
   Hamiltonian(ocp).flow(s.x.data(), s.raw_u.data(), rate.data());

@@ -1,4 +1,5 @@
-// From any start Newton's method finds the optimum, limits hold on the way, and what it says of itself is true.
+// From any start Newton's method finds the optimum, limits hold on the way, and what it says of
+// itself is true.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,8 +32,8 @@ Team cold_team(paper::Variant variant, bool all_potentials) {
   return team;
 }
 
-/// States of the two: anywhere, and in turn with the target behind, looking away from each other, in one place,
-/// or so far apart that limits are active.
+/// States of the two: anywhere; or in turn with the target behind, looking apart, in one place, or
+/// so far that limits are active.
 std::vector<double> cold_start(Random& random, const Team& team, Reach reach, int trial) {
   std::vector<double> x = random_states(random, team, 6.0);
   const std::span<double> a = std::span(x).first(7), b = std::span(x).last(7);

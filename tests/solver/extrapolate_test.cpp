@@ -39,7 +39,8 @@ class Held {
 struct Errors {
   double own = 0.0, held = 0.0;
 };
-/// Mean of |u - u*| over a closed loop of 3 s from `since` on, where states are measured with noise of `sigma`.
+/// Mean of |u - u*| over a closed loop of 3 s from `since` on, where states are measured with noise
+/// of `sigma`.
 Errors errors(const Team& team, Values x, double since, double sigma, double period = 0.01,
               const NewtonRiccatiOptions& options = {}) {
   NewtonRiccati own(team, default_horizon, options),

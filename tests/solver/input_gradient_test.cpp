@@ -70,7 +70,8 @@ double converged(NewtonRiccati& solver, const Plan& from, const Values& states, 
   return sum;
 }
 
-/// Central difference of fourth order; NaN unless that of twice the step agrees to 5e-6: its error is 16 times as large.
+/// Central difference of fourth order; NaN unless that of twice the step agrees to 5e-6: its error
+/// is 16 times as large.
 double slope(const std::function<double(double)>& f, double step) {
   const auto central = [&](double by) { return (f(by) - f(-by)) / (2.0 * by); };
   const double one = central(step), two = central(2.0 * step), four = central(4.0 * step);

@@ -1,4 +1,5 @@
-// Converged Newton and IPOPT, which share nothing but the formulas, on random problems of two to six robots.
+// Converged Newton and IPOPT, which share nothing but the formulas, on random problems of two to
+// six robots.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -39,7 +39,8 @@ double defect(const Team& team, Random& random) {
   if (step.along != nullptr) {
     for (int i = 0; i < layout.u_length; ++i) u[3][i] += step.by * step.along[i];
   }
-  // The inputs found are what counts: their Sights follow from the linearised dynamics, by differences.
+  // The inputs found are what counts: their Sights follow from the linearised dynamics, by
+  // differences.
   const double by = 1e-6;
   Rows moved(2, layout.s_length);
   for (const int side : {0, 1}) {

@@ -60,7 +60,8 @@ struct SwarmField {
     return make_couplings(potentials, layout(), ocp.team().bodies(), KernelChoice::compiled_if_there, swarms);
   }
 
-  /// Robots within `wide` that move by up to `move` along the horizon; stage 0 of z is at rest, as steps are.
+  /// Robots within `wide` that move by up to `move` along the horizon; stage 0 of z is at rest, as
+  /// steps are.
   void draw(Random& random, double wide, double move) {
     for (int a = 0; a < static_cast<int>(layout().agents.size()); ++a) {
       const Vec3<double> p = random_point(random, wide), v = random_point(random, move);

@@ -300,7 +300,8 @@ std::vector<double> flown_in_unit(double s, std::pair<double, double> limits, do
   return all;
 }
 
-// Where thresholds are absolute, +-3 m/s is watched where +-1 is not, and +-0.1 is trusted where it should not be.
+// Where thresholds are absolute, +-3 m/s is watched where +-1 is not, and +-0.1 is trusted where it
+// should not be.
 TEST(NewtonRiccati, TheUnitOfAnInputChangesNothing) {
   std::ptrdiff_t watched = 0;  // steps
   for (const paper::Variant variant : {paper::Variant::joint, paper::Variant::masked}) {
@@ -323,7 +324,8 @@ TEST(NewtonRiccati, TheUnitOfAnInputChangesNothing) {
   EXPECT_GT(watched, 0);
 }
 
-/// Flies a chain for 5 s, then goes on with another team. @return KKT after each of three updates there
+/// Flies a chain for 5 s, then goes on with another team. @return KKT after each of three updates
+/// there
 std::array<double, 3> kkt_after_change(
     NewtonRiccati& before, NewtonRiccati& after,
     const std::function<std::vector<double>(std::vector<double>)>& change) {
@@ -473,7 +475,7 @@ TEST(NewtonRiccati, MovedItFliesOnBitForBit) {
     (void)made.solve(0.0, x);
     return std::optional<NewtonRiccati>(std::move(made));
   };
-  for (int i = 0; i < 5; ++i) solvers.push_back(std::move(*make()));  // the list grows, and moves them all
+  for (int i = 0; i < 5; ++i) solvers.push_back(std::move(*make()));  // the list grows and moves all
   std::swap(solvers[1], solvers[3]);
   std::vector<double> x = chain_start(5);
   (void)stays.solve(0.0, x);

@@ -1,4 +1,5 @@
-// Teams of 2 to 200 robots of any graph, strongly coupled: the converged solve is stationary, and real-time steps do not diverge.
+// Teams of 2 to 200 robots of any graph, strongly coupled: the converged solve is stationary, and
+// real-time steps do not diverge.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +19,8 @@ int drawn_size(Random& random, int most) {
   return static_cast<int>(std::lround(2.0 * std::pow(most / 2.0, uniform(random, 0.0, 1.0))));
 }
 
-/// Whether the solve converges: then to where the conditions of optimality hold. If not, it says so.
+/// Whether the solve converges: then to where the conditions of optimality hold. If not, it says
+/// so.
 bool converges(const test::GraphTeam& drawn) {
   NewtonRiccati solver(drawn.team, of_graphs,
                        {.max_newton_steps = 60,

@@ -20,7 +20,8 @@ std::vector<std::vector<Prediction>> two_parts() {
   return {of(0), of(1)};
 }
 
-/// Sends and receives from the first period on; what of the second part came to the first, by period.
+/// Sends and receives from the first period on; what of the second part came to the first, by
+/// period.
 struct Flown {
   std::vector<double> sent_at;  // of what came, by the first part's clock; -1: nothing
   std::vector<bool> received;

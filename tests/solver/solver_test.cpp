@@ -431,7 +431,8 @@ TYPED_TEST(AnySolver, InputsThatHaveNoRoomAreNotWritten) {
   }
 }
 
-/// x is where it was linearised: from the measured state, under the inputs that were planned before the step.
+/// x is where it was linearised: from the measured state, under the inputs that were planned before
+/// the step.
 template <class S>
 void expect_prediction_before_the_step() {
   const Team team = paper::team(Variant::masked);

@@ -286,7 +286,8 @@ TEST(Stage, AParameterOfZeroIsOfAnotherShape) {
   EXPECT_NE(of(Multirotor{}), of(AngleMultirotor{}));
 }
 
-/// A unit is c (1/c), which is 1 for some c alone; as a number it made the structure one of its value.
+/// A unit is c (1/c), which is 1 for some c alone; as a number it made the structure one of its
+/// value.
 TEST(Stage, AnInputThatMovesOneStateIsAColumnOfTheIdentityAtEveryStageLength) {
   Random random(9);
   for (int trial = 0; trial < 200; ++trial) {

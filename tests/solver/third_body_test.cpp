@@ -1,4 +1,5 @@
-/// A coupling of two bodies that looks past a third: planned with where that will be, whoever steers it.
+/// A coupling of two bodies that looks past a third: planned with where that will be, whoever
+/// steers it.
 #include <gtest/gtest.h>
 
 #include <array>

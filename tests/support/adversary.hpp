@@ -1,5 +1,5 @@
-/// Flights against an obstacle, or other robots, that do their worst, with the barrier between each robot and a command
-/// that does its worst too.
+/// Flights against an obstacle, or other robots, that do their worst, with the barrier between each
+/// robot and a command that does its worst too.
 #pragma once
 
 #include <algorithm>
@@ -69,7 +69,7 @@ struct Duel {
 };
 
 struct DuelOutcome {
-  double nearest = std::numeric_limits<double>::infinity();  ///< over the flight, samples and between [m]
+  double nearest = std::numeric_limits<double>::infinity();  ///< over the flight, at any time [m]
   double lowest = std::numeric_limits<double>::infinity();   ///< least height [m]
   double largest_command = 0.0, farthest = 0.0;
   double least_reserve = std::numeric_limits<double>::infinity();

@@ -1,5 +1,5 @@
-// Prints a hash of each function of the C library that the library calls, over many arguments: the same lines on every
-// machine, or its bits are the machine's own. scripts/arm64.sh compares them.
+// Prints a hash over many arguments of each function of the C library that is called. Lines that
+// differ between machines show bits of the machine's own. scripts/arm64.sh compares them.
 #include <bit>
 #include <cmath>
 #include <cstdint>

@@ -9,7 +9,8 @@
 
 namespace sightline {
 
-/// The states of all bodies dt [s] later under held inputs, by one Runge-Kutta step; headings normalised.
+/// The states of all bodies dt [s] later under held inputs, by one Runge-Kutta step; headings
+/// normalised.
 inline void advance(const Team& team, std::vector<double>& x, std::span<const double> u, double dt) {
   std::vector<double> scratch(RungeKuttaScratch::rows_needed * x.size());
   const auto each = [&](auto&& f) {

@@ -41,7 +41,8 @@ inline CommandResult sightline(const std::string& arguments, const std::filesyst
   return shell("'" SIGHTLINE_BINARY "' " + arguments, folder);
 }
 
-/// What a refused command says on stderr beside exit code 2: one line, and a hint after a wrong option.
+/// What a refused command says on stderr beside exit code 2: one line, and a hint after a wrong
+/// option.
 inline std::string refused(const std::string& arguments, const std::filesystem::path& folder) {
   const CommandResult done = sightline(arguments, folder);
   EXPECT_EQ(done.code, 2) << arguments;

@@ -1,4 +1,5 @@
-/// Counts what tests allocate, and lets allocations fail; of a program that counting_new.cpp is a part of.
+/// Counts what tests allocate, and lets allocations fail; of a program that counting_new.cpp is a
+/// part of.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-/// Derivatives by central differences of fourth order, in long double: the yardstick of every derivative.
+/// Derivatives by central differences of fourth order, in long double: the yardstick of every
+/// derivative.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
-/// Robots that go from one drawn place to the next, and look at each other to know where they are: variances of their
-/// positions as numbers, no filter and no solver. Who looks at whom is chosen by the nearest or by a ViewChooser.
+/// Robots that go from one drawn place to the next and localize by looking at each other. Variances
+/// of positions as numbers, no filter and no solver. Who looks at whom is chosen by the nearest or
+/// by a ViewChooser.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-/// Unicycles that drive among rocks, other robots and pursuers, each behind its barrier. The motion is integrated in
-/// closed form along v and psi, and by Simpson's rule along p.
+/// Unicycles that drive among rocks, other robots and pursuers, each behind its barrier. The motion
+/// is integrated in closed form along v and psi, and by Simpson's rule along p.
 #pragma once
 
 #include <algorithm>
@@ -52,8 +52,8 @@ void drive(const sightline::Unicycle& model, Rover& x, const DriveInput& u, doub
   }
 }
 
-/// Braking by 0.9 of the greatest command, until it would reverse within a period; then by the less that stops the
-/// robot at the end of the period.
+/// Braking by 0.9 of the greatest command; where that would reverse within a period, by what stops
+/// the robot at its end.
 struct Brake {
   std::vector<Vec3<double>> path;
   double time = 0.0;  // [s]
@@ -90,7 +90,8 @@ struct OneStep {
   int conflicts = 0, changed = 0;
 };
 
-/// One period from states at the boundary of the set of two cooperative rovers, with hostile commands and bodies.
+/// One period from states at the boundary of the set of two cooperative rovers, with hostile
+/// commands and bodies.
 inline OneStep one_steps(int count, std::uint64_t seed) {
   Random random(seed);
   OneStep found;
@@ -172,14 +173,15 @@ struct Drive {
 };
 
 struct DriveOutcome {
-  double nearest = std::numeric_limits<double>::infinity();  ///< between rovers, and from rovers to rocks [m]
+  double nearest = std::numeric_limits<double>::infinity();  ///< of rovers, to each other and rocks [m]
   double fastest_when_near = 0.0;  ///< speed of a rover while a pursuer is nearer than d_hard [m/s]
   double largest_command = 0.0, travelled = 0.0;  ///< distance of the average rover [m]
   double d_hard = 0.0;
   int conflicts = 0;
 };
 
-/// Rovers that would rather meet, drive into rocks, or go anywhere, hunted by pursuers that aim at the nearest one.
+/// Rovers that would rather meet, drive into rocks, or go anywhere, hunted by pursuers that aim at
+/// the nearest one.
 inline DriveOutcome drive_among(const Drive& d, std::uint64_t seed) {
   Random random(seed);
   const sightline::Unicycle model;

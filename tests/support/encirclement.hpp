@@ -1,13 +1,13 @@
-/// A robot among bodies that chase it: with the barrier on its command, with its command as it is, and on plans
-/// without feedback.
+/// A robot among bodies that chase it: with the barrier on its command, with its command as it is,
+/// and on plans without feedback.
 #pragma once
 
 #include "tests/support/adversary.hpp"
 
 namespace sightline::test {
 
-/// Each heads straight for the robot, as it is now, at its speed; one that strays turns at will each half second, or aims
-/// ahead of the robot.
+/// Each heads straight for the robot at its speed. One that strays turns at will each half second,
+/// or aims ahead of the robot.
 struct Pursuer {
   Vec3<double> p{};
   double speed = 0.5;
@@ -17,7 +17,7 @@ enum class Wish { stay, meet, fly_on };
 
 struct Encirclement {
   std::vector<Pursuer> pursuers{};
-  Wish wish = Wish::stay;  ///< what the robot is asked: to stay, to meet the nearest, to fly on as at first
+  Wish wish = Wish::stay;  ///< of the robot: to stay, to meet the nearest, to fly on as at first
   double speed_max = 0.0;  ///< what the barrier is told [m/s]; 0: that of each
   double height = 1.0, heading = 0.0;
   Vec2<double> v{};    ///< at the start, of V [m/s]
@@ -70,7 +70,7 @@ inline Encirclement any_adversaries(std::uint64_t seed) {
 
 struct Fate {
   double nearest = std::numeric_limits<double>::infinity(), lowest = nearest;
-  double reported = std::numeric_limits<double>::infinity();  ///< when a conflict was told first [s]
+  double reported = std::numeric_limits<double>::infinity();  ///< time of the first conflict [s]
   double broken = std::numeric_limits<double>::infinity();    ///< when the hard distance was [s]
   double largest_command = 0.0;
 };
@@ -155,7 +155,8 @@ inline Fate fly_filtered(const Barrier& barrier, const Encirclement& e) {
   return fate;
 }
 
-/// Whether one plan is safe at the start, whatever they do, and the filter reckons with them together.
+/// Whether one plan is safe at the start, whatever they do, and the filter reckons with them
+/// together.
 inline bool is_safe_from_all(const Barrier& barrier, const Encirclement& e) {
   const State x = {0, 0, e.height, std::cos(e.heading), std::sin(e.heading), e.v.x, e.v.y};
   std::vector<Neighbour> others;

@@ -28,8 +28,8 @@ inline EvasionTrace evade(const Scenario& scenario, const EvasionPlan& plan = se
   return trace;
 }
 
-/// uav0 1 to 1.8 m beside the target, too low to see it, which is within 60 degrees of its nose; the hand enters
-/// 4 m from the target, anywhere, at 0.2 m/s to `speed_max`.
+/// uav0 1 to 1.8 m beside the target, within 60 degrees of its nose, too low to see it. The hand
+/// enters anywhere 4 m from the target, at 0.2 m/s to `speed_max`.
 inline Scenario with_drawn_start(Scenario scenario, Random& random, double speed_max) {
   using std::numbers::pi;
   const Vec3<double> target{0.04, -0.05, 0.96};

@@ -1,4 +1,5 @@
-/// A chain that events change: two leaders, robots that each watch the one before, all couplings with names.
+/// A chain that events change: two leaders, robots that each watch the one before, all couplings
+/// with names.
 #pragma once
 
 #include <string>
@@ -9,8 +10,8 @@
 
 namespace sightline {
 
-/// "uav0" .. : uav0 and, where there are two leaders, uav1 hold their places; each other observes the one before it
-/// by "sees<i>", keeps off by "off<i>" and stays near by "near<i>".
+/// "uav0" .. : uav0 and, where there are two leaders, uav1 hold their places; each other observes
+/// the one before it by "sees<i>", keeps off by "off<i>" and stays near by "near<i>".
 inline Team event_team(int robots, int leaders = 1) {
   Team team;
   for (int i = 0; i < robots; ++i) {

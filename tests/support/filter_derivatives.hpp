@@ -129,7 +129,7 @@ void expect_sensitivity(const Filter& filter, double tolerance) {
   Random random(12);
   for (int k = 0; k < 60; ++k) {
     auto s = random_state(filter, random);
-    if constexpr (requires { s.camera_turn; }) s.camera_turn = {};  // its derivative is that at a small turn
+    if constexpr (requires { s.camera_turn; }) s.camera_turn = {};  // derivative at a small turn
     const MotionSample u = random_motion(random);
     Measurement z = random_sighting(random);
     if (k % 3 == 1) z.of = Measures::position;

@@ -14,7 +14,8 @@ inline constexpr int input_count = 3;
 
 /// A random formula, drawn so that no part of it exceeds `limit` in size at the given point.
 ///
-/// Later operations use earlier results, several times over: the formula is a graph, not only a tree.
+/// Later operations use earlier results, several times over: the formula is a graph, not only a
+/// tree.
 class Formula {
  public:
   static constexpr double limit = 2.0;

@@ -48,7 +48,8 @@ inline std::string formula_text(Random& random, int depth) {
   }
 }
 
-/// A text for a reader that must stand anything: a formula with a few bytes spoilt, tokens in a heap, or bytes.
+/// A text for a reader that must stand anything: a formula with a few bytes spoilt, tokens in a
+/// heap, or bytes.
 inline std::string hostile_text(Random& random) {
   constexpr std::string_view tokens[] = {
       "x",      "range", "(",    ")",   "+",    "-",  "*", "/",     "^",   "<",     "<=", ">",

@@ -1,5 +1,6 @@
-/// A solver of the tests' own that can plan in a team that changes: projected gradient steps on single shooting. It takes
-/// bodies that are not controlled to keep their velocity, whatever is predicted of them.
+/// A solver of the tests' own that can plan in a team that changes: projected gradient steps on
+/// single shooting. It takes bodies that are not controlled to keep their velocity, whatever is
+/// predicted of them.
 #pragma once
 
 #include <algorithm>

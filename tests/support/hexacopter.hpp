@@ -9,7 +9,8 @@
 
 namespace sightline {
 
-/// An x500 with six rotors on a circle, in turns anticlockwise and clockwise, and half as heavy again.
+/// An x500 with six rotors on a circle, in turns anticlockwise and clockwise, and half as heavy
+/// again.
 inline Vehicle hexacopter() {
   Vehicle v = Vehicle::x500();
   v.mass *= 1.5;

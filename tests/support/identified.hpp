@@ -1,4 +1,5 @@
-/// Scenarios of one multirotor that is to be identified, and flights of a task to judge what was found.
+/// Scenarios of one multirotor that is to be identified, and flights of a task to judge what was
+/// found.
 #pragma once
 
 #include <fmt/format.h>

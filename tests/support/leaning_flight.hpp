@@ -1,4 +1,5 @@
-/// An observer whose camera leans with its body, and a target that flies a circle fast, both x500 in the world "rotors".
+/// An observer whose camera leans with its body, and a target that flies a circle fast, both x500
+/// in the world "rotors".
 #pragma once
 
 #include <fmt/format.h>
@@ -18,14 +19,15 @@ namespace sightline::test {
 struct LeaningTask {
   std::string_view frame = "body";         ///< of the camera
   double radius = 1.33, speed = 2.0;       ///< of the target's circle [m], [m/s]
-  double bearing = 16.0, position = 60.0;  ///< weights: of the view, of the target's place on its circle
+  double bearing = 16.0, position = 60.0;  ///< weights: view, the target's place on its circle
   bool estimates = true;                   ///< with disturbance_time
   std::string_view world = "rotors";
   double duration = 20.0;
   Vec3<double> wind{};  ///< [m/s^2]
 };
 
-/// cooperative_localization with hover_multirotor and its lags, for vehicles that tilt by up to 0.4 rad: b = 4.17 m/s^2.
+/// cooperative_localization with hover_multirotor and its lags, for vehicles that tilt by up to 0.4
+/// rad: b = 4.17 m/s^2.
 inline Scenario leaning_scenario(const LeaningTask& task) {
   static const std::string text = [] {
     std::string all = read_scenario(SIGHTLINE_SOURCE_DIR "/scenarios/cooperative_localization.toml").text;
@@ -89,7 +91,8 @@ inline Judged fly_judged(const Scenario& scenario, const Scenario& judged) {
   return flight;
 }
 
-/// What a flight under `planned` is by the true camera, which is fixed to the body however it was planned.
+/// What a flight under `planned` is by the true camera, which is fixed to the body however it was
+/// planned.
 inline Judged fly_leaning(const LeaningTask& planned) {
   LeaningTask seen = planned;
   seen.frame = "body";

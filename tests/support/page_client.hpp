@@ -42,7 +42,8 @@ class PageClient {
     }
     return true;
   }
-  /// What comes up to `end`, or to the end of the stream, or until for so long nothing comes [s]; what is behind it is heard next.
+  /// What comes up to `end`, to the end of the stream, or until nothing comes for so long [s]. The
+  /// rest is heard next.
   std::string receive(std::string_view end = "", double seconds = 5.0) {
     std::size_t found = std::string::npos;
     while ((end.empty() || (found = rest_.find(end)) == std::string::npos) && ready(POLLIN, seconds)) {

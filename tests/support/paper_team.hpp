@@ -1,4 +1,5 @@
-/// The two robots of section 7.1, (60)-(70): uav0 observes, uav1 flies a circle. docs/equations.md, 9.
+/// The two robots of section 7.1, (60)-(70): uav0 observes, uav1 flies a circle. docs/equations.md,
+/// 9.
 #pragma once
 
 #include <utility>

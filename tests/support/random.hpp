@@ -50,7 +50,8 @@ inline Sight<double> random_sight(Random& random, double reach) {
   return seen;
 }
 
-/// A sensor anywhere on the robot that looks anywhere; every second one sits and looks ahead, as the paper's.
+/// A sensor anywhere on the robot that looks anywhere; every second one sits and looks ahead, as
+/// the paper's.
 inline SensorMount random_mount(Random& random, MountFrame frame = MountFrame::level) {
   SensorMount mount = {
       .pitch = uniform(random, -1.5, 1.5), .offset = uniform(random, -0.5, 0.5), .frame = frame};

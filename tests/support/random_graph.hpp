@@ -1,4 +1,5 @@
-/// Large teams of any graph: robots of mixed models near places of a grid, strongly coupled with some of those nearby.
+/// Large teams of any graph: robots of mixed models near places of a grid, strongly coupled with
+/// some of those nearby.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,8 @@ struct GraphTeam {
   std::vector<double> x0;
 };
 
-/// @param robots  at least 2; each observes, or keeps apart from, one to three of those before it, felt by one of the two or by both
+/// Each robot observes, or keeps apart from, one to three of those before it; one or both feel it.
+/// @param robots  at least 2
 inline GraphTeam random_graph(Random& random, int robots) {
   GraphTeam made;
   std::vector<AgentId> ids;

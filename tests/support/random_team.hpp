@@ -1,4 +1,5 @@
-/// Teams, states and inputs of any kind: the ground of property tests over the optimal control problem.
+/// Teams, states and inputs of any kind: the ground of property tests over the optimal control
+/// problem.
 #pragma once
 
 #include <array>
@@ -32,8 +33,7 @@ enum class Feeling {
 /// Which robots a random team is of, and how many of its pairs are coupled.
 enum class RandomRobots {
   multirotors,  ///< both models of the library; nearly all pairs
-  any_size,  ///< those and others, of 4 to 12 states, on the ground and under velocity commands; a share of the
-             ///< pairs that is drawn
+  any_size,     ///< those and others, of 4 to 12 states, also ground robots; a drawn share of the pairs
 };
 
 inline Reference random_reference(Random& random) {

@@ -11,7 +11,8 @@
 
 namespace sightline::test {
 
-/// A convex polygon around the origin with corners on an ellipse of half axes of 0.5 to 2 times `size` [m].
+/// A convex polygon around the origin with corners on an ellipse of half axes of 0.5 to 2 times
+/// `size` [m].
 inline Polygon random_convex(Random& random, double size = 1.0) {
   const double a = size * uniform(random, 0.5, 2.0), b = size * uniform(random, 0.5, 2.0);
   for (;;) {

@@ -1,8 +1,9 @@
 /// Scenarios that must be refused, as the tables in tests/scenarios/refused state them.
 ///
-/// A section of a table begins with `## TITLE`; then come the lines that its cases share, one of them `...`. A case
-/// begins with `### NAME: SENTENCE`. Its text is that line, then the shared ones with its own in place of `...`, so the
-/// lines that the sentence names are counted from the line with the name. Empty lines before a section are left out.
+/// A section of a table begins with `## TITLE`; then come the lines that its cases share, one of
+/// them `...`. A case begins with `### NAME: SENTENCE`. Its text is that line, then the shared ones
+/// with its own in place of `...`. The lines that the sentence names are counted from the line with
+/// the name. Empty lines before a section are left out.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,7 +28,8 @@ struct RefusedScenario {
   std::string text;  ///< what the parser sees
 };
 
-/// The parts of a text that begin with lines of this mark, after what stands before the first of them.
+/// The parts of a text that begin with lines of this mark, after what stands before the first of
+/// them.
 inline std::vector<std::string> parts_at(std::string_view mark, const std::string& text) {
   std::vector<std::string> parts;
   std::size_t begin = 0;

@@ -27,7 +27,7 @@ struct CalibrationBeside {
   double rectified = 0.0;  ///< focal length of P; 0: P is unknown
   double second = 0.0;     ///< P[3]
   Rotation R{};
-  std::array<std::uint32_t, 6> part{};  ///< binning in x and y; x, y, height and width of the region
+  std::array<std::uint32_t, 6> part{};  ///< binning x, y; x, y, height and width of the region
 };
 
 inline Cdr calibration(const Camera& camera, const std::string& frame, const CalibrationBeside& beside) {

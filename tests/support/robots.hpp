@@ -36,8 +36,8 @@ struct Unicycle {
 
 /// A quadrotor with its attitude loop: it flies where its thrust leans.
 ///
-///   x = [p, v, d, tilt, r, a_T]  position [m], velocity [m/s], heading (2), slope of the thrust forward and
-///                                leftward (2), yaw rate [rad/s], thrust per mass [m/s^2]
+///   x = [p, v, d, tilt, r, a_T]  position [m], velocity [m/s], heading (2), slope of the thrust
+///                                (forward, left), yaw rate [rad/s], thrust per mass [m/s^2]
 ///   u = [u_f, u_l, u_z, u_psi]   normalised commands of slope, thrust and yaw rate, within [-1, 1]
 struct Quadrotor {
   static constexpr int nx = 12, nu = 4;

@@ -1,5 +1,5 @@
-/// Writes bags of ROS 2 by the published formats (MCAP, CDR), for the tests of their reader. Shares no
-/// code with it.
+/// Writes bags of ROS 2 by the published formats (MCAP, CDR), for the tests of their reader. Shares
+/// no code with it.
 #pragma once
 
 #include <lz4frame.h>

@@ -1,4 +1,5 @@
-/// Two robots, uav0 with a sensor and uav1 without, and a rock: what tables of a scenario are read for.
+/// Two robots, uav0 with a sensor and uav1 without, and a rock: what tables of a scenario are read
+/// for.
 #pragma once
 
 #include "sightline/scenario/read_coupling.hpp"

@@ -1,5 +1,5 @@
-/// Flights of a robot that is localized by what it sees of another one, behind a guard: hidden targets, wrong estimates,
-/// starts from anywhere.
+/// Flights of a robot that is localized by what it sees of another one, behind a guard: hidden
+/// targets, wrong estimates, starts from anywhere.
 #pragma once
 
 #include <algorithm>

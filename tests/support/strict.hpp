@@ -1,4 +1,5 @@
-/// A scalar that gives nothing away: what compiles on it uses the operations a formula may use and no others.
+/// A scalar that gives nothing away: what compiles on it uses the operations a formula may use and
+/// no others.
 #pragma once
 
 #include <concepts>

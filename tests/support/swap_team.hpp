@@ -31,9 +31,9 @@ struct Swap {
     std::uint64_t seed = 1;
   };
 
-  /// As scenarios/swarm32.toml up to 32 robots, and as scenarios/swarm128.toml beyond: there a ring of many presses on
-  /// those in the middle, so the potential is the stronger. Their places are 1.57 m apart, or 1.2 m on a ring that is so
-  /// wide that the robots can hardly cross it within a minute.
+  /// As scenarios/swarm32.toml up to 32 robots, and as scenarios/swarm128.toml beyond, where many
+  /// press on those in the middle and the potential is stronger. Their places are 1.57 m apart, or
+  /// 1.2 m on a ring too wide to cross within a minute.
   static Swap of(int n) {
     if (n <= 32) return Swap(n);
     const double circle = std::fmax(std::fmin(0.25 * n, 50.0), 0.195 * n);

@@ -1,5 +1,5 @@
-/// A robot that flies beside a body and sees it: the truth, and what its sensors make of it. No solver, no
-/// plant: smooth curves.
+/// A robot that flies beside a body and sees it: the truth, and what its sensors make of it. No
+/// solver, no plant: smooth curves.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-/// A team of planar robots among landmarks, whose odometry and sightings have the errors of TeamNoise.
+/// A team of planar robots among landmarks, whose odometry and sightings have the errors of
+/// TeamNoise.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ class SyntheticTeam {
   struct Member {
     PlanarPose pose{};
     Constants of{};
-    std::vector<WheelOdometry> odometry{};  // from the start on; each works `clock_offset` after its time
+    std::vector<WheelOdometry> odometry{};  // from the start on; each acts `clock_offset` late
     std::size_t at_work = 0;
   };
   static constexpr double dt = 0.02, sight_period = 0.26;

@@ -1,4 +1,4 @@
-/// The model's world with a camera on some robots: detections of upright bodies with tags, drawn by the noise of
+/// The model's world with cameras on some robots: detections of upright bodies, by the noise of
 /// tags of 0.2 m at 320x240.
 #pragma once
 

@@ -1,4 +1,5 @@
-/// A flight that is tuned at given times: what somebody at a page does, by the clock of the simulation.
+/// A flight that is tuned at given times: what somebody at a page does, by the clock of the
+/// simulation.
 #pragma once
 
 #include <algorithm>

@@ -34,12 +34,12 @@ struct ViewOutcome {
   int samples = 0, out_of_view = 0, uncertified = 0, active = 0;
   bool announced = true;     ///< each sample out of view came no later than one uncertified
   double changed = 0.0;      ///< mean change of an input
-  double least = infinity;   ///< of the checker's reserves [m], for measurements without age and error
+  double least = infinity;   ///< of the checker's reserves [m], for exact measurements at once
   double worst = -infinity;  ///< violation of a limit, in its unit; < 0: all held
 };
 
-/// One flight of a multirotor. The bounds of the certificate hold for the target's motion and for the
-/// measurements, whose errors are at their bound.
+/// One flight of a multirotor. The bounds of the certificate hold for the target's motion and for
+/// the measurements, whose errors are at their bound.
 inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& checker,
                                const std::vector<Potential>& limits, const ViewFlightOptions& o,
                                std::uint64_t seed) {
@@ -162,8 +162,8 @@ inline ViewOutcome view_flight(const ViewFilter& filter, const ViewChecker& chec
   return outcome;
 }
 
-/// A search for the motion of a target that leaves the view, from random motions and by random steps
-/// of one leg each that make the worst violation no smaller.
+/// A search for the motion of a target that leaves the view. From random motions, it takes random
+/// steps of one leg that make the worst violation no smaller.
 struct ViewSearch {
   int flights = 0, lost = 0;  // flights; searches that found a way out
   double worst = -infinity;   // violation

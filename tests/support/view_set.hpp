@@ -1,5 +1,5 @@
-/// A certified view checked by code of its own: the reserves of its set by simulated braking, states
-/// of the set and of its boundary, and the moves of a target.
+/// A certified view checked by code of its own: reserves by simulated braking, states of the set
+/// and its boundary, moves of a target.
 #pragma once
 
 #include <algorithm>
@@ -198,8 +198,8 @@ struct ViewStep {
   double least = infinity;  // [m]
 };
 
-/// Filters a command at states of the set, and moves the target in 48 ways; and the robot by the greatest
-/// errors of its odometry.
+/// Filters a command at states of the set, and moves the target in 48 ways; and the robot by the
+/// greatest errors of its odometry.
 template <RobotModel M>
 ViewStep one_step(const M& robot, const ViewCertificate& z, int states, std::uint64_t seed) {
   const Model model(robot);

@@ -1,14 +1,16 @@
-/// A long double that knows how far a computation in double may be off: the yardstick of every formula.
+/// A long double that knows how far a computation in double may be off: the yardstick of every
+/// formula.
 #pragma once
 
 #include <cmath>
 
 namespace sightline {
 
-/// Value by the C library in long double, and the running bound of the rounding that double would have seen.
+/// Value by the C library in long double, and the running bound of the rounding that double would
+/// have seen.
 ///
-/// The bound of a sum counts both operands, so that it also holds for a sum whose constants were gathered first; that
-/// of a logistic is absolute, for sig(-c) may be computed as 1 - sig(c).
+/// The bound of a sum counts both operands, so it also holds where constants were gathered first.
+/// That of a logistic is absolute: sig(-c) may be computed as 1 - sig(c).
 class Wide {
  public:
   Wide() = default;

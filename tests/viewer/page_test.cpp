@@ -1,4 +1,5 @@
-// The page in a browser: it loads without a fault, draws, plays a log, and comes back after its server.
+// The page in a browser: it loads without a fault, draws, plays a log, and comes back after its
+// server.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -105,8 +106,8 @@ TEST(Page, ALiveFlightIsShownAndThePageComesBackAfterItsServer) {
   expect_drawn(answers[6]);
 }
 
-/// Of more than these the processor of a small machine draws the pictures, and nothing else; ten clients that draw nothing are a figure
-/// of scripts/accept/15.sh.
+/// With more than these, a small machine's processor only draws pictures. Ten clients that draw
+/// nothing are a figure of scripts/accept/15.sh.
 TEST(Page, ThreeMoreLookOnAtOnce) {
   const fs::path folder = fresh_folder();
   const Served server("view " + page_scenario(folder, live_seconds).string() + " --port 0 --seconds 60");
@@ -116,7 +117,7 @@ TEST(Page, ThreeMoreLookOnAtOnce) {
   expect_drawn(answers[2]);
 }
 
-/// A run that is killed in the midst, while two pages look on: one of the log as it grows, and its server is another one then.
+/// A run that is killed while two pages look on, one of them at the growing log by another server.
 TEST(Page, ALogThatIsStillWrittenIsShownAsItGrowsAndAsItEnded) {
   const fs::path folder = fresh_folder();
   const std::string out = (folder / "out").string();
@@ -153,7 +154,8 @@ TEST(Page, ALogThatIsStillWrittenIsShownAsItGrowsAndAsItEnded) {
   EXPECT_GE(answers[8]["moments"], answers[6]["moments"]);
 }
 
-// A slider, a key, the mouse and a button change the flight, which is logged, written and flown again with the same commands.
+// A slider, a key, the mouse and a button change the flight, which is logged, written and flown
+// again with the same commands.
 TEST(Page, AFlightIsTunedInTheBrowser) {
   const fs::path folder = fresh_folder(), file = folder / "page.toml";
   std::ofstream(file) << tuned_scenario(60.0);

@@ -36,8 +36,8 @@ std::vector<Camera> lenses() {
       camera_with(Distortion::equidistant, {0, 0, 0, 0})};
 }
 
-/// Pixel of a point by the formulas that OpenCV documents (calib3d: projectPoints, and fisheye), in its
-/// axes: x right, y down, z ahead. Written without the formulas of the library.
+/// Pixel of a point by the formulas that OpenCV documents (calib3d: projectPoints, and fisheye), in
+/// its axes: x right, y down, z ahead. Written without the formulas of the library.
 Vec2<double> documented(const Camera& camera, const Vec3<double>& p_S) {
   const double X = -p_S.y, Y = -p_S.z, Z = p_S.x;
   std::vector<double> d = camera.coefficients;

@@ -76,7 +76,8 @@ TEST(CommandGate, ARobotWhoseInputIsNotFiniteHoldsItsLastCommandAndIsReported) {
   EXPECT_EQ(Numbers(command.begin(), command.end()), (Numbers{0, 0, 0, 0, 0.5, 0.6, 0.7, 0.8}));
   ASSERT_EQ(gate.replaced().size(), 1U);
   EXPECT_EQ(gate.replaced()[0], BodyId{2});
-  // As little does a sum that is not finite pass; limits that narrowed meanwhile hold for what goes on.
+  // As little does a sum that is not finite pass; limits that narrowed meanwhile hold for what goes
+  // on.
   const std::vector<InputLimits> narrow = both(0.55);
   gate.set_limits(narrow);
   gate.open(control_period);

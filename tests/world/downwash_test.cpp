@@ -56,7 +56,8 @@ TEST(Downwash, FarBelowTheSpeedFallsWithTheDistanceAsInMeasuredRoundJets) {
   const Jet jet = jet_of();
   for (const double z : {10.0, 20.0, 40.0}) {
     EXPECT_NEAR(speed(jet, 0, 2 * z) / speed(jet, 0, z), 0.5, 0.02) << z;
-    // U_0 / U_J = B d / z of a nozzle with this momentum; B = 5.8 to 6.1 is measured (Pope, Turbulent Flows, 5.1).
+    // U_0 / U_J = B d / z of a nozzle with this momentum; B = 5.8 to 6.1 is measured (Pope,
+    // Turbulent Flows, 5.1).
     const double nozzle = std::numbers::sqrt2 * std::sqrt(jet.radius2);
     EXPECT_NEAR(speed(jet, 0, z) / (2 * induced(jet)) * z / nozzle, 6.0, 0.6) << z;
   }

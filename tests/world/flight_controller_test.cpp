@@ -48,7 +48,8 @@ TEST(FlightController, AtRestAndWithoutCommandItAsksForTheWeightAndNoTorque) {
   }
 }
 
-// u_f > 0 pitches forward (about y), u_s > 0 rolls to the right (about x), in V, whatever the heading.
+// u_f > 0 pitches forward (about y), u_s > 0 rolls to the right (about x), in V, whatever the
+// heading.
 TEST(FlightController, TiltCommandsTiltForwardAndToTheRightInTheHeadingFrame) {
   const Vehicle v = Vehicle::x500();
   for (double psi = -3.0; psi < 3.1; psi += 0.5) {

@@ -16,8 +16,8 @@ using Values = std::vector<double>;
 constexpr Horizon horizon{.T = 1.0, .N = 10, .dt = 0.05};
 constexpr int loop_periods = 40;
 
-/// Cost of a flight: half of the squared distance of the last robot's position from a moving place,
-/// a part of the first heading, and of the inputs. Adds its derivatives to by_x and by_u.
+/// Cost of a flight: half of the last robot's squared distance from a moving place, a part of the
+/// first heading, and of the inputs. Adds its derivatives to by_x and by_u.
 double cost_of(const LoopGradient& loop, Values& by_x, Values& by_u) {
   double sum = 0.0;
   for (int k = 0; k <= loop_periods; ++k) {

@@ -92,8 +92,8 @@ TEST(Rotorcraft, ComesBackToHoverFromAnyTumble) {
   }
 }
 
-// The extremes of the error beyond the first pass tell frequency and damping of the slow poles: the third, of the rotors, has
-// died away by then.
+// The extremes of the error after the first pass tell frequency and damping of the slow poles. The
+// third, of the rotors, has died away.
 TEST(Rotorcraft, TheAttitudeOfTheCrazyflieHas15p7RadPerSecondAndADampingOf0p55) {
   const Vehicle v = Vehicle::crazyflie();
   Rotorcraft craft = hovering(v);
@@ -173,7 +173,8 @@ Lags3 lags_of(const Vehicle& v, double delay) {
   return {lag_of(u_f, tilt, delay), lag_of(u_z, climb, delay), lag_of(u_psi, yaw, delay)};
 }
 
-// What an identification of another simulation of the same vehicle found: 0.134, 0.242 and 0.180 s behind 29 ms of delay.
+// What an identification of another simulation of the same vehicle found: 0.134, 0.242 and 0.180 s
+// behind 29 ms of delay.
 TEST(Rotorcraft, TheX500FollowsTiltClimbAndYawRateWithTheLagsThatWereIdentified) {
   const Lags3 found = lags_of(Vehicle::x500(), 0.029);
   EXPECT_NEAR(found.tilt.tau, 0.134, 0.15 * 0.134);

@@ -207,7 +207,8 @@ TEST(SyntheticDetections, TheSameSeedDrawsTheSameBytesAndWhatHappensElsewhereCha
   Scene other;
   other.options.seed = 2;
   EXPECT_NE(other.look(50)[0].p.x, seen[0].p.x);
-  // One more body with tags, and a robot that hides the first for a while: what is drawn of the first stays.
+  // One more body with tags, and a robot that hides the first for a while: what is drawn of the
+  // first stays.
   Scene more;
   more.options.tags.insert(more.options.tags.begin(), {BodyId{2}, {}});
   SyntheticDetections source(more.team, more.options);
@@ -257,8 +258,8 @@ TEST(SyntheticDetections, TheirErrorsHaveTheStatedAutocorrelationAtIrregularTime
       }
     }
   }
-  // Mean product of component i of one body at one time and component j of another body at another time, and its
-  // standard deviation for independent normal numbers.
+  // Mean product of component i of one body and j of another at other times, and its standard
+  // deviation for independent normal numbers.
   const auto expect_mean = [&](std::size_t a, std::size_t b, std::size_t j, std::size_t k, int shift,
                                double expected) {
     double sum = 0.0;

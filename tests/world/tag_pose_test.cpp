@@ -65,7 +65,8 @@ TEST(TagPose, OfNoCornersOrCornersOfNoSquareIsNone) {
   EXPECT_FALSE(pose_of(usual_camera, usual_tags, flat, {0, 0, 1}));
 }
 
-/// The errors of poses from noisy corners have the covariance that is said: their squares by it have the mean of a chi^2 of 6.
+/// The errors of poses from noisy corners have the covariance that is said: their squares by it
+/// have the mean of a chi^2 of 6.
 TEST(PoseInformation, SaysTheCovarianceOfPosesFromNoisyCorners) {
   RandomStream chance(5, StreamId::sighting, 0);
   for (const double d : {0.8, 1.2}) {

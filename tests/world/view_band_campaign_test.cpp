@@ -20,13 +20,13 @@
 #include "tests/support/applied.hpp"
 #include "tests/support/campaign.hpp"
 
-/// Closed loop at a distance: a robot that knows its place by the tags of one that flies a circle alone, a solver that
-/// keeps it there, and what became of its view.
+/// Closed loop at a distance: a robot knows its place by the tags of one on a circle. A solver
+/// keeps it there; the outcome is its view.
 namespace sightline::test {
 namespace {
 
-/// The same figures as of fly_beside(), with the same camera, mount, tags, filter, speed and seed. The distance is kept to
-/// within 5 cm.
+/// The same figures as of fly_beside(), with the same camera, mount, tags, filter, speed and seed.
+/// The distance is kept to within 5 cm.
 ViewFigures fly_in_loop(const ViewFlight& view, double distance) {
   constexpr double dt = 0.01, from = 4.0, circle = 0.8, turning = 0.3;
   constexpr double gusts = 0.3;  // [m/s^2]
