@@ -15,7 +15,7 @@ namespace sightline {
 bool is_swarm_case(std::string_view name);
 
 /// Rows: times of all updates; and those of the second with the greatest median, "NAME_crossing". A
-/// crossing takes 26 s with up to 32 robots, enough for all to arrive, and 60 s with more; as many
+/// crossing takes 26 s with up to 32 robots, enough for all to arrive, and 60 s with more. As many
 /// crossings run as options.updates requires. "NAME_barrier" and "NAME_barrier_crossing" add the
 /// time of all barriers at 0.6 m, which report and change nothing. The columns of costs and optima
 /// are zero.

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs all of `sightline bench` and writes bench/README.md and bench/scaling.svg:  bench/table.sh [PROTOTYPE]
-# PROTOTYPE is the folder of the hand-made prototype's sources; where it is there, it is built and
-# timed in the same run, before and after, and the lower of its medians is what ours is compared
-# with. All on one core (CORE, else 1).
+# PROTOTYPE is the folder of the hand-made prototype's sources. Where it is there, it is built and
+# timed before and after; ours is compared with the lower of its medians. All on one core (CORE,
+# else 1).
 set -euo pipefail
 cd "$(dirname "$0")/.." || exit 1
 prototype=$(realpath -m "${1:-../shared/reference/solver_generic}")

@@ -8,8 +8,8 @@ cd "$(dirname "$0")/../.." || exit 1
 build=build/release
 . scripts/accept/sections.sh
 # The log of every shipped scenario, seed 1, is the same from the commit before the first step to
-# the one after the last. "Record a formula in one way" (6d5e99f) changed last bits, and that commit
-# alone: what came before it is compared up to its parent, what came after from it.
+# the one after the last. "Record a formula in one way" (6d5e99f) alone changed last bits. What came
+# before is compared up to its parent, what came after from it.
 stretches=('22aaa23 b146855' '6d5e99f 8e55433')
 
 # The command line of a commit, built from the repository's files of then.

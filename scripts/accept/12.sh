@@ -12,7 +12,7 @@ build=build/release
 . scripts/accept/sections.sh
 . scripts/accept/rotors.sh
 
-# 20 s of excitation in noise, judged on a task and on bang-bang of the same vehicle; the intervals
+# 20 s of excitation in noise, judged on a task and on bang-bang of the same vehicle. The intervals
 # of 20 drawn vehicles; the AR.Drone; the presets of hover_multirotor. Then the command itself,
 # twice: the same numbers.
 identify() {
@@ -29,8 +29,8 @@ identify() {
   whole || rm -rf "$out"/{first,second}
 }
 
-# A camera that leans with its body: a target at 2 m/s on a circle of 1.33 m (3 m/s^2) and of 2 m (2
-# m/s^2), by the true camera; an update with lean, lags and disturbance against that of
+# A camera that leans with its body: a target at 2 m/s on circles of 1.33 m (3 m/s^2) and 2 m, by
+# the true camera. An update with lean, lags and disturbance against that of
 # cooperative_localization. Then a flight and its replay by the command line.
 tilt() {
   local said code now then
@@ -53,10 +53,9 @@ tilt() {
     "$build/bin/sightline" replay "$out/leaning" | grep ', 0 differ' || return 1
 }
 
-# In steady wind, how far the target robot stands beside its reference from 10 s on: planned by
-# numbers of the vehicle, by gains that are wrong, on its circle (also with u* from its reference:
-# fed) and with a reference that stands, and without compensation. The plan itself cuts the circle:
-# see wind 0.
+# In steady wind, how far the target robot is beside its reference from 10 s on. It plans by numbers
+# of the vehicle, by wrong gains, and without compensation; on its circle (also with u* from its
+# reference: fed) and at rest. The plan itself cuts the circle: see wind 0.
 offset() {
   local wind case way ways directions=24 folder=$out/offset bad=0
   local -a winds=(0 0.5 1) cases=(identified gains_0.7 gains_1.5 fed_1.0 fed_0.7 fed_1.5 standing_0.7 standing_1.5 without as_shipped)
@@ -104,8 +103,8 @@ offset_line() {
       [.[0][0] - .[1][0], .[0][1] - .[1][1], .[0][2] - .[1][2]] | map(. * .) | add) | [(add / length | sqrt), (max | sqrt)] | @tsv'
 }
 
-# Commands that act late, modelled with an error, and not modelled: the share of time out of view
-# and the largest view angle after 5 s.
+# Late commands, modelled with an error, and not modelled: the share of time out of view and the
+# largest view angle after 5 s.
 delay() {
   local late modelled folder=$out/delay bad=0
   local -a lates=(0 0.1 0.2 0.3 0.4) errors=(-0.05 0 0.05 unmodelled)
@@ -136,9 +135,9 @@ disturbance_time = 0.5"
 view_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max] | @tsv' "$1/summary.json"; }
 
 # Duels of one robot with barrier and an adversary that goes for it (duel.toml), 1 m to be kept,
-# from 2 m on: distances, floor and, in a sample and wherever the distance was broken, conflicts and
-# what the barrier believed at the start. DUELS=100 flies so many of each of 48 kinds, for a first
-# look; the next time goes on.
+# from 2 m on: distances and floor. A sample, and each broken distance, has its conflicts and what
+# the barrier believed at the start. DUELS=100 flies so many of each of 48 kinds, for a first look;
+# the next time goes on.
 barrier() {
   local vehicle commands within late wind cell index want claim runs=${DUELS:-420} sample=20 seed=0 folder=$out/barrier bad=0
   local -a lates=(0.0 0.1 0.15)
@@ -169,14 +168,14 @@ barrier() {
   judge 'barrier: flights below the floor' "$(cat "$folder"/*.tsv | awk '{ n += $4 } END { print n + 0 }')" '== 0' flights wanted
   return $bad
 }
-# Each run of a campaign: index, least distance, distance at the start, whether it came below the
-# floor (the one way to fail without a touch).
+# Each run of a campaign: index, least distance, distance at the start, whether it sank below the
+# floor (the one failure without a touch).
 duel_rows() {
   sqlite3 -separator $'\t' "$1/campaign.sqlite" 'select "index", min_distance, sqrt("uav.range" * "uav.range" + "uav.height" * "uav.height"),
     outcome = '"'failed'"' and min_distance > 0.4 from runs'
 }
-# Flies one run of a campaign again and leaves one line, once: the least distance, the barrier's
-# reserve at the start, its share of conflicts, the least height.
+# Flies one run of a campaign again and leaves one line, once: least distance, the barrier's reserve
+# at the start, share of conflicts, least height.
 duel_look() {
   local folder=$1/looked/$2
   [[ -s $folder.txt ]] && return
@@ -251,9 +250,8 @@ more_adversaries() {
 }
 
 # Starts of [campaign], with commands 0 to 0.1 s late and wind of up to 1 m/s^2 drawn for each run.
-# The robots know how late. The vehicle is 0.75 m wide, so that the distance of 0.6 m that the
-# scenario keeps is a touch:
-# 0.85 m here, and beside it as shipped.
+# The robots know how late. The vehicle is 0.75 m wide, so the scenario's distance of 0.6 m is a
+# touch: 0.85 m here, and beside it as shipped.
 campaign() {
   local hard begin runs=2000 folder=$out/campaign bad=0
   local -a distances=(0.6 0.85)
@@ -302,9 +300,9 @@ rate() {
   return $bad
 }
 
-# Wind of 1 m/s^2 from 24 directions with gusts of 0.5, noise and commands 0.1 s late: how long the
-# view is lost, and the distances. Beside it the paper's potentials in the same air, with its
-# numbers and with identified ones and compensation.
+# Wind of 1 m/s^2 from 24 directions, gusts of 0.5, noise, commands 0.1 s late: how long the view is
+# lost, and the distances. Beside it the paper's potentials in the same air, with its numbers and
+# with identified ones and compensation.
 directions() {
   local case way ways=24 folder=$out/directions bad=0
   local -a cases=(ours paper paper_compensated)

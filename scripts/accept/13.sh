@@ -13,7 +13,7 @@ build=build/release
 domain=${DOMAIN:-227}
 
 # $1: vehicles; $2: duration [s]. PX4 vehicles of all releases in rows of four, 3 m apart, on
-# circles of 0.3 m; each keeps 1 m from the one before it.
+# circles of 0.3 m. Each keeps 1 m from the one before it.
 fleet() {
   local i x y
   cat <<TOML

@@ -186,8 +186,8 @@ flight() {
 }
 
 # Drawn detections beside rendered pictures at the same places, docs/localization.md: how often a
-# single plate is found, the bias and the standard deviation of its range. Whole, it draws
-# docs/noise.svg too.
+# single plate is found, bias and standard deviation of its range. Whole, it draws docs/noise.svg
+# too.
 noise() {
   local table=$out/noise.md pictures=100
   whole || pictures=6

@@ -19,7 +19,7 @@ page() {
   whole || options=(--short)
   CHROMIUM=${CHROMIUM:-/usr/bin/chromium} "$python" -B bench/page_figures.py "$1" $build/bin/sightline "${options[@]}"
 }
-# Pictures a second in headless Chromium, of logs and of a flight in real time; a log that is still
+# Pictures a second in headless Chromium, of logs and of a flight in real time. A log that is still
 # written, and one that was killed.
 frames() { page frames; }
 growing() { page growing; }

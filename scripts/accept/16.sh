@@ -102,7 +102,7 @@ tails() {
   local name updates=1000000 busy priority=(chrt -f 50)
   whole || updates=2000
   "${priority[@]}" true 2>/dev/null || { echo 'no right to SCHED_FIFO here: times of an ordinary process'; priority=(); }
-  # The kernel stops for 50 ms of each second who takes more of a core by FIFO: a control thread
+  # The kernel stops for 50 ms of each second who takes more of a core by FIFO. A control thread
   # does not, updates without a pause do.
   local limit=/proc/sys/kernel/sched_rt_runtime_us before
   before=$(<$limit)
@@ -184,8 +184,8 @@ large() {
   ((bad == 0))
 }
 
-# A large team in real time, from its cold start on: with a deadline its updates end when it is
-# past, but for the step they are at, and say so; commands keep to their limits.
+# A large team in real time, from its cold start on. Past a deadline its updates end with the step
+# they are at, and say so; commands keep to their limits.
 deadline() {
   local folder n=128 bad=0 ms longest limits=(0 1)
   whole && n=1024 limits=(0 30 10)

@@ -137,11 +137,10 @@ shares_of() {
 least_distance() { for part in $2; do jq .min_distance "$1/$part/summary.json"; done | sort -g | head -1; }
 
 # The chain of eight in 2 and 4 processes, without loss and with 20 % of the messages lost and 30 ms
-# late, against one solver that flies the same vehicles; and what the exchange costs, against what
-# it costs in simulation. Vehicles turn and climb later than the model that a simulation flies: that
-# is in both of the former. They are compared from 4 s on: before, the cost goes with when in a
-# period the first poses come, three fifths of all are spent there, and flights of one solver differ
-# by 2 % of all.
+# late, against one solver. The cost of the exchange, against its cost in simulation. Vehicles turn
+# and climb later than the model that a simulation flies: that is in both of the former. They are
+# compared from 4 s on. Before, the cost goes with when in a period the first poses come. Three
+# fifths of all are spent there, and flights of one solver differ by 2 % of all.
 parts() {
   local bad=0 seconds=60 part_set parts folder cost simulated flown whole name most d agree=0.005 from=4 apart together
   whole || seconds=12 agree=0.03
@@ -178,8 +177,8 @@ parts() {
 }
 
 # A process that is killed in flight: its robots' autopilots land them, the others keep distance and
-# view; started again it is in the exchange within 2 s, and its robots fly no more before they have
-# landed and somebody calls ~/start.
+# view. Started again it is in the exchange within 2 s. Its robots fly only after they have landed
+# and somebody calls ~/start.
 killed() {
   local folder=$out/killed bad=0 seconds=45 vehicles front back second=0 code=0
   whole || seconds=25

@@ -1,4 +1,4 @@
-# Sections of an acceptance script, to be sourced with its arguments: what is finished stays in
+# Sections of an acceptance script, to be sourced with its arguments. What is finished stays in
 # out/accept/NAME/ and is not done again; delete it to begin anew. --short, for CI, sets form=short
 # and forgets what it finds.
 form=whole out=out/accept/$(basename "$0" .sh)
