@@ -29,9 +29,9 @@ identify() {
   whole || rm -rf "$out"/{first,second}
 }
 
-# A camera that leans with its body: a target at 2 m/s on circles of 1.33 m (3 m/s^2) and 2 m, by
-# the true camera. An update with lean, lags and disturbance against that of
-# cooperative_localization. Then a flight and its replay by the command line.
+# A camera that leans with its body: a target at 2 m/s on circles of 1.33 m and 2 m, by the true
+# camera. An update with lean, lags and disturbance against that of cooperative_localization. Then a
+# flight and its replay by the command line.
 tilt() {
   local said code now then
   said=$(SIGHTLINE_CAMPAIGN=$form "$build/tests/record_campaign_test" --gtest_filter='BodyCameraCampaign.*' 2>&1)
@@ -54,8 +54,8 @@ tilt() {
 }
 
 # In steady wind, how far the target robot is beside its reference from 10 s on. It plans by numbers
-# of the vehicle, by wrong gains, and without compensation; on its circle (also with u* from its
-# reference: fed) and at rest. The plan itself cuts the circle: see wind 0.
+# of the vehicle, by wrong gains, and without compensation. It flies its circle (also with u* from
+# its reference: fed) or stands. The plan itself cuts the circle: see wind 0.
 offset() {
   local wind case way ways directions=24 folder=$out/offset bad=0
   local -a winds=(0 0.5 1) cases=(identified gains_0.7 gains_1.5 fed_1.0 fed_0.7 fed_1.5 standing_0.7 standing_1.5 without as_shipped)
@@ -134,10 +134,10 @@ disturbance_time = 0.5"
 # Share of time out of view, and the largest view angle [rad], from `settle` on.
 view_line() { jq -r '.pairs[0] | [1 - .in_view_fraction, .view_angle_max] | @tsv' "$1/summary.json"; }
 
-# Duels of one robot with barrier and an adversary that goes for it (duel.toml), 1 m to be kept,
-# from 2 m on: distances and floor. A sample, and each broken distance, has its conflicts and what
-# the barrier believed at the start. DUELS=100 flies so many of each of 48 kinds, for a first look;
-# the next time goes on.
+# Duels of one robot with barrier and an adversary (duel.toml), 1 m to be kept, from 2 m on:
+# distances and floor. A sample, and each broken distance, has its conflicts and what the barrier
+# believed at the start. DUELS=100 flies so many of each of 48 kinds, for a first look; the next
+# time goes on.
 barrier() {
   local vehicle commands within late wind cell index want claim runs=${DUELS:-420} sample=20 seed=0 folder=$out/barrier bad=0
   local -a lates=(0.0 0.1 0.15)

@@ -136,9 +136,9 @@ shares_of() {
 }
 least_distance() { for part in $2; do jq .min_distance "$1/$part/summary.json"; done | sort -g | head -1; }
 
-# The chain of eight in 2 and 4 processes, without loss and with 20 % of the messages lost and 30 ms
-# late, against one solver. The cost of the exchange, against its cost in simulation. Vehicles turn
-# and climb later than the model that a simulation flies: that is in both of the former. They are
+# The chain of eight in 2 and 4 processes against one solver, without loss and with 20 % of messages
+# lost, 30 ms late. The cost of the exchange, against its cost in simulation. Vehicles turn and
+# climb later than the model that a simulation flies: that is in both of the former. They are
 # compared from 4 s on. Before, the cost goes with when in a period the first poses come. Three
 # fifths of all are spent there, and flights of one solver differ by 2 % of all.
 parts() {

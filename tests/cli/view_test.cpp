@@ -140,7 +140,7 @@ TEST(View, ATunedFlightIsReplayedAndFlownAgainWithTheSameCommands) {
         "true,");
     EXPECT_EQ(tune(client, R"({"id":"a","event":{"wind":{"acceleration":[0.2,0,0]}}})", "a").substr(0, 5),
               "true,");
-    EXPECT_TRUE(soon([&] {
+    EXPECT_TRUE(eventually([&] {
       return PageClient(served.port()).request("GET /tuned.toml").find("wind = {") != std::string::npos;
     }));
     client.receive("\"t\":2.9", 10.0);
@@ -172,8 +172,8 @@ TEST(View, AnotherSeedBeginsAnewOnTheSamePort) {
   client.watch();
   (void)client.receive("\"t\":0.", 5.0);
   client.say(PageClient::masked(1, R"({"id":"s","seed":7})"));
-  EXPECT_TRUE(soon([&] { return fs::exists(next / "run.mcap"); }));
-  EXPECT_TRUE(soon([&] {
+  EXPECT_TRUE(eventually([&] { return fs::exists(next / "run.mcap"); }));
+  EXPECT_TRUE(eventually([&] {
     return PageClient(served.port()).request("GET /scene.json").find("\"live\":true") != std::string::npos;
   }));
 }

@@ -24,7 +24,7 @@ extern "C" {
 namespace sightline::dds {
 namespace {
 
-using test::soon;
+using test::eventually;
 constexpr Quality reliable = {.reliable = true, .transient_local = false, .depth = 10};
 
 // What listeners of Cyclone DDS point to stays where it is.
@@ -71,13 +71,13 @@ TEST(ChannelOwner, WhatATakerThrowsEndsNothingAndTheNextMessageIsTaken) {
                      });
     RawWriter writer(domain.participant(), geometry_msgs_msg_dds__PoseStamped__desc, "/channel_test",
                      reliable);
-    ASSERT_TRUE(soon([&] { return writer.matched() > 0 && reader.matched() > 0; }));
+    ASSERT_TRUE(eventually([&] { return writer.matched() > 0 && reader.matched() > 0; }));
     std::string frame = "map";
     geometry_msgs_msg_dds__PoseStamped_ message{};
     message.header.frame_id = frame.data();
     for (int i = 1; i <= 4; ++i) {
       EXPECT_TRUE(writer.write(&message));
-      EXPECT_TRUE(soon([&] { return taken >= i; }));
+      EXPECT_TRUE(eventually([&] { return taken >= i; }));
     }
     EXPECT_EQ(reader.counts().received, 4);
   }

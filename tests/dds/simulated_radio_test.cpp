@@ -72,7 +72,7 @@ double delay_of_logs(SimulatedRadio& radio, double seconds) {
 }
 
 // The firmware holds 200 logs. Measured with 110 logs: at 100 packets a second poses come 2 s late
-// after 20 s; at 75 they are lost; at 250 they come at once. The latency stays at its last value
+// after 20 s. At 75 they are lost; at 250 they come at once. The latency stays at its last value
 // below 1 s.
 TEST(SimulatedRadio, LogsThatAreMoreThanThePacketsComeSecondsLate) {
   SimulatedRadio fast(0, 4 * radio_ms), full(0, 10 * radio_ms), slow(0, 13'333'333);

@@ -98,47 +98,40 @@ TEST(ULog, DataThatWasAppendedIsReadAfterTheCut) {
 TEST(ULog, EachFaultIsRefusedWithItsByte) {
   const std::string head = ulog_head(), time = "t:uint64_t timestamp;";
   const auto after = [&](const std::string& messages) { return ulog_refusal(head + messages); };
-  EXPECT_EQ(ulog_refusal("MLog"), "x.ulg: byte 0: the file does not begin as ULogs do");
-  EXPECT_EQ(ulog_refusal(""), "x.ulg: byte 0: the file does not begin as ULogs do");
-  EXPECT_EQ(after(ulog_message('\1', "")), "x.ulg: byte 16: a message of kind 0x01, expected a letter");
+  const auto says = [](int byte, const char* what) {
+    return testing::AllOf(testing::StartsWith(fmt::format("x.ulg: byte {}: ", byte)), HasSubstr(what));
+  };
+  EXPECT_THAT(ulog_refusal("MLog"), says(0, "does not begin"));
+  EXPECT_THAT(ulog_refusal(""), says(0, "does not begin"));
+  EXPECT_THAT(after(ulog_message('\1', "")), says(16, "0x01"));
   EXPECT_EQ(after(ulog_message('z', "later")), "");
-  EXPECT_EQ(after(ulog_message('D', "a")), "x.ulg: byte 16: a message D of 1 bytes, expected at least 2");
-  EXPECT_EQ(after(ulog_data(4, 1.0)), "x.ulg: byte 16: data of the number 4, to which no topic belongs");
-  EXPECT_EQ(after(ulog_topic(4, "t")), "x.ulg: byte 16: the type t, which no format before defines");
-  EXPECT_EQ(after(ulog_message('F', "t:float a;") + ulog_topic(4, "t")),
-            "x.ulg: byte 29: the format t has no uint64_t timestamp");
-  EXPECT_EQ(after(ulog_message('F', time) + ulog_message('F', time)),
-            "x.ulg: byte 40: the format t is defined twice");
-  EXPECT_EQ(after(ulog_message('F', "t:float;")),
-            "x.ulg: byte 16: a field of the format t that has no type and name");
-  EXPECT_EQ(after(ulog_message('F', "t:float[0] a;")),
-            "x.ulg: byte 16: a field of the format t that has no type and name");
+  EXPECT_THAT(after(ulog_message('D', "a")), says(16, "D of 1 bytes"));
+  EXPECT_THAT(after(ulog_data(4, 1.0)), says(16, "number 4"));
+  EXPECT_THAT(after(ulog_topic(4, "t")), says(16, "type t"));
+  EXPECT_THAT(after(ulog_message('F', "t:float a;") + ulog_topic(4, "t")), says(29, "timestamp"));
+  EXPECT_THAT(after(ulog_message('F', time) + ulog_message('F', time)), says(40, "t is defined twice"));
+  EXPECT_THAT(after(ulog_message('F', "t:float;")), says(16, "format t that has no type"));
+  EXPECT_THAT(after(ulog_message('F', "t:float[0] a;")), says(16, "format t that has no type"));
   EXPECT_EQ(after(ulog_message('M', std::string("\x01\x1a") + "char[0] perf_top_preflight")), "");
   EXPECT_EQ(after(ulog_message('M', std::string("\x01\x23") + "char[3] perf_counter_preflight-00abc")), "");
   EXPECT_EQ(after(ulog_message('I', std::string("\x06") + "char a")), "");
-  EXPECT_EQ(after(ulog_message('I', std::string("\x05") + "char ")),
-            "x.ulg: byte 16: a key that has no type and name");
-  EXPECT_EQ(after(ulog_message('F', "t:")), "x.ulg: byte 16: the format t has no fields");
-  EXPECT_EQ(after(ulog_message('F', time + "t a;") + ulog_topic(4, "t")),
-            "x.ulg: byte 44: the format t nests more than 16 formats");
-  EXPECT_EQ(after(ulog_message('F', time + "double[9000] a;") + ulog_topic(4, "t")),
-            "x.ulg: byte 55: the format t has more than 65535 bytes");
-  EXPECT_EQ(after(ulog_message('F', time) + ulog_topic(4, "t") + ulog_data(4, 1.0F)),
-            "x.ulg: byte 47: 4 bytes of t, expected 8");
-  EXPECT_EQ(after(ulog_message('F', time) + ulog_message('F', "u:uint64_t timestamp;") + ulog_topic(4, "t") +
-                  ulog_topic(4, "u")),
-            "x.ulg: byte 71: u under the number 4, which t has");
-  EXPECT_EQ(after(ulog_message('P', ulog_key("float A", "xyz"))),
-            "x.ulg: byte 16: the parameter A, expected one number");
-  EXPECT_EQ(after(ulog_message('I', "\xff too short")),
-            "x.ulg: byte 16: a key of 255 bytes where 10 are left");
-  EXPECT_EQ(after(ulog_message('S', "12345678")),
-            "x.ulg: byte 16: a synchronisation mark with other bytes than its own");
-  EXPECT_EQ(after(ulog_message('F', time) + ulog_flags()),
-            "x.ulg: byte 40: flag bits, expected them in the first message alone");
+  EXPECT_THAT(after(ulog_message('I', std::string("\x05") + "char ")), says(16, "a key"));
+  EXPECT_THAT(after(ulog_message('F', "t:")), says(16, "t has no fields"));
+  EXPECT_THAT(after(ulog_message('F', time + "t a;") + ulog_topic(4, "t")), says(44, "16 formats"));
+  EXPECT_THAT(after(ulog_message('F', time + "double[9000] a;") + ulog_topic(4, "t")),
+              says(55, "65535 bytes"));
+  EXPECT_THAT(after(ulog_message('F', time) + ulog_topic(4, "t") + ulog_data(4, 1.0F)),
+              says(47, "4 bytes of t, expected 8"));
+  EXPECT_THAT(after(ulog_message('F', time) + ulog_message('F', "u:uint64_t timestamp;") +
+                    ulog_topic(4, "t") + ulog_topic(4, "u")),
+              says(71, "number 4"));
+  EXPECT_THAT(after(ulog_message('P', ulog_key("float A", "xyz"))), says(16, "parameter A"));
+  EXPECT_THAT(after(ulog_message('I', "\xff too short")), says(16, "255 bytes where 10"));
+  EXPECT_THAT(after(ulog_message('S', "12345678")), says(16, "synchronisation"));
+  EXPECT_THAT(after(ulog_message('F', time) + ulog_flags()), says(40, "flag bits"));
   std::string newer = ulog_flags();
   newer[3 + 8] = 2;
-  EXPECT_EQ(after(newer), "x.ulg: byte 16: flags of a newer format that this reader does not know");
+  EXPECT_THAT(after(newer), says(16, "newer format"));
 }
 
 // Each format is measured once: 2^16 copies of the innermost, but 16 steps of work.

@@ -173,8 +173,8 @@ TEST(LogPage, ThePageTellsOfALogThatGrowsAndOfOneThatTakesItsPlace) {
   // A run begins anew: its file takes the place of the other.
   fs::copy_file(finished / "run.mcap", log.folder / "run.mcap.part");
   fs::rename(log.folder / "run.mcap.part", log.folder / "run.mcap");
-  EXPECT_TRUE(test::soon([&] { return body_of("/scene.json")["session"] != scene["session"]; }));
-  EXPECT_TRUE(test::soon([&] { return body_of("/moments.json").size() == 100U; }));
+  EXPECT_TRUE(test::eventually([&] { return body_of("/scene.json")["session"] != scene["session"]; }));
+  EXPECT_TRUE(test::eventually([&] { return body_of("/moments.json").size() == 100U; }));
 }
 
 }  // namespace

@@ -74,8 +74,8 @@ TEST(LogPlayback, BeginsAtTheBeginForWhoComesWhenNobodyListened) {
     Listener listener(server.port(), "/uav0/state");
     for (std::uint64_t k = 0; k < 10; ++k) ASSERT_EQ(listener.next(), 10'000'000 * k);
     listener.client.say(PageClient::masked(8, ""));
-    EXPECT_TRUE(test::soon([&] { return server.counts().watchers == 0; }));
-    EXPECT_TRUE(test::soon([&] { return !playback.feed().is_requested(); }));
+    EXPECT_TRUE(test::eventually([&] { return server.counts().watchers == 0; }));
+    EXPECT_TRUE(test::eventually([&] { return !playback.feed().is_requested(); }));
     ::usleep(300'000);
   }
 }

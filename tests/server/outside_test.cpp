@@ -22,8 +22,8 @@
 namespace sightline {
 namespace {
 
+using test::eventually;
 using test::PageClient;
-using test::soon;
 
 /// A flight with a log, a page and somebody who observes it.
 struct WatchedFlight {
@@ -65,7 +65,7 @@ TEST(Outside, NoMemoryForPageAndLogEndsNoFlight) {
   const LoggedFlight flown = flight.fly([&](ClosedLoop& loop) {
     const NoMemoryElsewhere none;
     const LoopOutcome outcome = loop.fly();
-    EXPECT_TRUE(soon([&] { return reports > 0; }));
+    EXPECT_TRUE(eventually([&] { return reports > 0; }));
     failed = none.failed();
     return outcome;
   });
@@ -118,7 +118,7 @@ TEST(Outside, AStuckLogHoldsNoStopUp) {
   std::thread person([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     stop = true;
-    EXPECT_TRUE(soon([&] { return ended.load(); }));
+    EXPECT_TRUE(eventually([&] { return ended.load(); }));
     go_on = true;
   });
   const LoggedFlight flown = flight.fly(
@@ -127,7 +127,7 @@ TEST(Outside, AStuckLogHoldsNoStopUp) {
         ended = true;
         return outcome;
       },
-      {.stop = &stop, .written = [&](double) { EXPECT_TRUE(soon([&] { return go_on.load(); })); }});
+      {.stop = &stop, .written = [&](double) { EXPECT_TRUE(eventually([&] { return go_on.load(); })); }});
   person.join();
   EXPECT_TRUE(flown.outcome.stopped);
   EXPECT_LT(flown.outcome.updates, 6000);

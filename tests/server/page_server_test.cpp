@@ -20,8 +20,8 @@
 namespace sightline {
 namespace {
 
+using test::eventually;
 using test::PageClient;
-using test::soon;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -70,7 +70,7 @@ TEST(PageServer, WhatThrowsWhileItServesCostsThatClientAlone) {
   (void)speaker.receive();
   EXPECT_TRUE(speaker.ended());
   EXPECT_THAT(PageClient(server.port()).request("GET /"), HasSubstr("<p>page"));
-  EXPECT_TRUE(soon([&] { return server.counts().refused == 2; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().refused == 2; }));
 }
 
 TEST(PageServer, AFileThatIsMadeSlowlyHoldsNobodyUpWhoPutsAnother) {
@@ -78,13 +78,13 @@ TEST(PageServer, AFileThatIsMadeSlowlyHoldsNobodyUpWhoPutsAnother) {
   PageFiles files = two_files();
   files["/slow.json"] = {.type = "application/json", .body = {}, .made = [&](const HttpRequest&) {
                            begun = true;
-                           EXPECT_TRUE(soon([&] { return go_on.load(); }));
+                           EXPECT_TRUE(eventually([&] { return go_on.load(); }));
                            return std::string("slow");
                          }};
   PageServer server({}, files);
   std::string answer;
   std::thread client([&] { answer = PageClient(server.port()).request("GET /slow.json"); });
-  ASSERT_TRUE(soon([&] { return begun.load(); }));
+  ASSERT_TRUE(eventually([&] { return begun.load(); }));
   server.put("/slow.json", {"application/json", "another"});  // does not wait for it
   go_on = true;
   client.join();
@@ -119,7 +119,7 @@ TEST(PageServer, AWrongHostAndAForeignOriginAreRefusedForPagesAndWatchers) {
   PageClient rebound(server.port());
   rebound.say(fmt::format("GET / HTTP/1.1\r\nHost: attacker.example:{}\r\n\r\n", server.port()));
   EXPECT_THAT(rebound.receive(), StartsWith("HTTP/1.1 403"));
-  EXPECT_TRUE(soon([&] { return server.counts().refused == 3; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().refused == 3; }));
 }
 
 TEST(PageServer, OnOtherAddressesATokenIsAskedForOnceInTheUrl) {
@@ -161,9 +161,9 @@ TEST(PageServer, OneThatTakesNoTopicsIsClosedAndWhatItMissedIsCounted) {
   for (PageClient* one : {&reader, &deaf}) {
     ASSERT_THAT(one->ask_for_topics(), StartsWith("HTTP/1.1 101"));
     one->say(test::subscribe_frame(0, 0));
-    ASSERT_TRUE(soon([&] { return feed.is_requested(); }));
+    ASSERT_TRUE(eventually([&] { return feed.is_requested(); }));
   }
-  ASSERT_TRUE(soon([&] { return server.counts().watchers == 2; }));
+  ASSERT_TRUE(eventually([&] { return server.counts().watchers == 2; }));
   const std::string long_one(300'000, 'x');
   std::int64_t received = 0, fed = 0;
   while (server.counts().closed == 0 && fed < 3000) {
@@ -179,7 +179,7 @@ TEST(PageServer, OneThatTakesNoTopicsIsClosedAndWhatItMissedIsCounted) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_EQ(server.counts().closed, 1);
-  EXPECT_TRUE(soon([&] { return server.counts().messages_dropped > 0; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().messages_dropped > 0; }));
 }
 
 TEST(PageServer, AWatcherHearsTheNewestStateAtOnceAndThenEachNext) {
@@ -213,7 +213,7 @@ TEST(PageServer, LongMessagesAndManyCloseTheirWatcherAlone) {
   many.say(flood);
   many.receive();
   EXPECT_TRUE(many.ended());
-  EXPECT_TRUE(soon([&] { return server.counts().closed == 2; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().closed == 2; }));
   server.post("still here");
   EXPECT_THAT(quiet.receive("still here"), HasSubstr("still here"));
 }
@@ -225,7 +225,7 @@ TEST(PageServer, ALongHeadIsRefused) {
   client.say("GET / HTTP/1.1\r\nX: " + std::string(100'000, 'x'));
   client.receive();
   EXPECT_TRUE(client.ended());
-  EXPECT_TRUE(soon([&] { return server.counts().refused == 1; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().refused == 1; }));
 }
 
 TEST(PageServer, WhoSaysNothingIsClosedAndMoreThanThereIsRoomForAreRefused) {
@@ -234,11 +234,12 @@ TEST(PageServer, WhoSaysNothingIsClosedAndMoreThanThereIsRoomForAreRefused) {
   ASSERT_THAT(watcher.watch(), StartsWith("HTTP/1.1 101"));
   std::list<PageClient> silent;
   for (std::size_t i = 0; i < PageServer::connections_max + 10; ++i) silent.emplace_back(server.port());
-  EXPECT_TRUE(soon([&] { return server.counts().refused == 11; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().refused == 11; }));
   server.post("as ever");
   EXPECT_THAT(watcher.receive("as ever"), HasSubstr("as ever"));
-  EXPECT_TRUE(soon([&] { return PageClient(server.port()).request("GET /").starts_with("HTTP/1.1 200"); },
-                   2 * PageServer::patience));
+  EXPECT_TRUE(
+      eventually([&] { return PageClient(server.port()).request("GET /").starts_with("HTTP/1.1 200"); },
+                 std::chrono::duration<double>(2 * PageServer::patience)));
 }
 
 TEST(PageServer, AWatcherThatReadsNothingDelaysNobodyAndIsClosed) {
@@ -246,7 +247,7 @@ TEST(PageServer, AWatcherThatReadsNothingDelaysNobodyAndIsClosed) {
   PageClient reader(server.port()), deaf(server.port(), 4096);
   ASSERT_THAT(reader.watch(), StartsWith("HTTP/1.1 101"));
   ASSERT_THAT(deaf.watch(), StartsWith("HTTP/1.1 101"));
-  ASSERT_TRUE(soon([&] { return server.counts().watchers == 2; }));
+  ASSERT_TRUE(eventually([&] { return server.counts().watchers == 2; }));
   const std::string state(200'000, 's');
   double slowest = 0.0;
   const auto began = std::chrono::steady_clock::now();

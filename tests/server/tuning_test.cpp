@@ -13,8 +13,8 @@ namespace sightline {
 namespace {
 
 using nlohmann::json;
+using test::eventually;
 using test::PageClient;
-using test::soon;
 using testing::HasSubstr;
 
 /// A flight that is tuned, without the flight.
@@ -31,7 +31,7 @@ struct Tuned {
     const std::size_t before = answered;
     tuning.receive(message);
     json all;
-    EXPECT_TRUE(soon([&] {
+    EXPECT_TRUE(eventually([&] {
       all = json::parse("{\"t\":0" + tuning.reported() + "}")["answers"];
       return !all.empty() && all.back()[0] >= before;
     })) << message;
@@ -56,7 +56,7 @@ TEST(Tuning, AChangeIsAnsweredAndHandedToTheFlight) {
   EXPECT_THAT(answer[3].get<std::string>(), HasSubstr("retune bearing, weight 0.4"));
   ASSERT_EQ(tuned.scenario.tuned->size(), 1U);
   EXPECT_EQ(ramp_of(tuned.scenario.tuned->event(0)), 0.3);
-  EXPECT_TRUE(soon(
+  EXPECT_TRUE(eventually(
       [&] { return json::parse(tuned.tuning.files().at("/tune.json").body)["terms"][0]["weight"] == 0.4; }));
   // Not before it happened is it of the flight that is written, which says so from the answer on.
   EXPECT_THAT(
@@ -64,7 +64,7 @@ TEST(Tuning, AChangeIsAnsweredAndHandedToTheFlight) {
       testing::AllOf(testing::Not(HasSubstr("[[event]]")),
                      HasSubstr("\n# not in this text, since it is accepted and not flown yet: tune 0: ")));
   tuned.scenario.tuned->occur(0, 0.25);
-  EXPECT_TRUE(soon([&] {
+  EXPECT_TRUE(eventually([&] {
     return tuned.tuning.files().at("/tuned.toml").body.find("[[event]]\nat = 0.25\n") != std::string::npos;
   }));
   EXPECT_THAT(tuned.tuning.files().at("/tuned.toml").body, testing::Not(HasSubstr("not flown yet")));
@@ -118,7 +118,7 @@ TEST(Tuning, AFloodIsBounded) {
   Tuned tuned;
   for (int i = 0; i < 10'000; ++i) tuned.tuning.receive(R"({"id":"x","pause":false})");
   EXPECT_GT(tuned.tuning.stale(), 0);
-  EXPECT_TRUE(soon([&] {
+  EXPECT_TRUE(eventually([&] {
     return json::parse("{\"t\":0" + tuned.tuning.reported() + "}")["answers"].size() ==
            Tuning::answers_reported;
   }));
@@ -130,7 +130,7 @@ TEST(Tuning, WithoutItAPageIsReadOnlyAndCountsWhatItIsTold) {
   PageClient client(server.port());
   client.watch();
   client.say(PageClient::masked(1, R"({"pause":true})"));
-  EXPECT_TRUE(soon([&] { return server.counts().unrequested == 1; }));
+  EXPECT_TRUE(eventually([&] { return server.counts().unrequested == 1; }));
   server.post("{}");
   EXPECT_THAT(client.receive("{}"), HasSubstr("{}")) << "it goes on looking";
 }

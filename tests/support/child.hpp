@@ -20,7 +20,7 @@ namespace sightline::test {
 /// Waits until something is so.
 /// @return whether it was within this time
 template <class Condition>
-bool eventually(Condition&& so, std::chrono::seconds within = std::chrono::seconds(60)) {
+bool eventually(Condition&& so, std::chrono::duration<double> within = std::chrono::seconds(60)) {
   const auto end = std::chrono::steady_clock::now() + within;
   while (!so()) {
     if (std::chrono::steady_clock::now() > end) return false;

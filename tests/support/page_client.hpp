@@ -7,11 +7,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "tests/support/child.hpp"
 
 namespace sightline::test {
 
@@ -117,16 +118,5 @@ class PageClient {
   std::string rest_;  // that came and was not heard
   bool connected_ = false, ended_ = false;
 };
-
-/// Waits until it holds, at most so long. @return whether it does
-template <class Holds>
-bool soon(Holds&& holds, double seconds = 10.0) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    ::usleep(5'000);
-  }
-  return true;
-}
 
 }  // namespace sightline::test

@@ -94,7 +94,7 @@ TEST(Page, ALiveFlightIsShownAndThePageComesBackAfterItsServer) {
                      "wait live\\nmoments 20\\nlook\\nwait lost\\nwait live\\nmoments 20\\nlook\\n", folder);
   });
   const auto answered = [&](long count) {
-    return soon([&] { return lines(read_file(folder / "stdout.txt")) >= count; }, 40.0);
+    return eventually([&] { return lines(read_file(folder / "stdout.txt")) >= count; });
   };
   EXPECT_TRUE(answered(3));
   server.reset();
@@ -126,7 +126,7 @@ TEST(Page, ALogThatIsStillWrittenIsShownAsItGrowsAndAsItEnded) {
   std::ofstream(folder / "long.toml") << text;
   std::optional<Served> run("run " + (folder / "long.toml").string() + " -o " + out +
                             " --realtime --view --port 0");
-  ASSERT_TRUE(soon([&] { return fs::exists(out + "/run.mcap"); }, 20.0));
+  ASSERT_TRUE(eventually([&] { return fs::exists(out + "/run.mcap"); }));
   const std::uint16_t port = free_port();
   const std::string arguments = "view " + out + " --seconds 60 --port " + std::to_string(port);
   std::optional<Served> server(arguments);
@@ -138,7 +138,7 @@ TEST(Page, ALogThatIsStillWrittenIsShownAsItGrowsAndAsItEnded) {
         folder);
   });
   const auto answered = [&](long count) {
-    return soon([&] { return lines(read_file(folder / "stdout.txt")) >= count; }, 40.0);
+    return eventually([&] { return lines(read_file(folder / "stdout.txt")) >= count; });
   };
   EXPECT_TRUE(answered(4));
   server.reset();
