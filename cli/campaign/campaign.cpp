@@ -409,8 +409,10 @@ Execute describe_campaign(CLI::App& app) {
   CLI::Option* slurm = app.add_flag("--slurm", command->slurm.submit,
                                     "Fly the shards as a job array of Slurm, wait, and merge them")
                            ->excludes(shard, resume, "--only", "--threads", "--merge");
-  app.add_flag("--certify{2000}", command->certify,
-               "Bound the probabilities of lost views and broken distances, with so many more runs of each")
+  // Not the number itself: CLI11 2.4 checks the default of a flag that is a number in every command.
+  app.add_flag_function(
+         "--certify{2000}", [command](std::int64_t runs) { command->certify = static_cast<int>(runs); },
+         "Bound the probabilities of lost views and broken distances, with so many more runs of each")
       ->check(CLI::Range(rare_runs_min, runs_max))
       ->excludes(shard, slurm, "--only", "--merge");
   app.add_flag("--dry-run", command->slurm.dry_run, "Print the job array's script, no more")->needs(slurm);
