@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <tuple>
+#include <variant>
 #include <vector>
 
 #include "sightline/events.hpp"
@@ -278,6 +280,136 @@ TEST(CertifiedViews, KeepTheLimitsThatEventsGiveThePair) {
       speed(wide, event("add = { couple = " + far + " }\n")),
       speed(wide,
             "[[couple]]\npotential = { keep_out = { d_min = 1.2 } }\nbetween = [\"ball\", \"uav0\"]\n"));
+}
+
+/// The view of the ball by a robot that observes the cube at first, `before` the events.
+std::string turning_robot(const std::string& before, const std::string& events) {
+  std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", std::string(certified) + before + events);
+  text.insert(text.find("[target.ball]"),
+              "[target.cube]\np = [0.5, 0.4, 1.0]\n[target.post]\np = [0.5, -0.4, 1.0]\n");
+  for (std::size_t at = text.find("\"ball\""); at < text.find("[[certify_view]]"); at = text.find("\"ball\""))
+    text.replace(at, 6, "\"cube\"");
+  return text;
+}
+
+/// The numbers of the certificate of the first view.
+std::vector<double> certificate_of(const std::string& text) {
+  const Scenario scenario = test::scenario_of(text);
+  const CertifiedView& view = scenario.certified_views.at(0);
+  const ViewCertificate& z = view.filter->certificate();
+  std::vector<double> numbers = {view.speed_most, z.near,     z.far,    z.theta, z.climb,
+                                 z.turn,          z.sideward, z.push.x, z.push.y};
+  numbers.insert(numbers.end(), z.low.begin(), z.low.end());
+  numbers.insert(numbers.end(), z.high.begin(), z.high.end());
+  return numbers;
+}
+
+std::string event_at(double t, const std::string& action) {
+  return fmt::format("[[event]]\nat = {}\n{}\n", t, action);
+}
+
+// Each of these gives the pair a limit on its way. The certificate is that of the limit from the start.
+TEST(CertifiedViews, KeepTheLimitsThatTheirObserverTakesAlong) {
+  const auto couple = [](const char* potential, const char* target) {
+    return fmt::format("potential = {{ {} }}, between = [\"uav0\", \"{}\"]", potential, target);
+  };
+  const auto turn = [](double t, const char* target) {
+    return event_at(t, fmt::format("observe = {{ observer = \"uav0\", target = \"{}\" }}", target));
+  };
+  const std::string to_ball = turn(4.0, "ball");
+  const auto stated = [&](const char* potential, const std::string& turns) {
+    return certificate_of(turning_robot(
+        fmt::format("[[couple]]\npotential = {{ {} }}\nbetween = [\"uav0\", \"cube\"]\n", potential), turns));
+  };
+  const std::vector<double> alone = certificate_of(turning_robot("", to_ball));
+  for (const char* limit :
+       {"cohesion = { d_max = 1.6 }", "keep_out = { d_min = 1.1 }", "sensor_cone = { alpha = 0.35 }"}) {
+    const std::vector<double> from_start = stated(limit, to_ball);
+    EXPECT_NE(from_start, alone) << limit;
+    const std::string to_cube = "add = { couple = { " + couple(limit, "cube") + " } }",
+                      named = "add = { couple = { name = \"near\", " +
+                              couple("cohesion = { d_max = 9.0 }", "cube") + " } }",
+                      retune = fmt::format("retune = {{ couple = \"near\", potential = {{ {} }} }}", limit);
+    // The coupling is added to the other target, before or in the event that turns the observer.
+    EXPECT_EQ(certificate_of(turning_robot("", event_at(2.0, to_cube) + to_ball)), from_start) << limit;
+    // The times of two signals are unknown: the order of the file has no meaning.
+    const std::string on_signal =
+        "[[simulation.signal]]\nname = \"turn\"\n[[simulation.signal]]\nname = \"add\"\n"
+        "[[event]]\nsignal = \"turn\"\nobserve = { observer = \"uav0\", target = \"ball\" }\n"
+        "[[event]]\nsignal = \"add\"\n" +
+        to_cube + "\n";
+    EXPECT_EQ(certificate_of(turning_robot("", on_signal)), from_start) << limit;
+    // It takes a way over a third body.
+    const std::string over_post =
+        turn(1.0, "post") + event_at(2.0, "add = { couple = { " + couple(limit, "post") + " } }");
+    EXPECT_EQ(certificate_of(turning_robot("", over_post + to_ball)),
+              stated(limit, turn(1.0, "post") + to_ball))
+        << limit;
+    // It is added, and given its potential before or after the turn.
+    for (const double t : {3.0, 5.0})
+      EXPECT_EQ(certificate_of(turning_robot("", event_at(2.0, named) + event_at(t, retune) + to_ball)),
+                from_start)
+          << limit << t;
+  }
+  // A coupling with a body that the robot never observes stays there.
+  const std::string elsewhere = "add = { couple = { " + couple("cohesion = { d_max = 1.6 }", "post") + " } }";
+  EXPECT_EQ(certificate_of(turning_robot("", event_at(2.0, elsewhere) + to_ball)), alone);
+}
+
+// Beside a view, every kind of event is counted, does not concern the certificate, or ends it in flight.
+TEST(CertifiedViews, CountEveryKindOfEventOrReportThatItEndsThem) {
+  const std::string others =
+      "[agent.uav1]\nrobot = \"multirotor\"\nstart = { p = [6.0, 0.0, 1.0] }\n[target.post]\np = [6.0, 4.0, "
+      "1.0]\npresent = false\n[target.cube]\np = [4.0, 4.0, 1.0]\n";
+  const auto robot = [&](const std::string& rest) {
+    std::string text = leaving_robot(0.9, "[-4.0, 0.0, 1.5]", std::string(certified) + rest);
+    text.insert(text.find("[target.ball]"), others);
+    text.replace(text.find("duration = 8.0"), 14, "duration = 4.0");
+    return text;
+  };
+  struct Kind {
+    const char* action;
+    const char* from_start;  // what makes the same certificate without the event
+    bool ends = false;       // the view, in flight
+  };
+  const std::vector<Kind> kinds = {
+      {"remove = \"cube\"", ""},
+      {"remove = \"ball\"", "", true},
+      {"remove = { agent = \"uav0\", then = \"hold\" }", "", true},
+      {"remove = { couple = \"couple[1]\" }", ""},
+      {"remove = { couple = \"couple[0]\" }", "", true},
+      {"add = \"post\"", ""},
+      {"add = { couple = { potential = { cohesion = { d_max = 1.6 } }, between = [\"uav0\", \"ball\"] } }",
+       "[[couple]]\npotential = { cohesion = { d_max = 1.6 } }\nbetween = [\"uav0\", \"ball\"]\n"},
+      {"add = { constrain = { agent = \"uav0\", potential = { altitude_band = { z_max = 4.5 } } } }", ""},
+      {"retune = { agent = \"uav0\", u_min = [-0.6, -0.6, -0.6, -0.6], u_max = [0.6, 0.6, 0.6, 0.6] }",
+       "[[event]]\nat = 0.0\nretune = { agent = \"uav0\", u_min = [-0.6, -0.6, -0.6, -0.6], u_max = [0.6, "
+       "0.6, "
+       "0.6, 0.6] }\n"},
+      {"retune = { couple = \"couple[0]\", potential = { sensor_cone = { alpha = 0.4 } } }",
+       "[[couple]]\npotential = { sensor_cone = { alpha = 0.4 } }\nbetween = [\"uav0\", \"ball\"]\n"},
+      {"observe = { observer = \"uav0\", target = \"cube\" }", "", true},
+      {"reference = { agent = \"uav0\", reference = { constant = { p = [0.0, 0.0, 2.0] } } }", ""},
+      {"move = { target = \"ball\", p = [3.0, 3.0, 1.0] }", "", true},
+      {"wind = { acceleration = [2.0, 0.0, 0.0] }", "", true},
+      {"fault = { kind = \"dropout\", body = \"ball\", for = 1.0 }", "", true},
+      {"fault = { kind = \"jump\", body = \"ball\", for = 1.0, offset = [0.3, 0.0, 0.0] }", "", true},
+  };
+  const std::vector<double> alone = certificate_of(robot(""));
+  std::array<bool, std::variant_size_v<Action>> seen{};
+  for (const auto& [action, from_start, ends] : kinds) {
+    const std::string text = robot(event_at(2.0, action));
+    for (const Action& one : test::scenario_of(text).script.events.at(0).actions) seen[one.index()] = true;
+    const std::vector<double> counted = certificate_of(text);
+    EXPECT_EQ(counted, certificate_of(robot(from_start))) << action;
+    EXPECT_EQ(counted == alone, from_start[0] == 0) << action;
+    const Flown flown = fly(text);
+    const bool ended =
+        std::find(flown.changes.begin(), flown.changes.end(), "view_uncertified") != flown.changes.end();
+    EXPECT_EQ(ended, ends) << action;
+    EXPECT_EQ(flown.certified == flown.updates, !ends) << action;
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), true), std::ssize(seen));
 }
 
 // No event turns the couplings with another target to that of the view.

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <span>
+#include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "sightline/model/state_roles.hpp"
 #include "sightline/ocp/apply_action.hpp"
@@ -77,91 +80,198 @@ bool turns_to(const Action& action, const CertifiedView& view) {
   return observe != nullptr && observe->observer == view.observer && observe->target == view.target;
 }
 
-/// Whether an event of the scenario does.
-bool turns_to(const Script& script, const CertifiedView& view) {
-  return std::any_of(script.events.begin(), script.events.end(), [&](const TeamEvent& event) {
-    return std::any_of(event.actions.begin(), event.actions.end(),
-                       [&](const Action& action) { return turns_to(action, view); });
-  });
-}
+/// A coupling that may be in force, and which stated potential it has. Of the limits that a coupling leaves
+/// behind, `part` numbers them.
+struct PossibleCoupling {
+  Coupling coupling;
+  std::size_t origin = 0;
+  int part = -1;
 
-/// The couplings that an action adds or gives another potential. Those of the observer that may have moved
-/// to the target by then are also among them as couplings with the target.
-std::vector<Coupling> made_by(const Action& action, const ScenarioSpec& scenario, const CertifiedView& view) {
-  if (const auto* add = std::get_if<AddCoupling>(&action)) return {add->coupling};
-  if (const auto* hand_over = std::get_if<HandOver>(&action)) return hand_over->couplings;
-  const auto* retune = std::get_if<RetuneTerm>(&action);
-  std::vector<Coupling> made;
-  if (retune == nullptr || !retune->potential) return made;
-  for (Coupling& c : stated_couplings(scenario)) {
-    if (c.name != retune->name) continue;
-    c.term.potential = *retune->potential;
-    made.push_back(c);
-    const bool moves = c.term.potential.mount() != nullptr || c.term.potential.d_max();
-    if (c.between.first != view.observer || c.between.second == view.target || !moves ||
-        !turns_to(scenario.script, view))
-      continue;
-    c.between.second = view.target;
-    made.push_back(std::move(c));
+  bool operator==(const PossibleCoupling& o) const {
+    const Between &a = coupling.between, &b = o.coupling.between;
+    return origin == o.origin && part == o.part && a.first == b.first && a.second == b.second &&
+           coupling.name == o.coupling.name && coupling.felt_by == o.coupling.felt_by;
   }
-  return made;
-}
+};
 
-/// The limits of the pair when the view begins, and all that events give it: the set keeps them at any time.
-ViewLimits all_limits_of(const ScenarioSpec& scenario, const CertifiedView& view) {
-  ViewLimits limits = limits_of(couplings_of_view(scenario, view), view.observer, view.target);
-  for (const TeamEvent& event : scenario.script.events) {
-    for (const Action& action : event.actions) {
-      for (Potential& one : limits_of(made_by(action, scenario, view), view.observer, view.target).all) {
-        const auto is_same = [&](const Potential& known) {  // the one by which the view begins
-          return one.mount() != nullptr && known.mount() == one.mount();
-        };
-        if (std::none_of(limits.all.begin(), limits.all.end(), is_same)) limits.all.push_back(std::move(one));
+/// The couplings that events may put in force, in any order and any number of times: those that are stated,
+/// those that an observer takes along to another target, and both with potentials that events give them.
+class PossibleCouplings {
+ public:
+  explicit PossibleCouplings(const ScenarioSpec& scenario) : scenario_(scenario) {
+    std::size_t origin = 0;
+    for (Coupling& c : stated_couplings(scenario)) all_.push_back({std::move(c), origin++});
+    for (std::size_t before = 0; before < all_.size();) {
+      before = all_.size();
+      std::size_t potential = origin;
+      for (const TeamEvent& event : scenario.script.events) {
+        for (const Action& action : event.actions) {
+          if (const auto* observe = std::get_if<Observe>(&action)) turn(*observe);
+          if (const auto* retune = std::get_if<RetuneTerm>(&action); retune && retune->potential)
+            this->retune(*retune, potential++);
+        }
       }
     }
+    for (PossibleCoupling& it : all_) couplings_.push_back(std::move(it.coupling));
+  }
+
+  const std::vector<Coupling>& all() const { return couplings_; }
+
+  /// Those that an action adds or gives another potential.
+  std::vector<Coupling> made_by(const Action& action) const {
+    if (const auto* add = std::get_if<AddCoupling>(&action)) return {add->coupling};
+    if (const auto* hand_over = std::get_if<HandOver>(&action)) return hand_over->couplings;
+    const auto* retune = std::get_if<RetuneTerm>(&action);
+    std::vector<Coupling> made;
+    if (retune == nullptr || !retune->potential) return made;
+    for (const Coupling& c : couplings_) {
+      if (c.name != retune->name) continue;
+      made.push_back(c);
+      made.back().term.potential = *retune->potential;
+    }
+    return made;
+  }
+
+ private:
+  void add(PossibleCoupling it) {
+    if (std::find(all_.begin(), all_.end(), it) == all_.end()) all_.push_back(std::move(it));
+  }
+
+  void retune(const RetuneTerm& retune, std::size_t origin) {
+    for (std::size_t i = 0, n = all_.size(); i < n; ++i) {
+      if (all_[i].coupling.name != retune.name) continue;
+      PossibleCoupling next = {all_[i].coupling, origin};
+      next.coupling.term.potential = *retune.potential;
+      add(std::move(next));
+    }
+  }
+
+  /// Adds what the observer takes along from each target that it may observe.
+  void turn(const Observe& observe) {
+    const auto is_through = [](const Potential& potential, const SensorMount* mount) {
+      return mount == nullptr || potential.mount() == nullptr || *potential.mount() == *mount;
+    };
+    for (std::size_t look = 0, n = all_.size(); look < n; ++look) {
+      const Coupling looks = all_[look].coupling;
+      const BodyId before = looks.between.second;
+      const SensorMount* mount = observe.through ? &*observe.through : nullptr;
+      if (before == observe.target || !is_view_of(looks, {observe.observer, before}) ||
+          !is_through(looks.term.potential, mount))
+        continue;
+      if (looks.term.potential.mount() != nullptr) mount = looks.term.potential.mount();
+      for (std::size_t i = 0; i < n; ++i) {
+        const PossibleCoupling it = all_[i];
+        const auto [first, second] = it.coupling.between;
+        const Potential& potential = it.coupling.term.potential;
+        const bool is_own = first == observe.observer && second == before;
+        if (is_own ? !is_through(potential, mount)
+                   : first != before || second != observe.observer || observes(potential))
+          continue;
+        move(it, observe, before);
+      }
+    }
+  }
+
+  void move(const PossibleCoupling& it, const Observe& observe, BodyId before) {
+    const bool stays = keeps_apart(it.coupling.term.potential);
+    PossibleCoupling next = it;
+    Coupling& moved = next.coupling;
+    (moved.between.first == before ? moved.between.first : moved.between.second) = observe.target;
+    if (scenario_.team.is_agent(observe.target))
+      std::replace(moved.felt_by.begin(), moved.felt_by.end(), AgentId{before}, AgentId{observe.target});
+    else
+      std::erase(moved.felt_by, AgentId{before});
+    const bool acts = moved.third != observe.target && !moved.felt_by.empty();
+    if (stays) {
+      moved.name.clear();
+      if (acts && !are_always_kept_apart(observe, moved.felt_by)) add(std::move(next));
+      return;
+    }
+    if (acts) add(std::move(next));
+    int part = 0;
+    for (Potential& limit : keep_outs(it.coupling.term.potential)) {
+      PossibleCoupling behind = it;
+      behind.part = part++;
+      behind.coupling.term.potential = std::move(limit);
+      behind.coupling.name.clear();
+      add(std::move(behind));
+    }
+  }
+
+  /// Whether an event removes, replaces or retunes the coupling or constraint of that name.
+  bool is_changed(const std::string& name) const {
+    const auto changes = [&](const Action& action) {
+      if (const auto* remove = std::get_if<RemoveTerm>(&action)) return remove->name == name;
+      if (const auto* retune = std::get_if<RetuneTerm>(&action)) return retune->name == name;
+      const auto* over = std::get_if<HandOver>(&action);
+      return over != nullptr && std::find(over->names.begin(), over->names.end(), name) != over->names.end();
+    };
+    const std::vector<TeamEvent>& events = scenario_.script.events;
+    return std::any_of(events.begin(), events.end(), [&](const TeamEvent& event) {
+      return std::any_of(event.actions.begin(), event.actions.end(), changes);
+    });
+  }
+
+  /// Whether a coupling that no event changes does so: then the new target gets no other.
+  bool are_always_kept_apart(const Observe& observe, const std::vector<AgentId>& felt_by) const {
+    const auto& couplings = scenario_.team.couplings();
+    return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
+      const auto [a, b] = c.between;
+      const bool joins =
+          (a == observe.observer && b == observe.target) || (a == observe.target && b == observe.observer);
+      return joins && !is_changed(c.name) && c.term.weight > 0 && keeps_apart(c.term.potential) &&
+             std::all_of(felt_by.begin(), felt_by.end(), [&](AgentId agent) {
+               return std::find(c.felt_by.begin(), c.felt_by.end(), agent) != c.felt_by.end();
+             });
+    });
+  }
+
+  const ScenarioSpec& scenario_;
+  std::vector<PossibleCoupling> all_;
+  std::vector<Coupling> couplings_;
+};
+
+/// The limits that the pair may have at any time: the set keeps all of them at all times.
+ViewLimits all_limits_of(const ScenarioSpec& scenario, const PossibleCouplings& possible,
+                         const CertifiedView& view) {
+  ViewLimits limits = limits_of(couplings_of_view(scenario, view), view.observer, view.target);
+  limits.all.clear();
+  for (Potential& one : limits_of(possible.all(), view.observer, view.target).all) {
+    const auto is_same = [&](const Potential& known) {
+      return one.mount() != nullptr && known.mount() == one.mount();
+    };
+    if (std::none_of(limits.all.begin(), limits.all.end(), is_same)) limits.all.push_back(std::move(one));
   }
   return limits;
 }
 
 /// Whether the observer may observe the target by this action, which it did not before.
-bool begins_view(const Action& action, const ScenarioSpec& scenario, const CertifiedView& view) {
-  return turns_to(action, view) || is_observed(made_by(action, scenario, view), view.observer, view.target);
+bool begins_view(const Action& action, const PossibleCouplings& possible, const CertifiedView& view) {
+  return turns_to(action, view) || is_observed(possible.made_by(action), view.observer, view.target);
 }
 
 /// Whether the observer observes the target through two sensors in the scenario; at one time or not.
-bool has_two_sensors(const ScenarioSpec& scenario, const CertifiedView& view) {
+bool has_two_sensors(const PossibleCouplings& possible, const CertifiedView& view) {
   const SensorMount* first = nullptr;
-  const auto is_another = [&](const SensorMount* mount) {
+  return std::any_of(possible.all().begin(), possible.all().end(), [&](const Coupling& c) {
+    const SensorMount* mount = c.term.potential.mount();
+    if (!is_view_of(c, {view.observer, view.target}) || mount == nullptr) return false;
     if (first == nullptr) first = mount;
-    return mount != nullptr && *mount != *first;
-  };
-  const auto have_another = [&](std::span<const Coupling> couplings) {
-    return std::any_of(couplings.begin(), couplings.end(), [&](const Coupling& c) {
-      return is_view_of(c, {view.observer, view.target}) && is_another(c.term.potential.mount());
-    });
-  };
-  if (have_another(scenario.team.couplings())) return true;
-  for (const TeamEvent& event : scenario.script.events) {
-    for (const Action& action : event.actions) {
-      if (have_another(made_by(action, scenario, view))) return true;
-      if (!turns_to(action, view)) continue;
-      const auto& through = std::get<Observe>(action).through;
-      if (through && is_another(&*through)) return true;
-    }
-  }
-  return false;
+    return *mount != *first;
+  });
 }
 
 /// Adds the sets of the views to the costs: at the start, and at the end of the events that begin a
 /// view. A set leaves by itself with the last coupling that observes its pair (apply_action()).
 /// @param sets  of each view; of weight 0: none
-void couple_sets(ScenarioSpec& scenario, const std::vector<CertifiedView>& views, std::vector<Coupling> sets,
+void couple_sets(ScenarioSpec& scenario, const PossibleCouplings& possible,
+                 const std::vector<CertifiedView>& views, std::vector<Coupling> sets,
                  const std::vector<std::string>& places) {
   for (TeamEvent& event : scenario.script.events) {
     std::vector<Action>& actions = event.actions;
     for (std::size_t k = 0; k < views.size(); ++k) {
       const bool begins = std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
-        return begins_view(action, scenario, views[k]);
+        return begins_view(action, possible, views[k]);
       });
       if (begins && sets[k].term.weight > 0)
         actions.push_back(HandOver{AgentId{views[k].observer}, {sets[k].name}, {sets[k]}});
@@ -205,16 +315,16 @@ ViewOdometry read_odometry(const TomlTable& at, const ScenarioSpec& scenario, co
 /// The certificate of a view, its filter and the largest speed.
 /// @param views  all of the scenario: some may request the observer to slow down
 /// @return its set as a part of the cost; of weight 0: none
-Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, const std::vector<CertifiedView>& views,
-                 CertifiedView& view) {
+Coupling certify(const TomlTable& at, const ScenarioSpec& scenario, const PossibleCouplings& possible,
+                 const std::vector<CertifiedView>& views, CertifiedView& view) {
   const Team& team = scenario.team;
   const Model& model = team.model(view.observer);
-  ViewLimits limits = all_limits_of(scenario, view);
+  ViewLimits limits = all_limits_of(scenario, possible, view);
   if (std::none_of(limits.all.begin(), limits.all.end(),
                    [](const Potential& limit) { return observes(limit); }))
     at.throw_invalid("target",
                      fmt::format("a body that a coupling of {} observes", team.name(view.observer)));
-  if (has_two_sensors(scenario, view))
+  if (has_two_sensors(possible, view))
     at.throw_invalid("target", fmt::format("a body that {} observes through one sensor in the whole scenario",
                                            team.name(view.observer)));
   const ViewOdometry odometry = read_odometry(at, scenario, view);
@@ -339,11 +449,13 @@ std::vector<CertifiedView> read_certified_views(const TomlTable& root, ScenarioS
     }
     views.push_back(std::move(view));
   }
+  if (views.empty()) return views;
+  const PossibleCouplings possible(scenario);
   for (const TomlTable& at : root.tables("certify_view")) {
-    sets.push_back(certify(at, scenario, views, views[sets.size()]));
+    sets.push_back(certify(at, scenario, possible, views, views[sets.size()]));
     sets.back().name = fmt::format("{}{}]", name_of_view_sets, sets.size() - 1);
   }
-  couple_sets(scenario, views, std::move(sets), places);
+  couple_sets(scenario, possible, views, std::move(sets), places);
   return views;
 }
 
