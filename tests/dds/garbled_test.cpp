@@ -40,6 +40,7 @@ const std::vector<const dds_topic_descriptor_t*>& types_read() {
         &tf2_msgs_msg_dds__TFMessage__desc,
         &std_srvs_srv_dds__Trigger_Request__desc,
         &crazyflie_interfaces_msg_dds__Status__desc,
+        &crazyflie_interfaces_msg_dds__LogDataGeneric__desc,
         &crazyflie_interfaces_msg_dds__FullState__desc,
         &crazyflie_interfaces_msg_dds__VelocityWorld__desc,
         &crazyflie_interfaces_srv_dds__Takeoff_Request__desc,

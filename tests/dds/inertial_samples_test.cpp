@@ -86,6 +86,22 @@ TEST(InertialSamples, WhatIsLostOrStillUnderWayIsReplacedByTheMeanOfTheRest) {
   EXPECT_TRUE(are_equal_to_some(late));
 }
 
+// Poses may come just before the measurements that end with them, each time.
+TEST(InertialSamples, TheNewestHoldsForAsLongAsItIsSaidTo) {
+  for (const Nanoseconds held : {Nanoseconds{0}, 10 * imu_ms}) {
+    InertialSamples samples(held);
+    for (int k = 0; k < 5; ++k) {
+      samples.put({imu_start + (10 * k + 1) * imu_ms, k * some_rate, some_force}, 0);
+      MotionSample motion = lasting(10 * imu_ms);
+      const bool filled = samples.fill(imu_start + (10 * k + 10) * imu_ms, motion);
+      EXPECT_EQ(filled, held > 0) << k;
+      if (filled) EXPECT_NEAR(norm(motion.gyro - k * some_rate), 0.0, 1e-12) << k;
+    }
+    MotionSample gap = lasting(10 * imu_ms);
+    EXPECT_FALSE(samples.fill(imu_start + 70 * imu_ms, gap)) << "9 ms after it ceased to hold";
+  }
+}
+
 TEST(InertialSamples, AMotionOfWhichLessThanHalfIsMeasuredIsNone) {
   InertialSamples samples;
   MotionSample motion = lasting(10 * imu_ms);

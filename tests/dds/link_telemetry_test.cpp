@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <string_view>
+#include <utility>
 
 #include "bridges/dds/topics/channel.hpp"
 #include "tests/dds/rig.hpp"
@@ -53,8 +56,9 @@ TEST(LinkTelemetry, TheAttitudeFilterBehindALinkWithoutAnImuIsRefused) {
   own_fleet(scenario).links[0].kind = Crazyswarm2Link{.name_space = "/cf0"};
   EXPECT_THAT(
       refusal_of([&] { DdsWorld world(scenario, std::make_shared<Domain>(fleet_of(scenario).network)); }),
-      HasSubstr("agent.uav0.estimate.filter = attitude, for which a link of kind crazyswarm2 has no "
-                "accelerations, expected \"heading\", or a link of kind px4"));
+      HasSubstr(
+          "agent.uav0.estimate.filter = attitude, for which a link of kind crazyswarm2 has no "
+          "accelerations, expected \"heading\", a link of kind px4, or one of kind crazyswarm2 with imu"));
 }
 
 TEST(LinkTelemetry, WithoutItsImuItStaysOnTheGround) {
@@ -63,6 +67,51 @@ TEST(LinkTelemetry, WithoutItsImuItStaysOnTheGround) {
       not_ready(scenario, std::make_shared<Domain>(fleet_of(scenario).network), 0.5),
       testing::Contains("uav0: rt/px4_1/fmu/out/sensor_combined: no measurement of its IMU, which the "
                         "attitude filter needs: it has no publisher"));
+}
+
+/// uav0 is a Crazyflie, whose log has its IMU in this order.
+Scenario crazyflie_localized(double duration, std::vector<std::string> vars) {
+  Scenario scenario = localized(duration, {by_attitude_filter});
+  own_fleet(scenario).links[0].kind = Crazyswarm2Link{
+      .name_space = "/cf0", .takeoff_height = 1.7, .imu = "/cf0/imu", .imu_vars = std::move(vars)};
+  return scenario;
+}
+
+bool finds_words(const Rig& rig, std::string_view light, std::string_view words) {
+  const std::vector<Finding> findings = rig.world->examine();
+  return std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+    return to_string(finding.light) == light && finding.sentence.find(words) != std::string::npos;
+  });
+}
+
+// The simulated log has degrees and multiples of g; another order than that of the six is as good.
+TEST(LinkTelemetry, ACrazyflieFliesByWhatItSeesAndTheLogOfItsImu) {
+  const Scenario scenario =
+      crazyflie_localized(4.0, {"acc.x", "acc.y", "acc.z", "pm.state", "gyro.z", "gyro.y", "gyro.x"});
+  Rig rig(scenario);
+  EXPECT_TRUE(
+      test::eventually([&] { return finds_words(rig, "green", "measurements of its IMU a second"); }));
+  double distance = -1.0;
+  const LoopOutcome outcome = rig.fly(
+      3.5, [&] { distance = norm(rig.vehicle_simulators.of(0).motion().p - rig.vehicle(1).motion().p); });
+  EXPECT_GE(outcome.updates + outcome.missed, 400) << fmt::format("{}", fmt::join(rig.reported, "\n"));
+  EXPECT_EQ(outcome.max_allocations, 0);
+  EXPECT_GT(distance, 1.2);
+  EXPECT_LT(distance, 1.8);
+  EXPECT_THAT(rig.counted("uav0: "),
+              testing::ContainsRegex("[1-9][0-9]* measurements of its IMU, 0 not finite, 0 with another"));
+  EXPECT_THAT(rig.world->faults(), testing::IsEmpty());
+}
+
+TEST(LinkTelemetry, ALogWithoutTheVariablesOfTheFleetIsNoMeasurement) {
+  const Scenario flown = crazyflie_localized(1.0, {crazyflie_imu.begin(), crazyflie_imu.end()});
+  Scenario other =
+      crazyflie_localized(1.0, {"gyro.x", "gyro.y", "gyro.z", "acc.x", "acc.y", "acc.z", "pm.state"});
+  Rig rig(flown, other, {.ready = 1.0});
+  EXPECT_TRUE(
+      test::eventually([&] { return finds_words(rig, "red", "logs have not 6 values, as imu_vars has"); }));
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_THAT(rig.counted("uav0: "), testing::ContainsRegex("[1-9][0-9]* with another number of values"));
 }
 
 // Its IMU is examined before, and no other robot's.

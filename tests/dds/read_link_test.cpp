@@ -151,6 +151,23 @@ TEST(ReadLink, WhatFliesOnRos2SaysWhatTakesItOffAndLandsIt) {
               EndsWith("expected 2.5 to 30 V"));
 }
 
+TEST(ReadLink, TheLogOfACrazyfliesImuHasEachVariableOnce) {
+  const std::string kind = "kind = \"crazyswarm2\"\norigin = { p = [0, 0, 0], heading = 0.0 }\n";
+  const auto read = [&](const std::string& keys) {
+    return std::get<Crazyswarm2Link>(fleet_of(scenario_of(fleet(kind + keys))).links[0].kind);
+  };
+  EXPECT_EQ(read("").imu, "");
+  EXPECT_EQ(read("imu = \"/cf1/imu\"\n").imu_vars.size(), crazyflie_imu.size());
+  const std::string six = "\"acc.z\", \"acc.y\", \"acc.x\", \"gyro.x\", \"gyro.y\", \"gyro.z\"";
+  EXPECT_EQ(read("imu = \"/cf1/imu\"\nimu_vars = [" + six + ", \"pm.state\"]\n").imu_vars.back(), "pm.state");
+  EXPECT_THAT(scenario_refusal(fleet(kind + "imu_vars = [" + six + "]\n")),
+              HasSubstr("expected no such key, only with imu"));
+  for (const char* more : {", \"acc.z\"", ", \"a.a\", \"a.b\", \"a.c\""})
+    EXPECT_THAT(scenario_refusal(fleet(kind + "imu = \"/cf1/imu\"\nimu_vars = [" + six + more + "]\n")),
+                HasSubstr("expected at most 8 variables of the log, each of gyro.x, gyro.y, gyro.z, acc.x, "
+                          "acc.y, acc.z once"));
+}
+
 TEST(ReadLink, ANetworkIsLoopbackUnlessItIsGiven) {
   const Scenario a = scenario_of(fleet(px4));
   EXPECT_EQ(fleet_of(a).network.interfaces, std::vector<std::string>{"lo"});

@@ -182,6 +182,26 @@ TEST(ImportCrazyflies, WhatHasNoCounterpartIsToldOnce) {
   EXPECT_THAT(import_texts(both).notes, Contains("/crazyflie_server.ros__parameters.sim has no counterpart"));
 }
 
+TEST(ImportCrazyflies, TheLogWithTheImuIsTakenWithItsVariables) {
+  const std::string logs = R"(    custom_topics:
+      voltage: { frequency: 1, vars: ["pm.vbat", "gyro.x"] }
+      imu: { frequency: 20, vars: ["acc.x", "acc.y", "acc.z", "gyro.x", "gyro.y", "gyro.z", "pm.state"] }
+    default_topics:
+)";
+  const Imported made = imported(with(swarm, "    default_topics:\n", logs));
+  const Scenario read = scenario_of(made.text);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto& link = std::get<Crazyswarm2Link>(fleet_of(read).links[i].kind);
+    EXPECT_EQ(link.imu, fmt::format("/cf{}/imu", i + 1));
+    EXPECT_THAT(link.imu_vars,
+                ElementsAre("acc.x", "acc.y", "acc.z", "gyro.x", "gyro.y", "gyro.z", "pm.state"));
+  }
+  EXPECT_THAT(made.notes, Contains("cf1, cf2: its IMU by the radio at 20 Hz, expected "
+                                   "firmware_logging.custom_topics.imu.frequency = 100"));
+  const Imported without = imported(with(swarm, "    default_topics:\n", with(logs, "\"acc.y\", ", "")));
+  EXPECT_THAT(without.text, Not(HasSubstr("imu")));
+}
+
 TEST(ImportCrazyflies, RobotsThatStartNearEachOtherKeepALesserDistance) {
   const Imported near = imported(with(swarm, "[0.5, 0.25, 0.02]", "[-0.5, 0.0, 0.0]"));
   EXPECT_THAT(near.notes, Contains("safety.d_hard = 0.4 m: two robots start 0.5 m apart"));

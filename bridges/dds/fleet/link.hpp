@@ -79,6 +79,10 @@ struct Px4Link {
   }
 };
 
+/// Variables of a Crazyflie's log with its IMU: angular velocity [deg/s] and specific force [g] in B.
+inline constexpr std::array<std::string_view, 6> crazyflie_imu = {"gyro.x", "gyro.y", "gyro.z",
+                                                                  "acc.x",  "acc.y",  "acc.z"};
+
 /// A Crazyflie behind the Crazyswarm2 server.
 struct Crazyswarm2Link {
   static constexpr std::string_view name = "crazyswarm2";
@@ -86,6 +90,8 @@ struct Crazyswarm2Link {
   std::string name_space{};  ///< of its topics and services, "/cf1"
   double takeoff_height = 0.5, takeoff_time = 2.0;
   double battery_min = 3.7;  ///< voltage below which it is not armed [V]
+  std::string imu{};         ///< topic of the log with its IMU; empty: none
+  std::vector<std::string> imu_vars{crazyflie_imu.begin(), crazyflie_imu.end()};  ///< of that log, in order
 
   static Crazyswarm2Link read(const TomlTable& at, const std::string& agent);
   std::pair<std::string_view, std::string> commanded_by() const { return {"namespace", name_space}; }

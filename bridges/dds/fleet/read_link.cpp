@@ -18,6 +18,7 @@ namespace sightline {
 namespace {
 
 constexpr std::size_t link_text_max = 128, network_texts_max = 16;
+constexpr std::size_t log_vars_max = 8;  // six floats, and two bytes of the 26 that a log has
 
 bool is_network_name(const std::string& text) {
   return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](unsigned char c) {
@@ -77,6 +78,19 @@ Kind read_kind(const TomlTable& at, std::initializer_list<std::string_view> text
   return read_part<Kind>(TableSource(at), beside);
 }
 
+/// The variables of a log in their order; each of crazyflie_imu once.
+std::vector<std::string> read_imu_vars(const TomlTable& at) {
+  if (!at.has("imu")) at.throw_invalid("imu_vars", "no such key, only with imu");
+  std::vector<std::string> vars = at.texts("imu_vars", TomlTable::any_length, "variables of the log");
+  const bool whole = std::all_of(crazyflie_imu.begin(), crazyflie_imu.end(), [&](std::string_view name) {
+    return std::count(vars.begin(), vars.end(), name) == 1;
+  });
+  if (!whole || vars.size() > log_vars_max)
+    at.throw_invalid("imu_vars", fmt::format("at most {} variables of the log, each of {} once", log_vars_max,
+                                             fmt::join(crazyflie_imu, ", ")));
+  return vars;
+}
+
 }  // namespace
 
 Px4Link Px4Link::read(const TomlTable& at, const std::string&) {
@@ -87,11 +101,13 @@ Px4Link Px4Link::read(const TomlTable& at, const std::string&) {
 }
 
 Crazyswarm2Link Crazyswarm2Link::read(const TomlTable& at, const std::string& agent) {
-  Crazyswarm2Link link = read_kind<Crazyswarm2Link>(at, {"namespace"});
+  Crazyswarm2Link link = read_kind<Crazyswarm2Link>(at, {"namespace", "imu", "imu_vars"});
   link.name_space = at.has("namespace") ? read_ros_name(at, "namespace", "the namespace of its topics")
                                         : fmt::format("/{}", agent);
   if (!is_ros_name(link.name_space))
     at.throw_invalid("namespace", "the namespace of its topics: the robot's name cannot be one");
+  if (at.has("imu")) link.imu = read_ros_name(at, "imu", "the topic of the log with its IMU");
+  if (at.has("imu_vars")) link.imu_vars = read_imu_vars(at);
   return link;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bridges/dds/links/flatness.hpp"
 #include "bridges/dds/topics/seen_poses.hpp"
@@ -42,7 +43,9 @@ constexpr double sagging_least = 0.5;               // share of the height, once
 constexpr double turned_most = 0.1;                 // after its take-off [rad]
 constexpr double turning_pace = 0.8;                // mean [rad/s]
 constexpr double turning_time_least = 0.5;          // [s]
-constexpr int turns_most = 2;                       // requests to turn back
+constexpr double rad_of_degree = std::numbers::pi / 180;
+constexpr Nanoseconds log_period = 10'000'000;  // the shortest of the firmware
+constexpr int turns_most = 2;                   // requests to turn back
 constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velocity_world", "/cmd_position",
                                                         "/cmd_vel_legacy"};
 
@@ -70,7 +73,7 @@ bool poses_are_late(int latency, double packets, double logs) noexcept {
   return latency > late_after || (packets >= packets_least && logs > logs_most * packets);
 }
 
-CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double period)
+CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double period, Inertial inertial)
     : crazyflie_(std::get<Crazyswarm2Link>(link.kind)),
       from_(link.poses),
       origin_(link.origin),
@@ -83,7 +86,9 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double 
       arm_(participant, arm_service, crazyflie_.name_space + "/arm"),
       setpoints_stop_(participant, setpoints_stop_service, crazyflie_.name_space + "/notify_setpoints_stop"),
       emergency_(participant, empty_service, crazyflie_.name_space + "/emergency"),
-      poses_(link.origin) {
+      poses_(link.origin),
+      inertial_(inertial == Inertial::read ? std::make_unique<InertialSamples>(log_period) : nullptr) {
+  if (inertial_) read_inertial(participant);
   if (from_.estimated()) poses_.keep_each(kept_motions);
   if (from_.by_others())
     read_seen_poses(poses_, participant, from_, Attitude::needed);
@@ -95,11 +100,39 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double 
       [this](const void* message, const Arrival& arrival) { on_status(message, arrival.monotonic); });
 }
 
+/// The server stamps logs as they arrive, poses and measurements in any order: a measurement holds
+/// until the next one.
+void CrazyswarmLinkEnd::read_inertial(Port participant) {
+  std::array<std::size_t, crazyflie_imu.size()> places{};
+  const std::vector<std::string>& vars = crazyflie_.imu_vars;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    places[i] =
+        static_cast<std::size_t>(std::find(vars.begin(), vars.end(), crazyflie_imu[i]) - vars.begin());
+  const auto take = [this, places, count = vars.size()](const void* message, const Arrival& arrival) {
+    const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__LogDataGeneric_*>(message);
+    if (m.values._length != count) {
+      ++other_logs_;
+      return;
+    }
+    const auto axes = [&](std::size_t first) {
+      const auto value = [&](std::size_t i) { return double{m.values._buffer[places[first + i]]}; };
+      return Vec3<double>{value(0), value(1), value(2)};
+    };
+    const auto& stamp = m.header.stamp;
+    inertial_->put({of_ros(stamp.sec, stamp.nanosec), rad_of_degree * axes(0), gravity * axes(3)},
+                   arrival.monotonic);
+  };
+  inertial_reader_ =
+      std::make_unique<RawReader>(participant, crazyflie_interfaces_msg_dds__LogDataGeneric__desc,
+                                  crazyflie_.imu, Quality{.depth = 8}, std::nullopt, Writers::first, take);
+}
+
 // The server counts packets from one status to the next.
 void CrazyswarmLinkEnd::on_status(const void* message, Nanoseconds arrived) {
   const auto& m = *static_cast<const crazyflie_interfaces_msg_dds__Status_*>(message);
   Status& s = taken_;
-  const std::int64_t poses = from_.by_others() ? 0 : poses_.reader().counts().received.load();
+  const std::int64_t others = (from_.by_others() ? 0 : poses_.reader().counts().received.load()) +
+                              (inertial_reader_ ? inertial_reader_->counts().received.load() : 0);
   if (s.first == 0) {
     s.first = arrived;
   } else {
@@ -111,9 +144,9 @@ void CrazyswarmLinkEnd::on_status(const void* message, Nanoseconds arrived) {
                  kept = std::exp(-seconds / lately);
     if (seconds > 0) s.rate += part * (packets / seconds - s.rate);
     s.packets_lately = kept * s.packets_lately + packets;
-    s.logs_lately = kept * s.logs_lately + 1 + static_cast<double>(poses - s.poses);
+    s.logs_lately = kept * s.logs_lately + 1 + static_cast<double>(others - s.others);
   }
-  s.poses = poses;
+  s.others = others;
   s.arrived = arrived, s.supervisor = m.supervisor_info, s.pm_state = m.pm_state;
   s.voltage = m.battery_voltage, s.latency = m.latency_unicast;
   status_.put(s);
@@ -410,6 +443,14 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
   };
   examine_reader(poses_.reader(), poses_.is_fresh(now, pose_old));
   examine_reader(*status_reader_, now - last_status_.arrived < supervisor_old);
+  if (inertial_) {
+    const std::int64_t other = other_logs_;
+    examine_inertial(*inertial_, *inertial_reader_,
+                     other > 0 ? fmt::format("{} logs have not {} values, as imu_vars has", other,
+                                             crazyflie_.imu_vars.size())
+                               : "they ceased",
+                     around, to);
+  }
   if (!full_state_->received(around.readers))
     to.add(Aspect::topics, Light::red, "{}: {}", full_state_->topic(), why_stale(*full_state_, around));
   const bool known = status_.count() > 0;
@@ -447,8 +488,13 @@ void CrazyswarmLinkEnd::examine(const Surroundings& around, FindingList& to) {
 }
 
 std::string CrazyswarmLinkEnd::counts() const {
-  return fmt::format("{}, {} of its status, a set-point each {} periods", poses_.counts(),
-                     status_reader_->counts().received.load(), each_.load());
+  std::string words = fmt::format("{}, {} of its status, a set-point each {} periods", poses_.counts(),
+                                  status_reader_->counts().received.load(), each_.load());
+  if (inertial_)
+    words +=
+        fmt::format(", {} measurements of its IMU, {} not finite, {} with another number of values",
+                    inertial_reader_->counts().received.load(), inertial_->not_finite(), other_logs_.load());
+  return words;
 }
 
 }  // namespace sightline::dds
@@ -458,5 +504,7 @@ std::unique_ptr<sightline::dds::LinkEnd> sightline::Crazyswarm2Link::end(const d
     throw std::invalid_argument(fmt::format(
         "agent.{}.link.kind = crazyswarm2, behind which a {} does not drive, expected a robot that flies",
         setup.name, setup.model.name()));
-  return std::make_unique<dds::CrazyswarmLinkEnd>(setup.at, setup.link, setup.period);
+  return std::make_unique<dds::CrazyswarmLinkEnd>(
+      setup.at, setup.link, setup.period,
+      setup.inertial && !imu.empty() ? dds::Inertial::read : dds::Inertial::unread);
 }

@@ -64,7 +64,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
  public:
   /// @param period  between two calls of send() [s]
   /// @throws std::runtime_error if a topic cannot be created
-  CrazyswarmLinkEnd(Port participant, const Link& link, double period);
+  CrazyswarmLinkEnd(Port participant, const Link& link, double period, Inertial inertial);
 
   bool look(SeenMotion& seen) noexcept override { return poses_.look(seen); }
   LinkFacts facts(Nanoseconds now) noexcept override;
@@ -72,6 +72,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   void watch(std::span<const SeenWriter> writers) override;
   void examine(const Surroundings& around, FindingList& to) override;
   PoseSubscriber& subscriber() noexcept override { return poses_; }
+  InertialSamples* inertial() noexcept override { return inertial_.get(); }
   std::string counts() const override;
 
  private:
@@ -87,7 +88,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
     std::int64_t sent = 0, received = 0;
     // Packets that arrived, and logs that came with them, in the last second or so.
     double packets_lately = 0, logs_lately = 0;
-    std::int64_t poses = 0;  // until then
+    std::int64_t others = 0;  // other logs until then
   };
   enum class Phase : std::uint8_t { ground, arming, takeoff, setpoints, landing };
   /// Landing sequence. The firmware stops its motors if set-points end before it has a plan, and a
@@ -105,6 +106,7 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   double turned() noexcept;
   LinkReason unfit() noexcept;
   void on_status(const void* message, Nanoseconds arrived);
+  void read_inertial(Port participant);
   void examine_battery(FindingList& to) const;
   void examine_radio(FindingList& to) const;
   void request(Request request, Nanoseconds now) noexcept;
@@ -148,6 +150,9 @@ class CrazyswarmLinkEnd final : public LinkEnd {
   std::unique_ptr<RawWriter> full_state_;
   ServiceCaller takeoff_, land_, go_to_, arm_, setpoints_stop_, emergency_;
   PoseSubscriber poses_;
+  std::unique_ptr<InertialSamples> inertial_;  // if the pose estimator uses them
+  std::atomic<std::int64_t> other_logs_{0};    // of its IMU, with another number of values
+  std::unique_ptr<RawReader> inertial_reader_;
   std::unique_ptr<RawReader> status_reader_;  // last member: destroyed before the members it fills
 };
 

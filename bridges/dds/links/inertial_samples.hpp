@@ -3,13 +3,18 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string_view>
 
 #include "bridges/dds/topics/conversion.hpp"
 #include "bridges/dds/topics/latency_monitor.hpp"
+#include "bridges/dds/topics/surroundings.hpp"
 #include "sightline/estimator.hpp"
 #include "sightline/loop.hpp"
 
 namespace sightline::dds {
+
+/// Whether the end of a link reads the robot's IMU.
+enum class Inertial { unread, read };
 
 /// Means of an IMU since its previous measurement.
 struct InertialSample {
@@ -23,12 +28,15 @@ struct InertialSample {
 ///
 /// A measurement covers the time since the previous one, at most `longest`. So one that follows a
 /// lost one stands for both. A motion sample needs measurements over `covered_least` of its length,
-/// which arrived before the odometry at its end or in the same period.
+/// which arrived before the odometry at its end or in the same period. The newest one holds for
+/// `held` more, where odometry and measurements come in any order.
 class InertialSamples {
  public:
   static constexpr Nanoseconds longest = 20'000'000;
   static constexpr double covered_least = 0.5;
   static constexpr double rate_least = 1e9 / static_cast<double>(longest);  ///< for a whole cover [1/s]
+
+  explicit InertialSamples(Nanoseconds held = 0) : held_(held) {}
 
   // Receive thread only; allocates nothing.
   /// Queues a measurement. One that is not finite is only counted.
@@ -54,7 +62,13 @@ class InertialSamples {
   SpscQueue<InertialSample> each_{kept, InertialSample{}};
   LatencyMonitor arrivals_;
   std::atomic<std::int64_t> not_finite_{0};
-  Nanoseconds last_ = 0;  // stamp of the newest measurement that is used up; 0: none
+  Nanoseconds held_;
+  InertialSample last_{};  // newest measurement that is used up; its stamp is 0 if there is none
 };
+
+/// Adds the findings about the measurements that `reader` receives.
+/// @param otherwise  why messages that arrive have no measurement, in a few words
+void examine_inertial(const InertialSamples& samples, const RawReader& reader, std::string_view otherwise,
+                      const Surroundings& around, FindingList& to);
 
 }  // namespace sightline::dds

@@ -62,7 +62,7 @@ LinkTelemetry::LinkTelemetry(const Scenario& scenario, const std::vector<LinkEnd
     if (inertial == nullptr && uses_attitude_filter(scenario, robot))
       throw std::invalid_argument(fmt::format(
           "agent.{}.estimate.filter = attitude, for which a link of kind {} has no accelerations, "
-          "expected \"heading\", or a link of kind px4",
+          "expected \"heading\", a link of kind px4, or one of kind crazyswarm2 with imu",
           team_.name(robot), links[i].kind_name()));
     robots_.push_back({robot, &odometry, inertial});
     if (const RobotCamera* const camera = scenario.vision.camera_of(robot))

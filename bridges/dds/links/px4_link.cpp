@@ -21,7 +21,6 @@ namespace {
 constexpr Nanoseconds odometry_old = one_second, status_old = 5 * one_second / 2;
 constexpr Nanoseconds newcomers_wait = 50'000'000;
 constexpr Nanoseconds beat_every = 35'000'000;  // PX4 requires at least 2 Hz
-constexpr std::int64_t inertial_needed = 20;    // before their rate is judged
 constexpr double turn_most = 0.2;               // limit of the heading difference from external poses [rad]
 constexpr double least_height = 0.3;            // minimum height above the origin to count as in the air [m]
 constexpr double near_height = 0.1;             // below height_, where the climb is over [m]
@@ -446,27 +445,6 @@ void Px4LinkEnd::examine_estimator(FindingList& to) const {
                says ? "; it knows what is level, and its heading" : "");
 }
 
-void Px4LinkEnd::examine_inertial(const Surroundings& around, FindingList& to) const {
-  const RawReader& reader = *ends_->inertial;
-  const Nanoseconds now = monotonic_now();
-  const ArrivalFigures f = inertial_->arrivals().figures(now, 0);
-  if (f.count == 0)
-    to.add(Aspect::topics, Light::red, "{}: no measurement of its IMU, which the attitude filter needs: {}",
-           reader.topic(),
-           reader.counts().received == 0  ? why_nothing_comes(reader, around)
-           : inertial_->not_finite() == 0 ? "they ceased, or have no acceleration"
-                                          : fmt::format("{} are not finite", inertial_->not_finite()));
-  if (reader.counts().foreign > 0)
-    to.add(Aspect::writers, Light::red, "{}: {} messages of a second writer", reader.topic(),
-           reader.counts().foreign.load());
-  if (f.count < inertial_needed) return;
-  const bool rare = f.rate < InertialSamples::rate_least;
-  to.add(Aspect::rate, rare ? Light::red : Light::green,
-         "{:.0f} measurements of its IMU a second, the longest gap {:.3f} s, the last {:.3f} s old{}", f.rate,
-         f.gap_longest, f.age,
-         rare ? fmt::format("; the attitude filter needs {:.0f}", InertialSamples::rate_least) : "");
-}
-
 std::optional<GeoPoint> Px4LinkEnd::reference() const {
   Position position;
   if (!position_.look(position) || !position.global) return std::nullopt;
@@ -492,7 +470,8 @@ void Px4LinkEnd::examine_state(FindingList& to) {
 
 void Px4LinkEnd::examine(const Surroundings& around, FindingList& to) {
   if (!aside_) return;
-  if (inertial_) examine_inertial(around, to);
+  if (inertial_)
+    examine_inertial(*inertial_, *ends_->inertial, "they ceased, or have no acceleration", around, to);
   examine_topics(around, to);
   odometry_.examine("NED, counted from its origin", "frames that are not NED", to);
   if (seen_) {

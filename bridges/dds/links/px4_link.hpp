@@ -40,8 +40,6 @@ inline constexpr std::int32_t px4_no_acceleration = std::numeric_limits<std::int
 
 /// Stamp of sent set-points: none, or that of the pose that each answers.
 enum class Stamps { none, of_poses };
-/// Whether the end reads the vehicle's IMU.
-enum class Inertial { unread, read };
 
 class Px4LinkEnd final : public LinkEnd {
  public:
@@ -115,7 +113,6 @@ class Px4LinkEnd final : public LinkEnd {
   void examine_topics(const Surroundings& around, FindingList& to) const;
   void examine_writers(const Surroundings& around, FindingList& to) const;
   void examine_estimator(FindingList& to) const;
-  void examine_inertial(const Surroundings& around, FindingList& to) const;
   void examine_state(FindingList& to);
   bool is_in(NavState nav) const noexcept { return last_status_.nav == static_cast<std::uint8_t>(nav); }
   std::string failing() const;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "bridges/dds/topics/ros_message.hpp"
 #include "bridges/dds/topics/service.hpp"
 #include "sightline/base/now.hpp"
 
@@ -22,6 +24,7 @@ constexpr std::int64_t flying_lasts = 2'000'000'000;      // after the motors la
 constexpr std::int64_t armed_lasts = 3'000'000'000;       // after it flies no more [ns]
 constexpr std::int64_t packet_interval = 4'000'000;       // [ns]
 constexpr double status_period = 0.1;                     // [s]
+constexpr double gyro_most = 2000, acc_most = 24;         // [deg/s], [g]
 constexpr double furthest = 2.0;                          // distance of a set-point from the vehicle [m]
 
 double seconds_of(const builtin_interfaces_msg_dds__Duration_& d) { return d.sec + 1e-9 * d.nanosec; }
@@ -39,7 +42,7 @@ double angle(const Vec2<double>& d) { return std::atan2(d.y, d.x); }
 }  // namespace
 
 struct CrazyflieVehicle::Ends {
-  std::unique_ptr<FaultyWriter> pose, status;
+  std::unique_ptr<FaultyWriter> pose, status, imu;
   std::vector<std::unique_ptr<ServiceServer>> services;
   std::unique_ptr<RawReader> full_state;
 };
@@ -50,6 +53,8 @@ CrazyflieVehicle::CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Li
       setup_(setup),
       faults_(faults),
       body_(setup.p, setup.heading, setup.rotors),
+      imu_(Imu::bmi088(), setup.seed),
+      sensed_(body_.motion()),
       supervisor_(setup.arms_itself ? arms_itself | is_armed | can_fly : can_be_armed),
       radio_(monotonic_now(), packet_interval),
       ends_(std::make_unique<Ends>()) {
@@ -59,6 +64,9 @@ CrazyflieVehicle::CrazyflieVehicle(dds_entity_t participant, const Crazyswarm2Li
                                                name + "/pose", of_rclcpp, faults);
   ends_->status = std::make_unique<FaultyWriter>(participant, crazyflie_interfaces_msg_dds__Status__desc,
                                                  name + "/status", of_rclcpp, faults);
+  if (!link.imu.empty())
+    ends_->imu = std::make_unique<FaultyWriter>(
+        participant, crazyflie_interfaces_msg_dds__LogDataGeneric__desc, link.imu, of_rclcpp, faults);
   const auto serve = [&](const ServiceType& type, const char* service, RadioPort port,
                          std::function<std::function<void()>(const void*)> packet) {
     ends_->services.push_back(
@@ -249,10 +257,39 @@ void CrazyflieVehicle::move() {
 void CrazyflieVehicle::step(std::int64_t number) {
   const std::scoped_lock lock(lock_);
   supervise();
+  if (ends_->imu) send_imu();
   if (setup_.logs_pose) send_pose();  // the pose before this step
   if (number % std::llround(status_period / period) == 0) send_status();
   radio_.run(monotonic_now());
   move();
+}
+
+void CrazyflieVehicle::send_imu() {
+  const Motion before = std::exchange(sensed_, body_.motion());
+  const InertialSample m = imu_.measure(inertial_between(before, sensed_, period), period);
+  const auto logged = [](double value, double unit, double most) {
+    return static_cast<float>(std::clamp(value / unit, -most, most));
+  };
+  const auto turn = [&](double w) { return logged(w, std::numbers::pi / 180, gyro_most); };
+  const auto push = [&](double f) { return logged(f, gravity, acc_most); };
+  const std::array<float, crazyflie_imu.size()> all = {turn(m.gyro.x),  turn(m.gyro.y),  turn(m.gyro.z),
+                                                       push(m.force.x), push(m.force.y), push(m.force.z)};
+  std::vector<float> values;
+  for (const std::string& name : link_.imu_vars) {
+    const auto* const at = std::find(crazyflie_imu.begin(), crazyflie_imu.end(), name);
+    values.push_back(
+        at == crazyflie_imu.end() ? 0.0F : all.at(static_cast<std::size_t>(at - crazyflie_imu.begin())));
+  }
+  const auto ticks = static_cast<std::uint32_t>(monotonic_now() / 1'000'000 % (1 << 24));
+  radio_.log([this, values, ticks]() mutable {
+    static std::array<char, 6> world = {"world"};
+    crazyflie_interfaces_msg_dds__LogDataGeneric_ log{};
+    log.header.stamp = stamp_of(realtime_now());
+    log.header.frame_id = world.data();
+    log.timestamp = ticks;
+    set_sequence(log.values, values);
+    ends_->imu->write(&log);
+  });
 }
 
 void CrazyflieVehicle::send_pose() {
@@ -353,6 +390,7 @@ std::unique_ptr<sightline::dds::VehicleSimulator> sightline::Crazyswarm2Link::si
                                    .p = setup.below,
                                    .heading = setup.heading,
                                    .rotors = setup.rotors.value_or(Vehicle::crazyflie()),
-                                   .logs_pose = setup.sends_poses},
+                                   .logs_pose = setup.sends_poses,
+                                   .seed = static_cast<std::uint64_t>(setup.robot.index) + 1},
       setup.faults);
 }

@@ -8,6 +8,7 @@
 #include "bridges/dds/links/crazyswarm_link.hpp"
 #include "bridges/dds/simulators/crazyflie_body.hpp"
 #include "bridges/dds/simulators/faults.hpp"
+#include "bridges/dds/simulators/simulated_imu.hpp"
 #include "bridges/dds/simulators/simulated_radio.hpp"
 #include "bridges/dds/simulators/vehicle_simulator.hpp"
 #include "bridges/dds/topics/channel.hpp"
@@ -49,6 +50,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
     Vehicle rotors = Vehicle::crazyflie();
     bool arms_itself = false;
     bool logs_pose = true;
+    std::uint64_t seed = 1;  ///< of its IMU's errors
   };
 
   /// @param faults  of this vehicle; must outlive it
@@ -100,6 +102,7 @@ class CrazyflieVehicle final : public VehicleSimulator {
   void supervise();
   void follow(TrajectoryPoint to);
   void move();
+  void send_imu();
   void send_pose();
   void send_status();
 
@@ -109,6 +112,8 @@ class CrazyflieVehicle final : public VehicleSimulator {
   mutable std::mutex lock_;  // guards all members below: reader threads and the stepping thread
   CrazyflieCounts reported_;
   CrazyflieBody body_;
+  SimulatedImu imu_;
+  Motion sensed_{};  // at the last log of its IMU, in G
   std::uint16_t supervisor_ = 0;
   double voltage_ = 4.1, sag_ = 0.0;  // [V], [m]
   SimulatedRadio radio_;

@@ -17,7 +17,11 @@ constexpr double takeoff_height = 0.5;                    // [m]
 constexpr double usual_d_hard = 0.6, least_apart = 0.25;  // [m]
 constexpr double share_of_distance = 0.8;  // d_hard over the distance of the two nearest starts
 constexpr double pose_rate_least = 50;     // of poses by the radio [Hz]
+constexpr double imu_rate_least = 50;      // of the log of its IMU [Hz]
 constexpr std::size_t crazyflies_max = 200;
+// Of the log of an IMU, in this order if a fleet file has no other.
+constexpr std::array<std::string_view, 6> imu_vars = {"gyro.x", "gyro.y", "gyro.z",
+                                                      "acc.x",  "acc.y",  "acc.z"};
 
 /// Values of Crazyswarm2 are looked up in the robot, its type, and then in `all`.
 class CrazyflieSettings {
@@ -32,6 +36,22 @@ class CrazyflieSettings {
       if (const auto value = layer.find_path(keys)) return value->number();
     return std::nullopt;
   }
+  /// The names of the custom topics of its firmware, with their variables; the robot's first.
+  std::vector<std::pair<std::string, std::vector<std::string>>> custom_topics() const {
+    std::vector<std::pair<std::string, std::vector<std::string>>> topics;
+    for (const YamlValue& layer : layers_) {
+      const auto custom = layer.find_path({"firmware_logging", "custom_topics"});
+      if (!custom) continue;
+      for (const auto& [topic, value] : custom->entries("topics by their names")) {
+        const auto vars = value.find("vars");
+        if (!vars) continue;
+        auto& names = topics.emplace_back(topic, std::vector<std::string>{}).second;
+        for (const YamlValue& name : vars->items("variables of the log"))
+          names.push_back(name.text("a variable of the log"));
+      }
+    }
+    return topics;
+  }
 
  private:
   std::vector<YamlValue> layers_;
@@ -42,6 +62,8 @@ struct Crazyflie {
   Vec3<double> p;  // of its initial_position [m]
   bool motion_capture = false;
   double battery_min = 3.7;            // [V]
+  std::string imu{};                   // topic of the log of its IMU; empty: none
+  std::vector<std::string> logged{};   // variables of that log
   std::vector<std::string> remarks{};  // that others may share
 };
 
@@ -84,6 +106,30 @@ void note_others(const YamlValue& at, std::span<const std::string_view> known,
   for (const auto& [key, value] : at.entries("a mapping")) {
     if (std::find(known.begin(), known.end(), key) == known.end())
       notes.push_back(fmt::format("{} has no counterpart", one_line(value.path())));
+  }
+}
+
+bool is_of_log(const std::string& name) {
+  return std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '.');
+  });
+}
+
+/// The first custom topic with all of imu_vars is the log of its IMU.
+void take_imu(Crazyflie& robot, const CrazyflieSettings& settings) {
+  for (const auto& [topic, vars] : settings.custom_topics()) {
+    const bool whole = std::all_of(imu_vars.begin(), imu_vars.end(), [&vars = vars](std::string_view name) {
+      return std::count(vars.begin(), vars.end(), name) == 1;
+    });
+    if (!whole || !is_of_log(topic) || !std::all_of(vars.begin(), vars.end(), is_of_log)) continue;
+    robot.imu = fmt::format("/{}/{}", robot.name, topic);
+    robot.logged = vars;
+    const auto rate = settings.number({"firmware_logging", "custom_topics", topic, "frequency"});
+    if (!rate || *rate < imu_rate_least)
+      robot.remarks.push_back(
+          fmt::format("its IMU by the radio {}, expected firmware_logging.custom_topics.{}.frequency = 100",
+                      rate ? fmt::format("at {} Hz", *rate) : "has no frequency", one_line(topic)));
+    return;
   }
 }
 
@@ -137,6 +183,7 @@ Crazyflie read_crazyflie(const YamlValue& robot, const std::string& name, const 
   if (const auto big = type->find("big_quad"); big && big->boolean())
     one.remarks.emplace_back("big_quad has no counterpart; the simulated vehicle is a Crazyflie");
   remark_settings(one, {robot, type, file});
+  take_imu(one, {robot, type, file});
   return one;
 }
 
@@ -168,6 +215,13 @@ double d_hard_of(const std::vector<Crazyflie>& robots, std::vector<std::string>&
   return d_hard;
 }
 
+/// "a", "b"
+std::string quoted(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "\"" : ", \"") + word + '"';
+  return text;
+}
+
 std::string agent_text(const Crazyflie& one) {
   const std::array<double, 3> start = {one.p.x, one.p.y, one.p.z + takeoff_height};
   std::string text = fmt::format(
@@ -179,6 +233,9 @@ std::string agent_text(const Crazyflie& one) {
       "takeoff_height = {4}\nbattery_min = {5}  # [V]\n",
       one.name, toml_numbers(start), one.type, one.uri, toml_number(takeoff_height),
       toml_number(one.battery_min));
+  if (!one.imu.empty())
+    text += fmt::format("imu = \"{}\"  # with its gyroscope and accelerometer\nimu_vars = [{}]\n", one.imu,
+                        quoted(one.logged));
   text += one.motion_capture
               ? fmt::format("poses = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"{}\"\n", one.name)
               : "poses = \"odometry\"\norigin = { p = [0.0, 0.0, 0.0], heading = 0.0 }  # of its frame world "
