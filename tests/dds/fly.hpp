@@ -53,7 +53,10 @@ class FlyTest : public testing::Test {
   /// are kept, all exit with 0.
   /// @param set  further words of `fly`
   void expect_flies(const std::string& name, const std::string& duration, const std::string& set = "") const {
-    const std::filesystem::path fleet = fleet_of(name, duration);
+    expect_file_flies(fleet_of(name, duration), set);
+  }
+  /// The same of a fleet file.
+  void expect_file_flies(const std::filesystem::path& fleet, const std::string& set) const {
     const auto vehicles = begin({"vehicles", fleet.string()}, "vehicles");
     const auto flown =
         test::sightline("fly " + fleet.string() + " -o " + (folder / "flown").string() + set, folder);

@@ -50,6 +50,18 @@ TEST_F(Fly, ARobotWithTheAttitudeFilterFliesByItsImuAndIsReplayed) {
   EXPECT_THAT(replayed.out, testing::ContainsRegex("[1-9][0-9]* estimates of poses, 0 differ"));
 }
 
+TEST_F(Fly, ACrazyflieWithTheAttitudeFilterFliesByTheLogOfItsImuAndIsReplayed) {
+  const fs::path fleet = fleet_of("localize", whole_campaign() ? "60.0" : "3.0");
+  const std::string text = std::regex_replace(
+      test::read_file(fleet),
+      std::regex("kind = \"px4\"\nrelease = .*\nnamespace = \"/px4_1\".*\ntarget_system = 2.*\n"),
+      "kind = \"crazyswarm2\"\nimu = \"/uav0/imu\"\ntakeoff_height = 1.7\n");
+  std::ofstream(fleet) << text;
+  expect_file_flies(fleet, " --set 'agent.uav0.estimate.filter=\"attitude\"'");
+  const auto replayed = test::sightline("replay " + (folder / "flown").string(), folder);
+  EXPECT_THAT(replayed.out, testing::ContainsRegex("[1-9][0-9]* estimates of poses, 0 differ"));
+}
+
 // As `sightline check` does.
 TEST_F(Fly, EachShippedFleetIsRead) {
   for (const auto& file : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/fleets")) {
