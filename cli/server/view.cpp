@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "cli/arguments.hpp"
 #include "cli/fleet.hpp"
@@ -20,6 +21,7 @@
 #include "sightline/log.hpp"
 #include "sightline/scenario.hpp"
 #include "sightline/scenario/file_kind.hpp"
+#include "sightline/server/certificate_file.hpp"
 #include "sightline/server/flight_page.hpp"
 #include "sightline/server/log_page.hpp"
 #include "sightline/server/log_playback.hpp"
@@ -37,7 +39,7 @@ struct ViewCommand {
   ServeOptions serve{.port = page_port};
   bool open = false, paused = false, tune = false;
   std::optional<double> speed;
-  std::filesystem::path output;
+  std::filesystem::path output, certificate;
   double seconds = 1e9;
 };
 
@@ -135,6 +137,12 @@ void open_browser(const std::string& url) {
     print_sentence("no xdg-open, expected one that opens the page: open it by hand");
 }
 
+/// The certificate beside a flight of the scenario; none if the command has none.
+PageFile certificate_of(const ViewCommand& command, const Scenario& scenario) {
+  return command.certificate.empty() ? no_certificate()
+                                     : certificate_file(command.certificate, scenario.name);
+}
+
 void announce(const ViewCommand& command, const std::string& url) {
   print_without_page();
   print("{}\n", url);
@@ -180,6 +188,7 @@ class TunedFlight {
       : command_(command),
         number_(number),
         scenario_(std::move(scenario)),
+        certificate_(certificate_of(command, scenario_)),
         folder_(folder_of(command, scenario_, number), scenario_),
         clock_(command.speed.value_or(1.0), number == 1 && command.paused, over_),
         controls_(scenario_),
@@ -196,6 +205,7 @@ class TunedFlight {
     FlightOptions options{.team_switcher = controls_.team_switcher(), .stop = &over_};
     options.watched = [&](Sink<Sample>& log, const Sample& prototype) -> Sink<Sample>& {
       page_.emplace(scenario_, prototype, serve_, &tuning_);
+      page_->put(certificate_path, certificate_);
       serve_ = page_->served();
       if (number_ == 1) announce(command_, page_->url());
       return sink_.emplace(log, *page_);
@@ -241,6 +251,7 @@ class TunedFlight {
   const ViewCommand& command_;
   int number_;
   Scenario scenario_;
+  PageFile certificate_;
   RunFolder folder_;
   std::atomic<bool> over_{false}, again_{false};
   std::atomic<std::uint64_t> seed_{0};
@@ -286,8 +297,11 @@ int view_log(const ViewCommand& command, const Registry& registry) {
     return scenario;
   };
   const auto end = end_of(command);
-  LogPlayback playback(log, scenario_of_log());
-  const LogPage page(folder, scenario_of_log, command.serve, &playback.feed());
+  const Scenario scenario = scenario_of_log();
+  PageFile certificate = certificate_of(command, scenario);
+  LogPlayback playback(log, scenario);
+  LogPage page(folder, scenario_of_log, command.serve, &playback.feed());
+  page.put(certificate_path, std::move(certificate));
   announce(command, page.url());
   wait_until(end);
   report_counts(page.counts());
@@ -302,6 +316,7 @@ int view_flight(const ViewCommand& command, const Registry& registry) {
   scenario.simulation.compare.clear();
   lift_deadline(scenario.solver);
   check_solvers(scenario);
+  PageFile certificate = certificate_of(command, scenario);
   const auto end = end_of(command);
   std::atomic<bool>& stop = stop_flight();
   PacedClock clock(command.speed.value_or(1.0), command.paused, stop);
@@ -309,6 +324,7 @@ int view_flight(const ViewCommand& command, const Registry& registry) {
   const auto world = make_world(scenario);
   const Sample prototype = sized_sample(*world, controls.controllers(), controls.team_switcher());
   FlightPage page(scenario, prototype, command.serve);
+  page.put(certificate_path, std::move(certificate));
   UnloggedSink unlogged(prototype);
   ShownSink sink(unlogged, page);
   ClosedLoop loop(scenario, *world, controls.controllers(), clock, sink, nullptr, controls.team_switcher(),
@@ -362,6 +378,8 @@ Execute describe_view(CLI::App& app) {
   app.description("Show a flight in the browser: a scenario in real time, or a run's log");
   add_scenario(app, command->of, "SCENARIO", "Scenario file (TOML), or the folder of a run");
   add_serve(app, command->serve);
+  app.add_option("--certificate", command->certificate,
+                 "Folder of a campaign with --certify, whose bounds are shown beside the flight");
   app.add_flag("--open", command->open, "Open the page in the browser");
   app.add_option("--speed", command->speed, "Simulated seconds per second [1]")
       ->check(CLI::Range(0.001, 1000.0));

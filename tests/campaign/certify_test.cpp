@@ -111,6 +111,8 @@ TEST(Certify, BoundsAgreeWithIndependentRunsAndAreTheSameEachTime) {
   const Certificate again = certified(scenario, alone, 200);
   EXPECT_EQ(certificate_json(certificate), certificate_json(again));
   const auto json = nlohmann::json::parse(certificate_json(certificate));
+  EXPECT_EQ(json.at("scenario"), scenario.name);
+  EXPECT_EQ(json.at("view_within"), 0.5);
   EXPECT_EQ(json.at("events")[0].at("independent").at("seen"), view.seen);
   EXPECT_EQ(json.at("events")[0].at("importance_sampling").at("high"), view.rare->bounds.high);
   EXPECT_NE(certificate_html(certificate).find("view lost for more than 0.5 s"), std::string::npos);

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "sightline/log.hpp"
+#include "tests/support/certified_view.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/page_client.hpp"
 #include "tests/support/served.hpp"
@@ -49,6 +51,46 @@ TEST(View, BadInputIsRefusedBeforeAnythingIsServed) {
   refused(file + " --speed 0", "--speed");
   const Served first("view " + file + " --port 0 --seconds 2");
   refused(file + " --port " + std::to_string(first.port()), "cannot be listened to");
+}
+
+TEST(View, ACertificateIsServedBesideFlightsOfItsScenario) {
+  using nlohmann::json;
+  const fs::path folder = fresh_folder(), file = certified_scenario(folder), certified = folder / "certified";
+  const std::string text = read_file(certified / "certificate.json"), out = (folder / "out").string();
+  ASSERT_NE(sightline("run " + file.string() + " -o " + out, folder).code, 2);
+  const auto served_by = [&](const std::string& arguments) {
+    const Served served("view " + arguments + " --port 0 --seconds 20");
+    const std::string answer = PageClient(served.port()).request("GET /certificate.json");
+    return json::parse(answer.substr(answer.find("\r\n\r\n")));
+  };
+  const std::string beside = " --certificate " + certified.string();
+  const std::string tuned = " --tune -o " + (folder / "tuned").string();
+  for (const std::string& of : {file.string(), out, file.string() + tuned})
+    EXPECT_EQ(served_by(of + beside), json::parse(text)) << of;
+  for (const std::string& of : {file.string(), out}) EXPECT_TRUE(served_by(of).is_null()) << of;
+
+  const auto expect_refused = [&](const std::string& sentence) {
+    for (const std::string& of : {file.string(), out})
+      EXPECT_THAT(refused("view " + of + beside + " --port 0 --seconds 1", folder), HasSubstr(sentence))
+          << of;
+  };
+  const auto with = [&](const json::json_pointer& key, const json& value) {
+    json changed = json::parse(text);
+    changed[key] = value;
+    std::ofstream(certified / "certificate.json") << changed;
+  };
+  with(json::json_pointer("/scenario"), "another");
+  expect_refused("scenario = \"another\", expected that of the flight, \"look\"");
+  with(json::json_pointer("/events/0/independent/high"), 1.5);
+  expect_refused("high = 1.5, expected");
+  with(json::json_pointer("/events/0/importance_sampling/probability"), "small");
+  expect_refused("certificate.json: a value of the JSON is missing or of another kind");
+  with(json::json_pointer("/events"), json::array());
+  expect_refused("events are none");
+  std::ofstream(certified / "certificate.json") << text.substr(0, text.size() / 2);
+  expect_refused("certificate.json: no JSON from byte");
+  fs::remove(certified / "certificate.json");
+  expect_refused("certificate.json: is missing, expected the folder of a campaign with --certify");
 }
 
 TEST(View, AFlightIsServedWhileItIsFlownAndUntilTheEnd) {

@@ -63,7 +63,7 @@ try {
       return { ...window.sightline, fps, due, weight, pixels: canvas.width / canvas.clientWidth / devicePixelRatio, colours: found.size, curves: document.querySelectorAll('#curves canvas').length,
         marks: document.querySelectorAll('#marks button').length, bands: document.querySelectorAll('#bands i').length,
         undrawn: [...document.querySelectorAll('#undrawn li')].map((item) => item.textContent), link: document.getElementById('link').textContent,
-        state: window.sightline.link, statuses: document.getElementById('statuses').innerText, overflow: document.documentElement.scrollWidth > innerWidth };
+        state: window.sightline.link, statuses: document.getElementById('statuses').innerText, certificate: document.getElementById('certificate').innerText, overflow: document.documentElement.scrollWidth > innerWidth };
     }, Number(seconds));
     const perPicture = {};
     for (const [type, sum] of Object.entries(used())) perPicture[type] = Number(((1000 * (sum - (usedBefore[type] ?? 0))) / (told.fps * Number(seconds))).toFixed(1));

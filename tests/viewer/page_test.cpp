@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "sightline/server/page_server.hpp"
+#include "tests/support/certified_view.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/page_client.hpp"
 #include "tests/support/served.hpp"
@@ -79,6 +80,35 @@ TEST(Page, ALogPlaysAndIsSought) {
   EXPECT_EQ(answers[5]["t"], 4.0);
   EXPECT_GE(answers[1]["moments"], 800);
   EXPECT_GE(answers[1]["marks"], 1);
+}
+
+/// One flight keeps what its campaign bounds; the other looks away at first and begins too near.
+TEST(Page, ACertificateIsShownBesideTheFiguresOfTheFlight) {
+  const fs::path folder = fresh_folder(), file = certified_scenario(folder);
+  const json certificate = json::parse(read_file(folder / "certified" / "certificate.json"));
+  const std::string wrong = " --set agent.uav0.start.heading=3.14 --set 'obstacle.post.p=[0.9,0.4,0.5]'";
+  for (const bool keeps : {true, false}) {
+    const fs::path out = folder / (keeps ? "kept" : "broken");
+    ASSERT_NE(sightline("run " + file.string() + (keeps ? "" : wrong) + " -o " + out.string(), folder).code,
+              2);
+    const Served served("view " + out.string() + " --certificate " + (folder / "certified").string() +
+                        " --port 0 --seconds 40");
+    const json look = browse(served.url(), "wait finished\\nmoments 300\\nlook\\n", folder).at(2);
+    expect_drawn(look);
+    const auto panel = look["certificate"].get<std::string>();
+    const auto count = [&](std::string_view word) {
+      int found = 0;
+      for (std::size_t at = panel.find(word); at != std::string::npos; at = panel.find(word, at + 1)) ++found;
+      return found;
+    };
+    EXPECT_EQ(count("inside"), keeps ? 3 : 1) << panel;
+    EXPECT_EQ(count("outside"), keeps ? 0 : 2) << panel;
+    for (const json& event : certificate["events"])
+      EXPECT_THAT(panel, testing::HasSubstr(event["event"].get<std::string>()));
+    EXPECT_THAT(panel, testing::HasSubstr("0 of 5 runs"));
+    EXPECT_THAT(panel, testing::HasSubstr("Premises"));
+    EXPECT_EQ(count("0.10 m below"), keeps ? 0 : 1) << panel << ": 0.4 m from a post of 0.5 m";
+  }
 }
 
 TEST(Page, ALiveFlightIsShownAndThePageComesBackAfterItsServer) {

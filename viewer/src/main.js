@@ -1,4 +1,5 @@
 import './page.css';
+import { Certificate } from './certificate.js';
 import { Curves } from './curves.js';
 import { Drag } from './drag.js';
 import { History } from './history.js';
@@ -20,6 +21,7 @@ chooseTheme(systemTheme());
 const stage = new Stage($('stage'), $('labels'));
 const curves = new Curves($('curves'), (t) => seek(t));
 const statuses = new Statuses($('statuses'));
+const certificate = new Certificate($('certificate'));
 const timeline = new Timeline($('marks'), $('bands'), (t) => seek(t));
 const wind = new Wind($('wind'));
 const tune = new Tune($('tune'), { send: (text) => source.send(text), changed: retune }), drag = new Drag(stage, tune);
@@ -60,6 +62,7 @@ function start(scene) {
   $('robot').replaceChildren(new Option('first robots', '-1'));
   scene.bodies.forEach((body, i) => { if (body.agent) $('robot').append(new Option(body.name, String(i))); });
   tune.begin(scene);
+  certificate.begin(scene, history);
   $('undrawn').replaceChildren(...scene.undrawn.map((words) => {
     const item = document.createElement('li');
     item.textContent = words;
@@ -104,7 +107,7 @@ function retune(tunables) {
 function take(moments) {
   if (history.moments.length === 0 && moments.length > 0) stage.frame(moments[0]);
   for (const moment of moments) {
-    history.add(moment);
+    if (history.add(moment)) certificate.add(moment);
     if (history.scene.live) tune.hear(moment);
   }
   tune.seen = moments.at(-1);
@@ -152,6 +155,7 @@ function frame(wall) {
   if (document.activeElement !== time || playing) time.value = moment.t;
   timeline.draw(history);
   statuses.draw(moment);
+  certificate.draw();
   curves.draw(history, index, isLog());
   const event = history.events.findLast(([, t]) => t <= moment.t + 1e-6);
   $('event').textContent = event ? `${event[1].toFixed(2)} s  ${event[2]}` : '';

@@ -75,6 +75,8 @@ Certificate certify(const Scenario& scenario, const CampaignPlan& plan, const Ca
   const int dimensions = static_cast<int>(drawn_names(plan).size());
   const bool samples = dimensions > 0;
   Certificate certificate;
+  certificate.scenario = scenario.name;
+  certificate.view_within = plan.view_within;
   certificate.premises = {
       "in simulation: the world, the noise and the draws of the scenario are those of reality",
       "independent runs bound the probability exactly (Clopper and Pearson), at 95 %, each event by itself"};
@@ -104,7 +106,10 @@ std::vector<CampaignLine> certificate_lines(const Certificate& certificate) {
 }
 
 std::string certificate_json(const Certificate& certificate) {
-  nlohmann::ordered_json json = {{"confidence", 0.95}, {"premises", certificate.premises}};
+  nlohmann::ordered_json json = {{"scenario", certificate.scenario},
+                                 {"confidence", 0.95},
+                                 {"view_within", certificate.view_within},
+                                 {"premises", certificate.premises}};
   for (const CertifiedEvent& event : certificate.events) {
     nlohmann::ordered_json one = {{"event", event.name},
                                   {"independent",

@@ -23,6 +23,8 @@ struct CertifiedEvent {
 };
 
 struct Certificate {
+  std::string scenario;
+  double view_within = 0.0;  ///< time to see a target before it counts as lost [s]
   std::vector<CertifiedEvent> events;
   std::vector<std::string> premises;  ///< sentences
 };

@@ -11,6 +11,7 @@
 #include "sightline/loop.hpp"
 #include "sightline/record/log_topics.hpp"
 #include "sightline/server/admission.hpp"
+#include "sightline/server/certificate_file.hpp"
 #include "sightline/server/foxglove_feed.hpp"
 #include "sightline/server/page_files.hpp"
 #include "sightline/server/scene_json.hpp"
@@ -24,6 +25,7 @@ constexpr std::size_t events_reported = 32;    // the latest events, sent with e
 
 PageFiles files_of_flight(const SceneJson& scene, const Tuning* tuning) {
   PageFiles files = page_files();
+  files.emplace(certificate_path, no_certificate());
   files["/tune.json"] = {"application/json", R"({"tune":false})"};
   if (tuning != nullptr)
     for (auto& [path, file] : tuning->files()) files.insert_or_assign(path, std::move(file));
@@ -58,6 +60,7 @@ class FlightPage::Thread {
   SpscQueue<Sample> ring;
   std::atomic<std::int64_t> dropped{0};
   const PageServer& server() const { return server_; }
+  void put(std::string_view path, PageFile file) { server_.put(path, std::move(file)); }
   ServeOptions served() const {
     ServeOptions served = options_;
     served.port = server_.port();
@@ -209,6 +212,8 @@ void FlightPage::show(const Sample& sample) noexcept {
   *item = sample;  // vectors of equal size: nothing is allocated
   thread_->ring.publish();
 }
+
+void FlightPage::put(std::string_view path, PageFile file) { thread_->put(path, std::move(file)); }
 
 const std::string& FlightPage::url() const { return thread_->server().url(); }
 ServeOptions FlightPage::served() const { return thread_->served(); }

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "sightline/loop.hpp"
 #include "sightline/scenario.hpp"
@@ -31,6 +32,9 @@ class FlightPage {
 
   /// Called by the flight's thread: does not allocate, lock or wait.
   void show(const Sample& sample) noexcept;
+
+  /// Adds or replaces the file of a path. For any thread.
+  void put(std::string_view path, PageFile file);
 
   const std::string& url() const;
   /// The options in use, with the actual port and token, so that another page can take its place.

@@ -26,6 +26,7 @@
 #include "sightline/log.hpp"
 #include "sightline/readers/cdr.hpp"
 #include "sightline/record/localization_log.hpp"
+#include "sightline/server/certificate_file.hpp"
 #include "sightline/server/http.hpp"
 #include "sightline/server/page_files.hpp"
 #include "sightline/server/scene_json.hpp"
@@ -263,10 +264,12 @@ class LogPage::Thread {
   }
 
   const PageServer& server() const { return *server_; }
+  void put(std::string_view path, PageFile file) { server_->put(path, std::move(file)); }
 
  private:
   PageFiles files() {
     PageFiles files = page_files();
+    files.emplace(certificate_path, no_certificate());
     files["/scene.json"] = {.type = "application/json", .body = {}, .made = [this](const HttpRequest&) {
                               const std::scoped_lock lock(shown_lock_);
                               return scene_;
@@ -351,6 +354,8 @@ LogPage::LogPage(const std::filesystem::path& folder, std::function<Scenario()> 
                  const ServeOptions& options, FoxgloveFeed* topics)
     : thread_(std::make_unique<Thread>(folder, std::move(flown), options, topics)) {}
 LogPage::~LogPage() = default;
+
+void LogPage::put(std::string_view path, PageFile file) { thread_->put(path, std::move(file)); }
 
 const std::string& LogPage::url() const { return thread_->server().url(); }
 std::uint16_t LogPage::port() const { return thread_->server().port(); }

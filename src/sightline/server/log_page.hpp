@@ -64,6 +64,9 @@ class LogPage {
   LogPage(const LogPage&) = delete;
   LogPage& operator=(const LogPage&) = delete;
 
+  /// Adds or replaces the file of a path. For any thread.
+  void put(std::string_view path, PageFile file);
+
   const std::string& url() const;
   std::uint16_t port() const;
   ServeCounts counts() const;
