@@ -76,9 +76,9 @@ def main():
         command = f"`{claim['command'].replace('|', chr(92) + '|')}`" if "command" in claim else ""
         here = f", {version} {commit}, {datetime.date.today()}, {processor}, {os.cpu_count()} cores" if command else ""
         lines[claim["row"]] = f"| {claim['row']} | {values[claim['row']]} | {found_by(claim)} | {claim['kind']}{here} | {command} |"
-    page.write_text("# Claims\n\nWhat README claims, flown again by `scripts/claims.py`, with version and commit, day and machine. Seeds are those\n"
-                    "of the scenarios and tests. *Simulated* flights are those of the planning model or of simulated vehicles, *firmware* flies\n"
-                    "simulated bodies, *recorded* is data of real robots, *timed* depends on the machine.\n\n"
+    page.write_text("# Claims\n\nWhat README claims, flown again by `scripts/claims.py`, with version and commit, day and machine; `scripts/archive.py`\n"
+                    "packs it with its sources. Seeds are of the scenarios and tests. *Simulated*: planning model or simulated vehicles,\n"
+                    "*firmware* flies simulated bodies, *recorded* is data of real robots, *timed* depends on the machine.\n\n"
                     + head + "\n".join(lines[row] for row in rows if row in lines) + "\n")
 
 
