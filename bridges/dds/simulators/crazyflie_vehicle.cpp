@@ -274,21 +274,21 @@ void CrazyflieVehicle::send_imu() {
   const auto push = [&](double f) { return logged(f, gravity, acc_most); };
   const std::array<float, crazyflie_imu.size()> all = {turn(m.gyro.x),  turn(m.gyro.y),  turn(m.gyro.z),
                                                        push(m.force.x), push(m.force.y), push(m.force.z)};
-  std::vector<float> values;
+  const auto values = std::make_shared<std::vector<float>>();
   for (const std::string& name : link_.imu_vars) {
     const auto* const at = std::find(crazyflie_imu.begin(), crazyflie_imu.end(), name);
-    values.push_back(
+    values->push_back(
         at == crazyflie_imu.end() ? 0.0F : all.at(static_cast<std::size_t>(at - crazyflie_imu.begin())));
   }
   const auto ticks = static_cast<std::uint32_t>(monotonic_now() / 1'000'000 % (1 << 24));
-  radio_.log([this, values, ticks]() mutable {
+  radio_.log([this, values, ticks] {
     static std::array<char, 6> world = {"world"};
     crazyflie_interfaces_msg_dds__LogDataGeneric_ log{};
     log.header.stamp = stamp_of(realtime_now());
     log.header.frame_id = world.data();
     log.timestamp = ticks;
-    set_sequence(log.values, values);
-    ends_->imu->write(&log);
+    set_sequence(log.values, *values);
+    ends_->imu->write(&log, values);
   });
 }
 

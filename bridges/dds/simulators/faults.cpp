@@ -102,7 +102,7 @@ FaultyWriter::~FaultyWriter() {
   std::erase(faults_.writers_, this);
 }
 
-void FaultyWriter::write(const void* message) {
+void FaultyWriter::write(const void* message, const std::shared_ptr<const void>& pointed_to) {
   using K = LinkFaultKind;
   if (faults_.on(K::silent)) return;
   const auto occurs = [&](K kind) { return faults_.on(kind) && random_.uniform() <= faults_.size(kind); };
@@ -114,8 +114,8 @@ void FaultyWriter::write(const void* message) {
         (faults_.on(K::delay) ? faults_.size(K::delay) : 0.0) + (reordered ? reordered_by : 0.0);
     for (int copies = dropped ? 0 : twice ? 2 : 1; copies > 0; --copies) {
       if (delay > 0) {
-        Late& late = late_.emplace_back(
-            Late{monotonic_now() + to_nanoseconds(delay), std::vector<std::uint64_t>((size_ + 7) / 8)});
+        Late& late = late_.emplace_back(Late{monotonic_now() + to_nanoseconds(delay),
+                                             std::vector<std::uint64_t>((size_ + 7) / 8), pointed_to});
         std::memcpy(late.message.data(), message, size_);
       } else {
         (void)writer_.write(message);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -83,21 +84,23 @@ std::string describe(const FaultCounts& counts);
 /// thread may call it.
 class FaultyWriter {
  public:
-  /// @param type    strings and sequences in its messages are not copied: they must stay unchanged
-  ///   while the writer lives
+  /// @param type    strings and sequences in its messages are not copied
   /// @param faults  must outlive it
   /// @throws std::runtime_error as RawWriter
   FaultyWriter(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& topic,
                Quality quality, Faults& faults);
   ~FaultyWriter();
 
-  void write(const void* message);
+  /// @param pointed_to  owner of the message's strings and sequences; null: they stay unchanged while
+  ///   the writer lives
+  void write(const void* message, const std::shared_ptr<const void>& pointed_to = {});
 
  private:
   friend class Faults;
   struct Late {
     std::int64_t due;
     std::vector<std::uint64_t> message;
+    std::shared_ptr<const void> pointed_to;
   };
   void pass_on(std::int64_t now);
 
