@@ -77,4 +77,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except (OSError, KeyError, subprocess.CalledProcessError) as error:
+        raise SystemExit(f"archive.py: {error}, expected a clone of the repository with docs/claims.md, and a folder to write to")

@@ -414,6 +414,7 @@ Execute describe_campaign(CLI::App& app) {
          "--certify{2000}", [command](std::int64_t runs) { command->certify = static_cast<int>(runs); },
          "Bound the probabilities of lost views and broken distances, with so many more runs of each")
       ->check(CLI::Range(rare_runs_min, runs_max))
+      ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
       ->excludes(shard, slurm, "--only", "--merge");
   app.add_flag("--dry-run", command->slurm.dry_run, "Print the job array's script, no more")->needs(slurm);
   app.add_option("--shards", command->slurm.shards, "Shards of the job array")

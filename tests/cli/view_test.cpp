@@ -82,9 +82,14 @@ TEST(View, ACertificateIsServedBesideFlightsOfItsScenario) {
   with(json::json_pointer("/scenario"), "another");
   expect_refused("scenario = \"another\", expected that of the flight, \"look\"");
   with(json::json_pointer("/events/0/independent/high"), 1.5);
-  expect_refused("high = 1.5, expected");
+  expect_refused("events[0].independent.high = 1.5, expected");
   with(json::json_pointer("/events/0/importance_sampling/probability"), "small");
-  expect_refused("certificate.json: a value of the JSON is missing or of another kind");
+  expect_refused(
+      "events[0].importance_sampling.probability is missing or of another kind, expected a number");
+  for (const char* key : {"/events", "/premises", "/scenario"}) {
+    with(json::json_pointer(key), {{"a", 1}});
+    expect_refused(std::string(key + 1) + " is missing or of another kind, expected a ");
+  }
   with(json::json_pointer("/events"), json::array());
   expect_refused("events are none");
   std::ofstream(certified / "certificate.json") << text.substr(0, text.size() / 2);

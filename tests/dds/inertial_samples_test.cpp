@@ -95,7 +95,9 @@ TEST(InertialSamples, TheNewestHoldsForAsLongAsItIsSaidTo) {
       MotionSample motion = lasting(10 * imu_ms);
       const bool filled = samples.fill(imu_start + (10 * k + 10) * imu_ms, motion);
       EXPECT_EQ(filled, held > 0) << k;
-      if (filled) EXPECT_NEAR(norm(motion.gyro - k * some_rate), 0.0, 1e-12) << k;
+      if (filled) {
+        EXPECT_NEAR(norm(motion.gyro - k * some_rate), 0.0, 1e-12) << k;
+      }
     }
     MotionSample gap = lasting(10 * imu_ms);
     EXPECT_FALSE(samples.fill(imu_start + 70 * imu_ms, gap)) << "9 ms after it ceased to hold";

@@ -200,6 +200,11 @@ TEST(ImportCrazyflies, TheLogWithTheImuIsTakenWithItsVariables) {
                                    "firmware_logging.custom_topics.imu.frequency = 100"));
   const Imported without = imported(with(swarm, "    default_topics:\n", with(logs, "\"acc.y\", ", "")));
   EXPECT_THAT(without.text, Not(HasSubstr("imu")));
+  // What a link would refuse.
+  const std::string named = with(logs, "      imu:", "      imu.raw:");
+  const std::string many = with(logs, "\"pm.state\"", "\"pm.state\", \"pm.vbat\", \"pm.state\"");
+  for (const std::string& other : {named, many})
+    EXPECT_THAT(imported(with(swarm, "    default_topics:\n", other)).text, Not(HasSubstr("imu")));
 }
 
 TEST(ImportCrazyflies, RobotsThatStartNearEachOtherKeepALesserDistance) {

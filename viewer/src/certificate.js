@@ -1,7 +1,8 @@
 // The panel of a campaign's bounds: certificate.json, and what this flight shows of each event, over all moments that are known.
 import { get } from './source.js';
 
-const lostAfter = 0.5, rounding = 1e-6; // [s]
+const lostAfter = 0.5; // [s]
+const rounding = 2e-3; // of distances: positions are sent in millimetres [m]
 const make = (tag, words, kind = '') => Object.assign(document.createElement(tag), { textContent: words, className: kind });
 const probability = (p) => (p === 0 ? '0' : p.toPrecision(2));
 
@@ -10,7 +11,7 @@ export class FlightFigures {
   constructor(scene, viewWithin) {
     this.scene = scene;
     this.viewWithin = viewWithin;
-    this.views = scene.pairs.map(() => ({ since: null, seen: null }));
+    this.views = scene.pairs.map(() => ({ since: null, seen: false, lost: null }));
     this.outOfView = null; // longest [s]; null: no view was required
     this.margin = null; // least distance beyond the hard one [m]; null: none was required
     this.distance = null; // that distance [m]
@@ -19,13 +20,15 @@ export class FlightFigures {
 
   add({ t, p, b, levels }) {
     this.views.forEach((view, k) => {
-      if (!p[k]) view.since = view.seen = null;
+      if (!p[k]) Object.assign(view, { since: null, seen: false, lost: null });
       else {
         view.since ??= t;
-        if (p[k][0]) view.seen = t;
-        // As in a campaign, a target that is not seen in time counts from then on.
-        const out = t - (view.seen ?? view.since + this.viewWithin);
-        this.outOfView = Math.max(this.outOfView ?? 0, out);
+        if (p[k][0]) Object.assign(view, { seen: true, lost: null });
+        else view.lost ??= t;
+        // As in a campaign, a target that is not seen in time counts from then on. What is between two moments that are
+        // known does not count.
+        const begin = view.seen ? (view.lost ?? t) - (view.lost === null ? 0 : this.scene.period) : view.since + this.viewWithin;
+        if (t >= begin) this.outOfView = Math.max(this.outOfView ?? 0, t - begin);
       }
     });
     const { bodies } = this.scene;
@@ -42,7 +45,7 @@ export class FlightFigures {
 
   // Of an event of the certificate: [words, whether it occurred]; null: the flight has no such figure.
   of(event) {
-    if (event.startsWith('view lost') && this.outOfView !== null) return [`longest ${this.outOfView.toFixed(2)} s`, this.outOfView > lostAfter + rounding];
+    if (event.startsWith('view lost') && this.outOfView !== null) return [`longest ${this.outOfView.toFixed(2)} s`, this.outOfView > (Math.round(lostAfter / this.scene.period) + 0.5) * this.scene.period];
     if (event.startsWith('distance') && this.margin !== null) return [`least ${this.distance.toFixed(2)} m, ${Math.abs(this.margin).toFixed(2)} m ${this.margin < 0 ? 'below' : 'above'}`, this.margin < -rounding];
     if (event.startsWith('landed')) return [[...this.landed].join(', ') || 'none', this.landed.size > 0];
     return null;
@@ -59,12 +62,10 @@ export class Certificate {
     this.figures = null;
     this.element.hidden = true;
     const certificate = await get('certificate.json').catch(() => null);
-    if (certificate === null || scene !== this.scene) return;
-    this.figures = new FlightFigures(scene, certificate.view_within);
-    history.moments.forEach((moment) => this.figures.add(moment)); // that came meanwhile
+    if (certificate === null || scene !== this.scene || certificate.scenario !== scene.name) return; // another run in the folder
     this.events = certificate.events;
     const table = document.createElement('table'), head = table.createTHead().insertRow();
-    head.append(make('th', `Bounds, ${100 * certificate.confidence} %`), make('th', 'probability'), make('th', 'this flight'), make('th', ''));
+    head.append(make('th', `Bounds, ${100 * certificate.confidence} %`), make('th', 'probability'), make('th', 'this flight, at the moments shown'), make('th', ''));
     this.cells = this.events.map((event) => {
       const row = table.insertRow(), { independent, importance_sampling: rare } = event;
       row.insertCell().textContent = event.event;
@@ -78,6 +79,8 @@ export class Certificate {
     premises.append(make('summary', 'Premises'), list);
     this.element.replaceChildren(table, premises);
     this.element.hidden = false;
+    this.figures = new FlightFigures(scene, certificate.view_within);
+    history.moments.forEach((moment) => this.figures.add(moment)); // that came meanwhile
   }
 
   add(moment) {

@@ -248,9 +248,14 @@ void read_link(const TomlTable& agent, const Agent& robot, BodyId body, FleetPla
   link.robot = body;
   link.goals = read_goals_from(at, robot);
   link.kind = find(link_kinds, at.word("kind", names(link_kinds)))(at, robot.name);
-  for (const Link& other : std::span(fleet.links).first(fleet.links.size() - 1))
+  const auto* const crazyflie = std::get_if<Crazyswarm2Link>(&link.kind);
+  for (const Link& other : std::span(fleet.links).first(fleet.links.size() - 1)) {
     if (other.kind_name() == link.kind_name() && commanded_by(other) == commanded_by(link))
       at.throw_invalid(commanded_by(link).first, "topics of its own: another robot has these");
+    const auto* const theirs = std::get_if<Crazyswarm2Link>(&other.kind);
+    if (crazyflie != nullptr && theirs != nullptr && !theirs->imu.empty() && theirs->imu == crazyflie->imu)
+      at.throw_invalid("imu", "a topic of its own: another robot has it");
+  }
   link.has_camera = agent.has("camera");
   const bool by_view = agent.has("localization") && agent.text("localization", "a word") == "vision";
   link.poses = read_poses(at, by_view ? PoseSource::estimate : PoseSource::odometry);

@@ -44,8 +44,7 @@ constexpr double turned_most = 0.1;                 // after its take-off [rad]
 constexpr double turning_pace = 0.8;                // mean [rad/s]
 constexpr double turning_time_least = 0.5;          // [s]
 constexpr double rad_of_degree = std::numbers::pi / 180;
-constexpr Nanoseconds log_period = 10'000'000;  // the shortest of the firmware
-constexpr int turns_most = 2;                   // requests to turn back
+constexpr int turns_most = 2;  // requests to turn back
 constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velocity_world", "/cmd_position",
                                                         "/cmd_vel_legacy"};
 
@@ -87,7 +86,8 @@ CrazyswarmLinkEnd::CrazyswarmLinkEnd(Port participant, const Link& link, double 
       setpoints_stop_(participant, setpoints_stop_service, crazyflie_.name_space + "/notify_setpoints_stop"),
       emergency_(participant, empty_service, crazyflie_.name_space + "/emergency"),
       poses_(link.origin),
-      inertial_(inertial == Inertial::read ? std::make_unique<InertialSamples>(log_period) : nullptr) {
+      inertial_(inertial == Inertial::read ? std::make_unique<InertialSamples>(InertialSamples::longest)
+                                           : nullptr) {
   if (inertial_) read_inertial(participant);
   if (from_.estimated()) poses_.keep_each(kept_motions);
   if (from_.by_others())

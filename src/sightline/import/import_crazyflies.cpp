@@ -22,6 +22,7 @@ constexpr std::size_t crazyflies_max = 200;
 // Of the log of an IMU, in this order if a fleet file has no other.
 constexpr std::array<std::string_view, 6> imu_vars = {"gyro.x", "gyro.y", "gyro.z",
                                                       "acc.x",  "acc.y",  "acc.z"};
+constexpr std::size_t imu_vars_max = 8;  // as a link reads them
 
 /// Values of Crazyswarm2 are looked up in the robot, its type, and then in `all`.
 class CrazyflieSettings {
@@ -36,7 +37,7 @@ class CrazyflieSettings {
       if (const auto value = layer.find_path(keys)) return value->number();
     return std::nullopt;
   }
-  /// The names of the custom topics of its firmware, with their variables; the robot's first.
+  /// The names of the custom topics of its firmware, with their variables in force; the robot's first.
   std::vector<std::pair<std::string, std::vector<std::string>>> custom_topics() const {
     std::vector<std::pair<std::string, std::vector<std::string>>> topics;
     for (const YamlValue& layer : layers_) {
@@ -44,7 +45,8 @@ class CrazyflieSettings {
       if (!custom) continue;
       for (const auto& [topic, value] : custom->entries("topics by their names")) {
         const auto vars = value.find("vars");
-        if (!vars) continue;
+        const auto is_set = [&topic = topic](const auto& other) { return other.first == topic; };
+        if (!vars || std::any_of(topics.begin(), topics.end(), is_set)) continue;
         auto& names = topics.emplace_back(topic, std::vector<std::string>{}).second;
         for (const YamlValue& name : vars->items("variables of the log"))
           names.push_back(name.text("a variable of the log"));
@@ -115,13 +117,21 @@ bool is_of_log(const std::string& name) {
   });
 }
 
+/// A topic's name in a namespace of ROS.
+bool is_topic(const std::string& name) {
+  return is_of_log(name) && !name.empty() && name.size() <= name_size_max &&
+         name.find('.') == std::string::npos && std::isdigit(static_cast<unsigned char>(name[0])) == 0;
+}
+
 /// The first custom topic with all of imu_vars is the log of its IMU.
 void take_imu(Crazyflie& robot, const CrazyflieSettings& settings) {
   for (const auto& [topic, vars] : settings.custom_topics()) {
     const bool whole = std::all_of(imu_vars.begin(), imu_vars.end(), [&vars = vars](std::string_view name) {
       return std::count(vars.begin(), vars.end(), name) == 1;
     });
-    if (!whole || !is_of_log(topic) || !std::all_of(vars.begin(), vars.end(), is_of_log)) continue;
+    if (!whole || !is_topic(topic) || vars.size() > imu_vars_max ||
+        !std::all_of(vars.begin(), vars.end(), is_of_log))
+      continue;
     robot.imu = fmt::format("/{}/{}", robot.name, topic);
     robot.logged = vars;
     const auto rate = settings.number({"firmware_logging", "custom_topics", topic, "frequency"});
