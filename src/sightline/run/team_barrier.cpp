@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -293,12 +294,9 @@ double TeamBarrier::lacked(const TeamSituation& now, BodyId by, const Robot& rob
                               other.kept);
 }
 
-/// Filters the command of a robot once more: it provides what the others' commands lack of their
+/// Filters the command of a robot once more: it provides `more` times what the others' commands lack of their
 /// halves, and may use what they provide beyond.
-void TeamBarrier::filter_again(const TeamSituation& now, std::size_t robot) noexcept {
-  // A robot without a command that keeps all distances misses each by the same amount. Twice this
-  // amount frees it of one distance, so that it can keep the others.
-  constexpr double more = 2.0;
+void TeamBarrier::filter_again(const TeamSituation& now, std::size_t robot, double more) noexcept {
   Requester& requester = requesters_.front();
   const std::span<Neighbour> neighbours = neighbours_of(now, robots_[robot], requester);
   for (std::size_t k = 0; k < neighbours.size(); ++k) {
@@ -315,10 +313,14 @@ void TeamBarrier::filter_again(const TeamSituation& now, std::size_t robot) noex
 void TeamBarrier::share_conflicts(const TeamSituation& now) noexcept {
   constexpr int rounds = 3, most = 16;  // of commands filtered again, which bounds the time of a period
   constexpr double slight = 1e-6;       // [m]
+  // A robot without a command that keeps all distances misses each by the same amount. Twice this
+  // amount frees it of one distance, so that it can keep the others. One that a wall stops does not
+  // miss less for that: later no more than what is missed.
+  constexpr std::array<double, rounds> more = {2.0, 1.0, 1.0};
   int left = most;
   for (std::size_t i = 0; i < robots_.size(); ++i)
     robots_[i].shares = records_[i].conflict && !robots_[i].barrier.drives();
-  for (int round = 0; round < rounds; ++round) {
+  for (const double times : more) {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       const Robot& of = robots_[i];
       if (!of.shares || !records_[i].conflict) continue;
@@ -332,11 +334,14 @@ void TeamBarrier::share_conflicts(const TeamSituation& now) noexcept {
       }
       for (const std::size_t partner : partners) {
         if (left < 2 || lacked(now, of.body, robots_[partner]) <= slight) continue;
-        filter_again(now, partner);
+        filter_again(now, partner, times);
         --left;
       }
       if (left == 0) return;
-      filter_again(now, i);
+      // Alone it would receive the same command.
+      if (std::none_of(partners.begin(), partners.end(), [&](std::size_t p) { return robots_[p].shares; }))
+        continue;
+      filter_again(now, i, times);
       --left;
     }
   }

@@ -103,7 +103,7 @@ class TeamBarrier {
   void keep_distance(const TeamSituation& now, std::size_t robot, std::span<const double> u,
                      Requester& requester) noexcept;
   void filter(const TeamSituation& now, std::size_t robot, std::span<const Neighbour> neighbours) noexcept;
-  void filter_again(const TeamSituation& now, std::size_t robot) noexcept;
+  void filter_again(const TeamSituation& now, std::size_t robot, double more) noexcept;
   void share_conflicts(const TeamSituation& now) noexcept;
 
   const Team& team_;
