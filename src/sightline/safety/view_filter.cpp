@@ -104,16 +104,9 @@ void SlowState::follow(std::span<const double> u, std::span<const double> x, boo
 
 /// The target in coordinates of the certificate.
 struct ViewFilter::Place {
-  Vec2<double> q;  // of the target in V [m]
-  double r, h;
-  double v_f, v_s;     // relative to the target's known velocity, in V [m/s]
-  double spare;        // of the vertical speed and yaw rate, where they lag [m/s], [rad/s]
-  double ahead = 0.0;  // heading to which a yaw rate that lags leads [rad]
-
-  double theta() const noexcept {
-    const double bearing = std::atan2(q.y, q.x);
-    return ahead == 0.0 ? bearing : wrap_angle(bearing - ahead);
-  }
+  double r, theta, h;
+  double v_f, v_s;  // relative to the target's known velocity, in V [m/s]
+  double spare;     // of the vertical speed and yaw rate, where they lag [m/s], [rad/s]
 };
 
 /// Values from low to high that a command may have.
@@ -212,7 +205,7 @@ ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const d
   const bool measured = certificate_.task.bounds.is_velocity_measured();
   const Vec2<double> w = measured ? target.v : Vec2<double>{};
   const Vec2<double> v = rotate(back, {robot.v.x - w.x, robot.v.y - w.y});
-  Place at = {q, norm(q.x, q.y), robot.p.z - target.p.z, v.x, v.y, infinity};
+  Place at = {norm(q.x, q.y), std::atan2(q.y, q.x), robot.p.z - target.p.z, v.x, v.y, infinity};
   // A rate that lags leads to this height and heading, which follow the command at once.
   if (motion.climb.lag > 0) {
     at.h += motion.climb.lag * robot.v.z;
@@ -220,7 +213,7 @@ ViewFilter::Place ViewFilter::place(std::span<const double> x, std::span<const d
   }
   if (motion.turn.lag > 0) {
     const double turn = x[size(motion.rate_state)];
-    at.ahead = motion.turn.lag * turn;
+    at.theta = wrap_angle(at.theta - motion.turn.lag * turn);
     at.spare = std::min(at.spare, certificate_.turn - std::abs(turn));
   }
   return at;
@@ -252,24 +245,16 @@ double ViewFilter::Unknown::bearing(double r) const noexcept {
   return (moves < r ? std::asin(moves / r) : std::numbers::pi) + turns;
 }
 
-/// Reserves of height below hi and above lo.
-Vec2<double> ViewFilter::height_reserves(const Place& at, const Unknown& unknown) const noexcept {
-  const ViewCertificate& z = certificate_;
-  return {least_gap(z.high, at.r, unknown.moves, 1.0) - unknown.climbs - at.h,
-          least_gap(z.low, at.r, unknown.moves, -1.0) - unknown.climbs + at.h};
-}
-
 /// Reserves at a place, if the motion is known but for `unknown`.
 ViewReserves ViewFilter::reserves(const Place& at, const Unknown& unknown) const noexcept {
   const ViewCertificate& z = certificate_;
-  const double theta = at.theta(), off = unknown.bearing(at.r);
-  const Vec2<double> levels = height_reserves(at, unknown);
+  const double off = unknown.bearing(at.r);
   return {at.r - unknown.moves - z.near - z.brake.distance(at.v_f + unknown.speeds),
           z.far - at.r - unknown.moves - z.brake.distance(unknown.speeds - at.v_f),
-          (z.theta - theta - off) * at.r,
-          (z.theta + theta - off) * at.r,
-          levels.x,
-          levels.y,
+          (z.theta - at.theta - off) * at.r,
+          (z.theta + at.theta - off) * at.r,
+          least_gap(z.high, at.r, unknown.moves, 1.0) - unknown.climbs - at.h,
+          least_gap(z.low, at.r, unknown.moves, -1.0) - unknown.climbs + at.h,
           std::min(at.spare,
                    z.task.motion.across.input < 0 ? z.far : z.sideward - unknown.speeds - std::abs(at.v_s))};
 }
@@ -297,47 +282,34 @@ ViewFilter::Interval ViewFilter::push_across(const Place& then, double value) co
   return interval;
 }
 
-/// Largest a with  gap + r_per_a (a - a0) - n(v + E (a - a0)) >= need, or infinity for one beyond
-/// `most`. With y = v + E (a - a0) + W_e, the brake's drag c and its thrust b:
-///
-///   y^2 / (2 b + 4/3 c y) <= n <= y^2 / (2 b + c y)
-///
-/// The greater bound shows in most calls that nothing limits a; the root for the lesser one starts
-/// Halley's method.
-double ViewFilter::largest_push(double gap, double v, double a0, double r_per_a, double need,
-                                double most) const noexcept {
-  constexpr double settled = 1e-4;  // [m/s], of a step; the error that it leaves is about its cube
-  const auto [drag, thrust, speed] = certificate_.brake;
-  const double y0 = v + speed, per_y = -r_per_a / E_, room = gap - need + per_y * y0;
-  const double y_most = y0 + E_ * (most - a0), braked = std::max(0.0, y_most);
-  if ((room - per_y * y_most) * (2 * thrust + drag * braked) >= braked * braked) return infinity;
-  double y = room / per_y;
-  if (room > 0) {
-    const double c = 4.0 / 3.0 * drag, middle = thrust * per_y - 0.5 * c * room;
-    y = 2 * thrust * room / (middle + std::sqrt(middle * middle + (1 + per_y * c) * 2 * thrust * room));
-    for (int k = 0; k < 12; ++k) {
-      const double decel = thrust + drag * y, slope = per_y + y / decel;
-      const double change = (room - per_y * y - certificate_.brake.distance(y - speed)) / slope;
-      const double halley = change / (1 + 0.5 * change * thrust / (decel * decel * slope));
-      y += halley;
-      if (std::abs(halley) < settled) break;
-    }
+/// Largest a with  gap + r_per_a (a - a0) - n(v + E (a - a0)) >= need. Newton's method on a concave
+/// function.
+double ViewFilter::largest_push(double gap, double v, double a0, double r_per_a, double need) const noexcept {
+  constexpr double settled = 1e-10;  // [m/s^2]
+  double a = certificate_.task.motion.most_push().x;
+  for (int k = 0; k < 12; ++k) {
+    const double then = v + E_ * (a - a0);
+    const double left = gap + r_per_a * (a - a0) - certificate_.brake.distance(then) - need;
+    if (k == 0 && left >= 0) return infinity;
+    const double change = left / (E_ * certificate_.brake.slope(then) - r_per_a);
+    a += change;
+    if (std::abs(change) < settled) break;
   }
-  return y < y_most ? a0 + (y - y0) / E_ : infinity;
+  return a;
 }
 
-ViewFilter::Interval ViewFilter::push_along(const Period& now, const Place& then, double value,
-                                            double most) const noexcept {
+ViewFilter::Interval ViewFilter::push_along(const Period& now, const Place& then,
+                                            double value) const noexcept {
   const ViewCertificate& z = certificate_;
-  const double per_push = -std::max(0.1, then.q.x / then.r) * F_;
+  const double per_push = -std::max(0.1, std::cos(then.theta)) * F_;
   const double near = then.r - unknown_.moves - z.near, far = z.far - then.r - unknown_.moves;
   const Need of_near = need_of(now.reserves[0], keep_), of_far = need_of(now.reserves[1], keep_);
   Interval interval;
-  interval.high = largest_push(near, then.v_f + unknown_.speeds, value, per_push, of_near.soft, most);
-  interval.low = -largest_push(far, unknown_.speeds - then.v_f, -value, per_push, of_far.soft, most);
+  interval.high = largest_push(near, then.v_f + unknown_.speeds, value, per_push, of_near.soft);
+  interval.low = -largest_push(far, unknown_.speeds - then.v_f, -value, per_push, of_far.soft);
   if (interval.low > interval.high) {
-    interval.hard_high = largest_push(near, then.v_f + unknown_.speeds, value, per_push, of_near.hard, most);
-    interval.hard_low = -largest_push(far, unknown_.speeds - then.v_f, -value, per_push, of_far.hard, most);
+    interval.hard_high = largest_push(near, then.v_f + unknown_.speeds, value, per_push, of_near.hard);
+    interval.hard_low = -largest_push(far, unknown_.speeds - then.v_f, -value, per_push, of_far.hard);
   }
   return interval;
 }
@@ -349,7 +321,7 @@ void ViewFilter::push(Period& now, std::span<double> u) const noexcept {
   const Vec2<double> b = certificate_.push, most = motion.most_push();
   const Vec2<double> value = pushes(u), wanted = pushes(now.wanted);
   const Place& then = next(now, u);
-  const Interval along = push_along(now, then, value.x, most.x), across = push_across(then, value.y);
+  const Interval along = push_along(now, then, value.x), across = push_across(then, value.y);
   const Vec2<double> aim = {along.nearest(wanted.x, -most.x, most.x),
                             across.nearest(wanted.y, -most.y, most.y)};
   const Vec2<double> sure = {std::clamp(aim.x, -b.x, b.x), std::clamp(aim.y, -b.y, b.y)};
@@ -366,13 +338,13 @@ void ViewFilter::climb(Period& now, std::span<double> u) const noexcept {
   const ViewMotion::Axis& axis = z.task.motion.climb;
   if (axis.input < 0) return;
   const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
-  const Vec2<double> then = height_reserves(next(now, u), unknown_);
+  const ViewReserves then = reserves(next(now, u), unknown_);
   const Need high = need_of(now.reserves[4], keep_), low = need_of(now.reserves[5], keep_);
   now.choose(axis,
-             {.low = value + (low.soft - then.y) / dt,
-              .high = value + (then.x - high.soft) / dt,
-              .hard_low = value + (low.hard - then.y) / dt,
-              .hard_high = value + (then.x - high.hard) / dt},
+             {.low = value + (low.soft - then[5]) / dt,
+              .high = value + (then[4] - high.soft) / dt,
+              .hard_low = value + (low.hard - then[5]) / dt,
+              .hard_high = value + (then[4] - high.hard) / dt},
              z.climb, u);
 }
 
@@ -381,13 +353,13 @@ void ViewFilter::turn(Period& now, std::span<double> u) const noexcept {
   const ViewMotion::Axis& axis = z.task.motion.turn;
   const double dt = z.task.dt, value = axis.gain * u[size(axis.input)];
   const Place& at = next(now, u);
-  const double theta = at.theta(), off = unknown_.bearing(at.r);
+  const double off = unknown_.bearing(at.r);
   // A turn also moves the robot: theta+ falls by this much per yaw rate.
-  const double per_rate =
-      dt * (1 + 0.5 * dt * (at.v_f * at.q.x + at.v_s * at.q.y) / square(std::max(at.r, 0.05)));
+  const double per_rate = dt * (1 + 0.5 * dt * (at.v_f * std::cos(at.theta) + at.v_s * std::sin(at.theta)) /
+                                        std::max(at.r, 0.05));
   const Need left = need_of(now.reserves[2] / now.at.r, keep_),
              right = need_of(now.reserves[3] / now.at.r, keep_);
-  const double over = theta + off - z.theta, under = theta - off + z.theta;
+  const double over = at.theta + off - z.theta, under = at.theta - off + z.theta;
   now.choose(axis,
              {.low = value + (over + left.soft) / per_rate,
               .high = value + (under - right.soft) / per_rate,
@@ -445,10 +417,9 @@ ViewFilterResult ViewFilter::filter(std::span<const double> x, const ViewTarget&
   Period now = period(x, target, u);
   now.u_min = u_min, now.u_max = u_max;
   std::copy(u.begin(), u.end(), now.wanted.begin());
-  // A turn changes r and v by terms of dt^2, and so the other intervals: a few passes, each of which
-  // leaves about a thousandth of its change.
+  // A turn changes r and v by terms of dt^2, and so the other intervals: a few passes.
   constexpr int passes = 5;
-  constexpr double settled = 1e-5;
+  constexpr double settled = 1e-9;
   for (int pass = 0; pass < passes; ++pass) {
     std::array<double, most_inputs> before{};
     std::copy(u.begin(), u.end(), before.begin());

@@ -123,15 +123,13 @@ class ViewFilter {
                 std::span<const double> u) const noexcept;
   Place place(std::span<const double> x, std::span<const double> u, const ViewTarget& target) const noexcept;
   const Place& next(Period& now, std::span<const double> u) const noexcept;
-  Vec2<double> height_reserves(const Place& at, const Unknown& unknown) const noexcept;
   ViewReserves reserves(const Place& at, const Unknown& unknown) const noexcept;
   double least_gap(const std::vector<double>& heights, double r, double beside, double sign) const noexcept;
-  double largest_push(double gap, double v, double a0, double r_per_a, double need,
-                      double most) const noexcept;
+  double largest_push(double gap, double v, double u0, double r_per_u, double need) const noexcept;
   void turn(Period& now, std::span<double> u) const noexcept;
   Vec2<double> pushes(std::span<const double> u) const noexcept;
   Interval push_across(const Place& then, double value) const noexcept;
-  Interval push_along(const Period& now, const Place& then, double value, double most) const noexcept;
+  Interval push_along(const Period& now, const Place& then, double value) const noexcept;
   void push(Period& now, std::span<double> u) const noexcept;
   void climb(Period& now, std::span<double> u) const noexcept;
   ViewFilterResult judge(Period& now, std::span<const double> u) const noexcept;
