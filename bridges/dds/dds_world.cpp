@@ -105,7 +105,6 @@ GoalSpace goal_space(const Scenario& scenario, const Model& model) {
 
 constexpr double never_seen = -std::numeric_limits<double>::infinity();
 
-/// CPU time of the whole program [s].
 LinkTiming::Delay delay_of(const DelayHistogram& times) {
   return {times.within(0.5), times.within(0.99), times.within(1.0)};
 }

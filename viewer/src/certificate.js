@@ -27,7 +27,7 @@ export class FlightFigures {
         else view.lost ??= t;
         // As in a campaign, a target that is not seen in time counts from then on. What is between two moments that are
         // known does not count.
-        const begin = view.seen ? (view.lost ?? t) - (view.lost === null ? 0 : this.scene.period) : view.since + this.viewWithin;
+        const begin = !view.seen ? view.since + this.viewWithin : view.lost === null ? t : view.lost - this.scene.period;
         if (t >= begin) this.outOfView = Math.max(this.outOfView ?? 0, t - begin);
       }
     });

@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -82,6 +83,7 @@ struct Px4Link {
 /// Variables of a Crazyflie's log with its IMU: angular velocity [deg/s] and specific force [g] in B.
 inline constexpr std::array<std::string_view, 6> crazyflie_imu = {"gyro.x", "gyro.y", "gyro.z",
                                                                   "acc.x",  "acc.y",  "acc.z"};
+inline constexpr double crazyflie_gyro_unit = std::numbers::pi / 180;  // [rad/s]
 
 /// A Crazyflie behind the Crazyswarm2 server.
 struct Crazyswarm2Link {

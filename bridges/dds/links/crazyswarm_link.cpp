@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "bridges/dds/links/flatness.hpp"
 #include "bridges/dds/topics/seen_poses.hpp"
@@ -43,8 +42,7 @@ constexpr double sagging_least = 0.5;               // share of the height, once
 constexpr double turned_most = 0.1;                 // after its take-off [rad]
 constexpr double turning_pace = 0.8;                // mean [rad/s]
 constexpr double turning_time_least = 0.5;          // [s]
-constexpr double rad_of_degree = std::numbers::pi / 180;
-constexpr int turns_most = 2;  // requests to turn back
+constexpr int turns_most = 2;                       // requests to turn back
 constexpr std::array<const char*, 4> other_setpoints = {"/cmd_hover", "/cmd_velocity_world", "/cmd_position",
                                                         "/cmd_vel_legacy"};
 
@@ -119,7 +117,7 @@ void CrazyswarmLinkEnd::read_inertial(Port participant) {
       return Vec3<double>{value(0), value(1), value(2)};
     };
     const auto& stamp = m.header.stamp;
-    inertial_->put({of_ros(stamp.sec, stamp.nanosec), rad_of_degree * axes(0), gravity * axes(3)},
+    inertial_->put({of_ros(stamp.sec, stamp.nanosec), crazyflie_gyro_unit * axes(0), gravity * axes(3)},
                    arrival.monotonic);
   };
   inertial_reader_ =

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "bridges/dds/topics/ros_message.hpp"
 #include "bridges/dds/topics/service.hpp"
@@ -270,7 +269,7 @@ void CrazyflieVehicle::send_imu() {
   const auto logged = [](double value, double unit, double most) {
     return static_cast<float>(std::clamp(value / unit, -most, most));
   };
-  const auto turn = [&](double w) { return logged(w, std::numbers::pi / 180, gyro_most); };
+  const auto turn = [&](double w) { return logged(w, crazyflie_gyro_unit, gyro_most); };
   const auto push = [&](double f) { return logged(f, gravity, acc_most); };
   const std::array<float, crazyflie_imu.size()> all = {turn(m.gyro.x),  turn(m.gyro.y),  turn(m.gyro.z),
                                                        push(m.force.x), push(m.force.y), push(m.force.z)};

@@ -69,13 +69,17 @@ struct Crazyflie {
   std::vector<std::string> remarks{};  // that others may share
 };
 
+/// Whether it is one level of a name of ROS.
+bool is_ros_word(const std::string& name) {
+  return !name.empty() && name.size() <= name_size_max &&
+         std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); });
+}
+
 /// A name that is a robot of ours and a namespace of ROS.
 std::string read_name(const YamlValue& robot, const std::string& name) {
-  const bool fit = !name.empty() && name.size() <= name_size_max &&
-                   std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
-                   std::all_of(name.begin(), name.end(),
-                               [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); });
-  if (!fit)
+  if (!is_ros_word(name))
     robot.throw_invalid(
         fmt::format("a name of 1 to {} letters, digits and _, not a digit first", name_size_max));
   return name;
@@ -117,19 +121,13 @@ bool is_of_log(const std::string& name) {
   });
 }
 
-/// A topic's name in a namespace of ROS.
-bool is_topic(const std::string& name) {
-  return is_of_log(name) && !name.empty() && name.size() <= name_size_max &&
-         name.find('.') == std::string::npos && std::isdigit(static_cast<unsigned char>(name[0])) == 0;
-}
-
 /// The first custom topic with all of imu_vars is the log of its IMU.
 void take_imu(Crazyflie& robot, const CrazyflieSettings& settings) {
   for (const auto& [topic, vars] : settings.custom_topics()) {
     const bool whole = std::all_of(imu_vars.begin(), imu_vars.end(), [&vars = vars](std::string_view name) {
       return std::count(vars.begin(), vars.end(), name) == 1;
     });
-    if (!whole || !is_topic(topic) || vars.size() > imu_vars_max ||
+    if (!whole || !is_ros_word(topic) || vars.size() > imu_vars_max ||
         !std::all_of(vars.begin(), vars.end(), is_of_log))
       continue;
     robot.imu = fmt::format("/{}/{}", robot.name, topic);
@@ -192,8 +190,9 @@ Crazyflie read_crazyflie(const YamlValue& robot, const std::string& name, const 
     one.battery_min = critical->number({2.5, 30, "2.5 to 30 V"});
   if (const auto big = type->find("big_quad"); big && big->boolean())
     one.remarks.emplace_back("big_quad has no counterpart; the simulated vehicle is a Crazyflie");
-  remark_settings(one, {robot, type, file});
-  take_imu(one, {robot, type, file});
+  const CrazyflieSettings settings(robot, type, file);
+  remark_settings(one, settings);
+  take_imu(one, settings);
   return one;
 }
 
@@ -225,13 +224,6 @@ double d_hard_of(const std::vector<Crazyflie>& robots, std::vector<std::string>&
   return d_hard;
 }
 
-/// "a", "b"
-std::string quoted(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "\"" : ", \"") + word + '"';
-  return text;
-}
-
 std::string agent_text(const Crazyflie& one) {
   const std::array<double, 3> start = {one.p.x, one.p.y, one.p.z + takeoff_height};
   std::string text = fmt::format(
@@ -244,8 +236,8 @@ std::string agent_text(const Crazyflie& one) {
       one.name, toml_numbers(start), one.type, one.uri, toml_number(takeoff_height),
       toml_number(one.battery_min));
   if (!one.imu.empty())
-    text += fmt::format("imu = \"{}\"  # with its gyroscope and accelerometer\nimu_vars = [{}]\n", one.imu,
-                        quoted(one.logged));
+    text += fmt::format("imu = \"{}\"  # with its gyroscope and accelerometer\nimu_vars = [\"{}\"]\n",
+                        one.imu, fmt::join(one.logged, "\", \""));
   text += one.motion_capture
               ? fmt::format("poses = \"mocap\"\npose_topic = \"/poses\"\npose_name = \"{}\"\n", one.name)
               : "poses = \"odometry\"\norigin = { p = [0.0, 0.0, 0.0], heading = 0.0 }  # of its frame world "

@@ -294,8 +294,8 @@ double TeamBarrier::lacked(const TeamSituation& now, BodyId by, const Robot& rob
                               other.kept);
 }
 
-/// Filters the command of a robot once more: it provides `more` times what the others' commands lack of their
-/// halves, and may use what they provide beyond.
+/// Filters the command of a robot once more: it provides `more` times what the others' commands lack
+/// of their halves, and may use what they provide beyond.
 void TeamBarrier::filter_again(const TeamSituation& now, std::size_t robot, double more) noexcept {
   Requester& requester = requesters_.front();
   const std::span<Neighbour> neighbours = neighbours_of(now, robots_[robot], requester);
@@ -311,22 +311,22 @@ void TeamBarrier::filter_again(const TeamSituation& now, std::size_t robot, doub
 /// Where a robot cannot provide its half of a distance, since other bodies or walls are in its way,
 /// the other robot provides the rest: the halves are of a sum, which alone counts.
 void TeamBarrier::share_conflicts(const TeamSituation& now) noexcept {
-  constexpr int rounds = 3, most = 16;  // of commands filtered again, which bounds the time of a period
-  constexpr double slight = 1e-6;       // [m]
+  constexpr int most = 16;         // commands filtered again, which bounds the time of a period
+  constexpr double slight = 1e-6;  // [m]
   // A robot without a command that keeps all distances misses each by the same amount. Twice this
   // amount frees it of one distance, so that it can keep the others. One that a wall stops does not
   // miss less for that: later no more than what is missed.
-  constexpr std::array<double, rounds> more = {2.0, 1.0, 1.0};
+  constexpr std::array rounds = {2.0, 1.0, 1.0};
   int left = most;
   for (std::size_t i = 0; i < robots_.size(); ++i)
     robots_[i].shares = records_[i].conflict && !robots_[i].barrier.drives();
-  for (const double times : more) {
+  for (const double more : rounds) {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       const Robot& of = robots_[i];
       if (!of.shares || !records_[i].conflict) continue;
       Bounded<std::size_t, Barrier::most_neighbours> partners;
-      const Requester& requester = requesters_.front();
-      const std::span<const Neighbour> neighbours = neighbours_of(now, of, requesters_.front());
+      Requester& requester = requesters_.front();
+      const std::span<const Neighbour> neighbours = neighbours_of(now, of, requester);
       for (std::size_t k = 0; k < neighbours.size() && !partners.is_full(); ++k) {
         const BodyId other = requester.others[k];
         if (neighbours[k].behavior == Behavior::cooperative && team_.is_agent(other))
@@ -334,14 +334,14 @@ void TeamBarrier::share_conflicts(const TeamSituation& now) noexcept {
       }
       for (const std::size_t partner : partners) {
         if (left < 2 || lacked(now, of.body, robots_[partner]) <= slight) continue;
-        filter_again(now, partner, times);
+        filter_again(now, partner, more);
         --left;
       }
       if (left == 0) return;
       // Alone it would receive the same command.
       if (std::none_of(partners.begin(), partners.end(), [&](std::size_t p) { return robots_[p].shares; }))
         continue;
-      filter_again(now, i, times);
+      filter_again(now, i, more);
       --left;
     }
   }

@@ -160,14 +160,13 @@ class PossibleCouplings {
         continue;
       if (looks.term.potential.mount() != nullptr) mount = looks.term.potential.mount();
       for (std::size_t i = 0; i < n; ++i) {
-        const PossibleCoupling it = all_[i];
-        const auto [first, second] = it.coupling.between;
-        const Potential& potential = it.coupling.term.potential;
+        const auto [first, second] = all_[i].coupling.between;
+        const Potential& potential = all_[i].coupling.term.potential;
         const bool is_own = first == observe.observer && second == before;
         if (is_own ? !is_through(potential, mount)
                    : first != before || second != observe.observer || observes(potential))
           continue;
-        move(it, observe, before);
+        move(PossibleCoupling(all_[i]), observe, before);  // a copy: it adds others
       }
     }
   }

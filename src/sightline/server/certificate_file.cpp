@@ -23,11 +23,9 @@ struct Part {
   std::string place{};
 
   const CertificateJson& at(const char* key, CertificateJson::value_t kind, const char* expected) const {
-    const auto value = object.is_object() ? object.find(key) : object.end();
+    const auto value = object.find(key);  // the end, if it is no table
     const bool is_number = kind == CertificateJson::value_t::number_float;
-    if (object.is_object() && value != object.end() &&
-        (is_number ? value->is_number() : value->type() == kind))
-      return *value;
+    if (value != object.end() && (is_number ? value->is_number() : value->type() == kind)) return *value;
     throw std::invalid_argument(
         fmt::format("{}{} is missing or of another kind, expected {}, as campaign --certify writes it", place,
                     key, expected));
